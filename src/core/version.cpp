@@ -1,0 +1,5 @@
+#include "core/version.h"
+
+namespace etendue {
+const char* version() { return ETENDUE_VERSION; }
+}  // namespace etendue

@@ -1,0 +1,5 @@
+#pragma once
+namespace etendue {
+/// "major.minor.patch" of this build.
+const char* version();
+}  // namespace etendue

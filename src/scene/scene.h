@@ -1,0 +1,129 @@
+#pragma once
+/// What the user said: the scene description as plain, validated structs. Nothing here knows how it is rendered.
+/// Both renderers start from this type; positions are double-precision world space.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace etendue {
+
+/// Where a thing stands in a text file; line and column count from 1 (0: unknown).
+struct SourcePosition {
+  std::string file;
+  int line = 0;
+  int column = 0;
+};
+
+/// Lambertian reflection, one-sided. `albedo` in [0,1] per Rec. 709 component.
+struct DiffuseBsdf {
+  glm::dvec3 albedo{0.5};
+};
+/// Perfect specular reflection with reflectance 1, one-sided.
+struct MirrorBsdf {};
+/// Smooth dielectric interface; the normal points to the exterior.
+struct DielectricBsdf {
+  double int_ior = 1.5046;
+  double ext_ior = 1.000277;
+};
+using Bsdf = std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf>;
+
+/// Emits `radiance` (W·sr⁻¹·m⁻², Rec. 709) uniformly on the side of the geometric normal.
+struct AreaEmitter {
+  glm::dvec3 radiance{0.0};
+};
+
+/// Indexed triangles in world space. `normals` is empty or as long as `positions` (unit vectors).
+struct TriangleMesh {
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::dvec3> normals;
+  std::vector<glm::uvec3> triangles;
+};
+/// Analytic sphere, world space, radius > 0, normal outward.
+struct Sphere {
+  glm::dvec3 center{0.0};
+  double radius = 1.0;
+};
+using Geometry = std::variant<TriangleMesh, Sphere>;
+
+struct Shape {
+  Geometry geometry;
+  Bsdf bsdf;
+  std::optional<AreaEmitter> emitter;
+  std::string name;         ///< for messages: the OBJ file name or "sphere"
+  SourcePosition position;  ///< the <mesh> tag
+};
+
+/// Reconstruction filter; see docs/conventions.md for the exact functions.
+struct ReconstructionFilter {
+  enum class Type : std::uint32_t { box, tent, gaussian, mitchell };
+  Type type = Type::box;
+  double radius = 2.0;        ///< pixels; gaussian and mitchell
+  double stddev = 0.5;        ///< pixels; gaussian
+  double b = 1.0 / 3.0;       ///< mitchell
+  double c = 1.0 / 3.0;       ///< mitchell
+};
+
+struct Camera {
+  std::uint32_t width = 1280;   ///< pixels
+  std::uint32_t height = 720;   ///< pixels
+  double fov = 30.0;            ///< horizontal, degrees, in (0, 180)
+  double near_clip = 1e-4;      ///< along camera +Z, in camera units
+  double far_clip = 1e4;
+  glm::dmat4 world_from_camera{1.0};  ///< affine; column-major (GLM)
+  ReconstructionFilter filter;
+};
+
+struct Sampler {
+  enum class Type : std::uint32_t { independent };
+  Type type = Type::independent;
+  std::uint32_t sample_count = 1;  ///< samples per pixel
+};
+
+struct Integrator {
+  enum class Type : std::uint32_t { path, normals };
+  static constexpr std::uint32_t kUnlimitedDepth = 1u << 30;
+  Type type = Type::path;
+  std::uint32_t max_depth = 16;  ///< path segments, the camera ray is the first
+  bool nee = true;
+  bool mis = true;               ///< meaningless without nee
+  std::uint32_t rr_depth = 5;    ///< Russian roulette from this segment on; 0 = off
+};
+
+/// Radiance of a ray that leaves the scene in direction w: mix(horizon, top, clamp(w.y, 0, 1)).
+struct Sky {
+  glm::dvec3 top{0.0};
+  glm::dvec3 horizon{0.0};
+};
+
+struct Scene {
+  std::string name;  ///< file name without folder and extension
+  std::string file;  ///< path as given
+  Camera camera;
+  Sampler sampler;
+  Integrator integrator;
+  Sky sky;
+  std::vector<Shape> shapes;  ///< in file order
+};
+
+/// `<test type="ttest">` with scenes: one reference mean luminance each.
+struct TTest {
+  double significance_level = 0.01;
+  std::uint64_t sample_count = 100000;  ///< camera samples per scene, over the whole film
+  std::vector<double> references;
+  std::vector<Scene> scenes;
+};
+
+/// 64-bit XXH3 of everything that can change the image's expectation or its samples except size, seed, sample
+/// count and integrator settings (those are compared one by one when renders are merged).
+std::uint64_t scene_hash(const Scene& scene);
+
+/// Smallest integer E with every emitted radiance component <= 2^E (0 for a dark scene or the normals integrator): the
+/// film's unit, see docs/conventions.md.
+int film_exponent(const Scene& scene);
+
+}  // namespace etendue
