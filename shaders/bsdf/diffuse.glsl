@@ -1,0 +1,15 @@
+// Lambertian reflection, one-sided [Lambert1760].
+#include "../warp.glsl"
+
+vec3 diffuse_eval(Shape m, vec3 wo, vec3 wi) {
+  return wo.z > 0.0 && wi.z > 0.0 ? m.albedo * (kInvPi * wi.z) : vec3(0.0);
+}
+
+float diffuse_pdf(vec3 wo, vec3 wi) { return wo.z > 0.0 && wi.z > 0.0 ? kInvPi * wi.z : 0.0; }
+
+BsdfSample diffuse_sample(Shape m, vec3 wo, vec2 u) {
+  const vec3 wi = square_to_cosine_hemisphere(u);
+  const float pdf = diffuse_pdf(wo, wi);
+  if (pdf == 0.0) return kNoBsdfSample;
+  return BsdfSample(wi, pdf, m.albedo, kLobeDiffuse, 1.0);
+}

@@ -1,0 +1,37 @@
+// Pixel and random numbers to a camera ray.
+#ifndef CAMERA_GLSL
+#define CAMERA_GLSL
+
+#include "ray.glsl"
+#include "sampler.glsl"
+#include "scene.glsl"
+
+layout(constant_id = 0) const uint kFilterKind = kFilterBox;
+
+// Offset from the pixel centre, in pixels, distributed like |filter|; `weight` is ±∫|f|/∫f.
+float sample_filter(float u, out float weight) {
+  if (kFilterKind == kFilterBox) {
+    weight = 1.0;
+    return u - 0.5;
+  }
+  const float position = u * float(kFilterSteps);
+  const uint i = min(uint(position), kFilterSteps - 1u);
+  const float x = mix(fetch_filter_knot(i), fetch_filter_knot(i + 1u), position - float(i));
+  weight = frame.filter_negative != 0u && abs(x) > frame.filter_zero ? -frame.filter_weight : frame.filter_weight;
+  return x;
+}
+
+// The ray of one sample of one pixel; `weight` is that of the reconstruction filter.
+Ray sample_camera_ray(uvec2 pixel, vec2 u, out float weight) {
+  float weight_x, weight_y;
+  const vec2 offset = vec2(sample_filter(u.x, weight_x), sample_filter(u.y, weight_y));
+  weight = weight_x * weight_y;
+  const vec2 film = vec2(pixel) + 0.5 + offset;
+  const vec2 ndc = 1.0 - 2.0 * film / vec2(frame.width, frame.height);
+  const vec3 v = frame.camera_x * (frame.tan_x * ndc.x) + frame.camera_y * (frame.tan_y * ndc.y) + frame.camera_z;
+  // v reaches the plane at camera depth 1, so its length turns depths into distances.
+  const float depth_scale = length(v);
+  return Ray(frame.camera_origin, frame.near_clip * depth_scale, v / depth_scale, frame.far_clip * depth_scale);
+}
+
+#endif

@@ -1,0 +1,76 @@
+// Diffuse area light on a triangle or a sphere, emitting on the side of the geometric normal.
+
+// Radiance toward w (pointing away from the surface).
+vec3 area_radiance(Shape shape, vec3 ng, vec3 w) { return dot(w, ng) > 0.0 ? shape.radiance : vec3(0.0); }
+
+// 1 − cos of the half angle of the cone that a sphere fills, seen from outside; 0 when p is not outside.
+float sphere_one_minus_cos(vec3 p, vec3 center, float radius) {
+  const vec3 v = center - p;
+  const float d2 = dot(v, v);
+  const float sin2 = radius * radius / d2;
+  return d2 > radius * radius ? sin2 / (1.0 + sqrt(max(0.0, 1.0 - sin2))) : 0.0;
+}
+
+LightSample area_sample_triangle(vec3 p, Primitive tri, Shape shape, float prob, vec2 u) {
+  const vec3 b = square_to_triangle(u);
+  LightSample ls;
+  ls.p = b.x * tri.p0 + b.y * tri.p1 + b.z * tri.p2;
+  const vec3 n = cross(tri.p1 - tri.p0, tri.p2 - tri.p0);
+  const float twice_area = length(n);
+  ls.ng = n / twice_area;
+  const vec3 v = ls.p - p;
+  const float d2 = dot(v, v);
+  ls.wi = v * inversesqrt(d2);
+  const float cos_light = -dot(ls.wi, ls.ng);
+  const bool facing = cos_light > 0.0 && d2 > 0.0;
+  // prob/area turned into solid angle: dω = cos θ dA / d².
+  ls.pdf_w = facing ? shape.light_prob * prob * d2 / (0.5 * twice_area * cos_light) : 0.0;
+  ls.mis_pdf = facing ? shape.light_prob * d2 / (shape.light_area * cos_light) : 0.0;
+  return ls;
+}
+
+LightSample area_sample_sphere(vec3 p, Primitive sphere, Shape shape, vec2 u) {
+  const vec3 center = sphere.p0;
+  const float radius = sphere.p1.x;
+  const float one_minus_cos = sphere_one_minus_cos(p, center, radius);
+  LightSample ls;
+  const vec3 v = center - p;
+  const float distance = length(v);
+  const vec3 local = square_to_cone(u, one_minus_cos);
+  ls.wi = to_world(make_frame(v / distance), local);
+  // Nearer intersection of that direction, by the law of cosines; local.xy carries sin θ without cancellation.
+  const float sin2 = dot(local.xy, local.xy);
+  const float t = distance * local.z - sqrt(max(0.0, radius * radius - distance * distance * sin2));
+  ls.ng = normalize(p + t * ls.wi - center);
+  ls.p = center + radius * ls.ng;
+  ls.pdf_w = one_minus_cos > 0.0 ? shape.light_prob / (2.0 * kPi * one_minus_cos) : 0.0;
+  ls.mis_pdf = ls.pdf_w;
+  return ls;
+}
+
+LightSample area_sample(vec3 p, uint shape_index, LightPrimitive choice, vec2 u) {
+  const Shape shape = fetch_shape(shape_index);
+  const Primitive prim = fetch_primitive(choice.slot);
+  LightSample ls;
+  if (prim.kind == kPrimitiveSphere) {
+    ls = area_sample_sphere(p, prim, shape, u);
+  } else {
+    ls = area_sample_triangle(p, prim, shape, choice.prob, u);
+  }
+  ls.error = surface_error(prim);
+  ls.radiance = shape.radiance;
+  ls.shape = shape_index;
+  ls.primitive = prim.primitive;
+  return ls;
+}
+
+float area_pdf(vec3 p, vec3 wi, Surface s, Shape shape, uint slot) {
+  const Primitive prim = fetch_primitive(slot);
+  if (prim.kind == kPrimitiveSphere) {
+    const float one_minus_cos = sphere_one_minus_cos(p, prim.p0, prim.p1.x);
+    return one_minus_cos > 0.0 ? shape.light_prob / (2.0 * kPi * one_minus_cos) : 0.0;
+  }
+  const vec3 v = s.p - p;
+  const float cos_light = -dot(wi, s.ng);
+  return cos_light > 0.0 ? shape.light_prob * dot(v, v) / (shape.light_area * cos_light) : 0.0;
+}

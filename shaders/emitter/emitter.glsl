@@ -1,0 +1,57 @@
+// Choosing a light and sampling a point on it; what emission by chance would have been sampled with.
+#ifndef EMITTER_GLSL
+#define EMITTER_GLSL
+
+#include "../surface.glsl"
+#include "../warp.glsl"
+
+struct LightSample {
+  vec3 p;
+  float error;    // of p, see surface_error
+  vec3 ng;
+  float pdf_w;    // w.r.t. solid angle at the receiver, choice probabilities included; 0: no light
+  vec3 wi;        // unit, receiver to light
+  float mis_pdf;  // the density the multiple-importance weight uses (docs/conventions.md, "Emitters")
+  vec3 radiance;
+  uint shape;
+  uint primitive;
+};
+
+#include "area.glsl"
+
+// Last entry whose threshold is <= word, by bisection: integers, so every device chooses alike. 32 rounds suffice for any count.
+uint choose_light_shape(uint word) {
+  uint first = 0u, count = frame.light_shape_count;
+  for (uint i = 0u; i < 32u; ++i) {
+    if (count <= 1u) break;
+    const uint half_count = count >> 1u;
+    const bool upper = fetch_light_shape(first + half_count).threshold <= word;
+    first = upper ? first + half_count : first;
+    count = upper ? count - half_count : half_count;
+  }
+  return first;
+}
+
+uint choose_light_primitive(LightShape light, uint word) {
+  uint first = light.first_primitive, count = light.primitive_count;
+  for (uint i = 0u; i < 32u; ++i) {
+    if (count <= 1u) break;
+    const uint half_count = count >> 1u;
+    const bool upper = fetch_light_primitive(first + half_count).threshold <= word;
+    first = upper ? first + half_count : first;
+    count = upper ? count - half_count : half_count;
+  }
+  return first;
+}
+
+// words.x chooses the shape, words.y the primitive, words.zw the point.
+LightSample sample_light(vec3 p, uvec4 words) {
+  const LightShape light = fetch_light_shape(choose_light_shape(words.x));
+  const LightPrimitive choice = fetch_light_primitive(choose_light_primitive(light, words.y));
+  return area_sample(p, light.shape, choice, to_unit(words.zw));
+}
+
+// Density with which sample_light would have found the surface point `s` from `p` in direction wi; the mis_pdf of LightSample.
+float light_pdf(vec3 p, vec3 wi, Surface s, Shape shape, uint slot) { return area_pdf(p, wi, s, shape, slot); }
+
+#endif

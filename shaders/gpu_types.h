@@ -1,0 +1,215 @@
+// Types, ids, binding numbers and limits shared by C++ and GLSL: typed once, used by both.
+//
+// Layout rule: every vec3 is followed by a 4-byte scalar, vec2 sits at multiples of 8, sizes are multiples of 16, no bool and no
+// array of vec3. Then std430, std140 and the C++ compiler agree byte for byte; tests/unit/compile_layout.cpp checks it against the
+// Offset decorations of the built SPIR-V.
+#ifndef ETENDUE_GPU_TYPES_H
+#define ETENDUE_GPU_TYPES_H
+
+#ifdef __cplusplus
+#include <cstdint>
+
+#include <glm/glm.hpp>
+namespace etendue::gpu {
+using uint = std::uint32_t;
+using vec2 = glm::vec2;
+using vec3 = glm::vec3;
+using vec4 = glm::vec4;
+using uvec4 = glm::uvec4;
+#endif
+
+// Bindings of set 0. Kernels leave out what they do not use.
+const uint kBindingFrame = 0u;
+const uint kBindingNodes = 1u;
+const uint kBindingPrimitives = 2u;
+const uint kBindingShapes = 3u;
+const uint kBindingTriangles = 4u;
+const uint kBindingNormals = 5u;
+const uint kBindingLightShapes = 6u;
+const uint kBindingLightPrimitives = 7u;
+const uint kBindingFilter = 8u;
+const uint kBindingFilm = 9u;
+const uint kBindingProgress = 10u;
+const uint kBindingReport = 11u;
+const uint kBindingRequests = 12u;
+const uint kBindingRecords = 13u;
+const uint kBindingVertices = 14u;
+const uint kBindingCount = 15u;
+
+const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
+const uint kTileSize = 8u;        // pixels
+const uint kNone = 0xffffffffu;
+
+const uint kBsdfDiffuse = 0u;
+const uint kBsdfMirror = 1u;
+const uint kBsdfDielectric = 2u;
+
+// Lobes as folded into the path signature.
+const uint kLobeNone = 0u;
+const uint kLobeDiffuse = 1u;
+const uint kLobeDeltaReflection = 2u;
+const uint kLobeDeltaTransmission = 3u;
+
+const uint kIntegratorPath = 0u;
+const uint kIntegratorNormals = 1u;
+
+const uint kFilterBox = 0u;
+const uint kFilterTable = 1u;
+const uint kFilterSteps = 1024u;  // intervals of the tabulated inverse CDF
+
+const uint kPrimitiveTriangle = 0u;
+const uint kPrimitiveSphere = 1u;
+
+// A node of the binary BVH. Leaf: `count` primitives from `first`. Inner node (count 0): children at `first` and `first + 1`.
+struct BvhNode {
+  vec3 lower;
+  uint first;
+  vec3 upper;
+  uint count;
+};
+const uint kBvhMaxDepth = 62u;  // inner levels; the traversal stack has two entries more
+const uint kBvhMaxLeaf = 4u;
+
+// One analytic primitive in leaf order, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in
+// p0 and its radius in p1.x.
+struct Primitive {
+  vec3 p0;
+  uint shape;      // index into shapes
+  vec3 p1;
+  uint primitive;  // triangle index within the mesh; 0 for a sphere
+  vec3 p2;
+  uint kind;       // kPrimitive*
+};
+
+// Material and emitter of a <mesh>.
+struct Shape {
+  vec3 albedo;
+  uint bsdf;           // kBsdf*
+  vec3 radiance;       // 0 when the shape does not emit
+  float light_prob;    // discrete probability of choosing this shape as a light; 0 when it does not emit
+  float int_ior;
+  float ext_ior;
+  float light_area;    // total area in normalised coordinates
+  uint first_triangle; // into the triangle indices; kNone when the shape has no vertex normals
+};
+
+// A shape that emits: chosen when `threshold <= word`, the last one that satisfies it.
+struct LightShape {
+  uint threshold;
+  uint shape;
+  uint first_primitive;  // into the light primitives
+  uint primitive_count;
+};
+
+// A primitive of an emitting shape.
+struct LightPrimitive {
+  uint threshold;
+  uint slot;   // into the primitives
+  float prob;  // probability within its shape
+  uint pad0;
+};
+
+// Everything that is constant during a render. Directions and positions are in normalised scene coordinates.
+struct Frame {
+  vec3 camera_origin;
+  float near_clip;
+  vec3 camera_x;     // world direction of camera +X, not normalised (toWorld may scale)
+  float far_clip;
+  vec3 camera_y;
+  float tan_x;       // half the film's width at unit distance
+  vec3 camera_z;
+  float tan_y;
+  vec3 sky_top;
+  float filter_weight;  // ∫|f|/∫f of the reconstruction filter, per axis
+  vec3 sky_horizon;
+  float distance_scale;   // normalised length of one scene unit
+  uint width;
+  uint height;
+  uint tiles_x;           // film tiles per row
+  uint seed;
+  uint max_depth;
+  uint rr_depth;
+  int film_exponent;
+  uint light_shape_count;
+  uint filter_negative;   // 1 when the filter has negative lobes beyond filter_zero
+  float filter_zero;      // |x| in pixels where the filter changes sign
+  uint pad0;
+  uint pad1;
+};
+
+// The work of one dispatch.
+struct Pass {
+  uint first_group;      // tile-major group index this dispatch starts at
+  uint slot_base;        // first film slot held by the bound film band
+  uint sample_end;       // lanes work until their next sample index reaches this
+  uint lanes_per_pixel;  // a pixel's samples are dealt round robin to this many slots
+  uint slots_per_layer;  // slots of one lane-per-pixel layer: tiles · 64
+  uint step_budget;      // traversal steps a lane may spend before it hands its sample back
+  uint request_count;    // samples kernel: number of requests
+  uint pad0;
+};
+
+// One film slot: the 128 bytes of etendue::FilmPixel.
+struct FilmSlot {
+  uvec4 sum_r, sum_g, sum_b;
+  uvec4 squares_a, squares_b, squares_c, squares_d;  // 3 channels × 6 limbs, then two words of the last quad are below
+  uvec4 tail;                                        // squares limbs 16, 17, count, rejected
+};
+
+const uint kRejectedListed = 64u;
+struct RejectedEntry {
+  uint pixel;
+  uint sample_index;
+  uint segments;
+  uint pad0;
+};
+struct ReportHead {
+  uint unfinished;      // lanes that ran out of step budget
+  uint stuck;           // samples that alone exceed the budget
+  uint rejected_count;  // samples rejected since the report was cleared
+  uint pad0;
+};
+
+// trace_samples: one request, one record.
+struct SampleRequest {
+  uint pixel;
+  uint sample_index;
+  uint pad0;
+  uint pad1;
+};
+struct SampleResult {
+  vec3 radiance;
+  uint signature;
+  uint segments;
+  uint stuck;  // 1 when the path exceeded the step budget
+  uint pad0;
+  uint pad1;
+};
+const uint kMaxTracedVertices = 256u;
+struct TracedVertex {
+  vec3 radiance;
+  uint shape;
+  uint primitive;
+  uint light_shape;
+  uint light_primitive;
+  uint light_contributed;
+  uint lobe;
+  uint survived;
+  uint pad0;
+  uint pad1;
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(BvhNode) == 32);
+static_assert(sizeof(Primitive) == 48);
+static_assert(sizeof(Shape) == 48);
+static_assert(sizeof(LightShape) == 16);
+static_assert(sizeof(LightPrimitive) == 16);
+static_assert(sizeof(Frame) == 144);
+static_assert(sizeof(Pass) == 32);
+static_assert(sizeof(FilmSlot) == 128);
+static_assert(sizeof(SampleResult) == 32);
+static_assert(sizeof(TracedVertex) == 48);
+}  // namespace etendue::gpu
+#endif
+#endif

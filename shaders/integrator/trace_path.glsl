@@ -1,0 +1,29 @@
+// One path, vertex by vertex, for naming the place where two renderers part.
+#ifndef TRACE_PATH_GLSL
+#define TRACE_PATH_GLSL
+
+#include "path.glsl"
+
+layout(push_constant) uniform PassBlock { Pass pass; };
+layout(set = 0, binding = kBindingRequests, std430) readonly buffer RequestBuffer { SampleRequest requests[]; };
+layout(set = 0, binding = kBindingVertices, std430) writeonly buffer VertexBuffer {
+  uint vertex_count;
+  uint pad0, pad1, pad2;
+  TracedVertex vertices[];
+};
+
+void trace_requested_path() {
+  Path path = begin_path(requests[0].pixel, requests[0].sample_index);
+  uint count = 0u;
+  bool alive = true;
+  while (alive) {
+    if (path.steps > pass.step_budget || count >= kMaxTracedVertices) break;
+    Decisions d;
+    alive = path_segment(path, pass.step_budget, d);
+    vertices[count++] = TracedVertex(path.radiance, d.shape, d.primitive, d.light_shape, d.light_primitive, d.light_contributed, d.lobe,
+                                     d.survived, 0u, 0u);
+  }
+  vertex_count = count;
+}
+
+#endif

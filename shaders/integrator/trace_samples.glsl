@@ -1,0 +1,27 @@
+// Single samples with the signature of their decisions, for comparing renderers sample by sample.
+#ifndef TRACE_SAMPLES_GLSL
+#define TRACE_SAMPLES_GLSL
+
+#include "path.glsl"
+#include "signature.glsl"
+
+layout(push_constant) uniform PassBlock { Pass pass; };
+layout(set = 0, binding = kBindingRequests, std430) readonly buffer RequestBuffer { SampleRequest requests[]; };
+layout(set = 0, binding = kBindingRecords, std430) writeonly buffer RecordBuffer { SampleResult records[]; };
+
+void trace_sample(uint i) {
+  if (i >= pass.request_count) return;
+  const SampleRequest request = requests[i];
+  Path path = begin_path(request.pixel, request.sample_index);
+  uint signature = kSignatureStart;
+  bool alive = true;
+  while (alive) {
+    if (path.steps > pass.step_budget) break;
+    Decisions decisions;
+    alive = path_segment(path, pass.step_budget, decisions);
+    signature = fold_decisions(signature, decisions);
+  }
+  records[i] = SampleResult(path.radiance, signature, path.segment, path.steps > pass.step_budget ? 1u : 0u, 0u, 0u);
+}
+
+#endif

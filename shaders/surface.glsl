@@ -1,0 +1,60 @@
+// What a hit point looks like to materials and lights.
+#ifndef SURFACE_GLSL
+#define SURFACE_GLSL
+
+#include "intersect.glsl"
+
+struct Surface {
+  vec3 p;
+  float error;         // see surface_error
+  vec3 ng;
+  uint shape;
+  ShadingFrame frame;  // frame.n is the shading normal
+  uint primitive;      // within its mesh
+};
+
+// Bound on the distance between a computed point of the primitive and the true surface, with room for the next ray's own intersection
+// error: 8 units in the last place of the largest coordinate involved.
+float surface_error(Primitive prim) {
+  const float scale = prim.kind == kPrimitiveSphere
+                          ? max_component(abs(prim.p0)) + prim.p1.x
+                          : max(max_component(abs(prim.p0)), max(max_component(abs(prim.p1)), max_component(abs(prim.p2))));
+  return scale * (8.0 / 8388608.0);
+}
+
+vec3 triangle_normal(Primitive tri) { return normalize(cross(tri.p1 - tri.p0, tri.p2 - tri.p0)); }
+
+// Interpolated vertex normal; ng where the mesh has none or they cancel.
+vec3 shading_normal(Shape shape, uint primitive, float b1, float b2, vec3 ng) {
+  if (shape.first_triangle == kNone) return ng;
+  const uvec3 v = fetch_triangle(shape.first_triangle + primitive);
+  const vec3 n = (1.0 - b1 - b2) * fetch_normal(v.x) + b1 * fetch_normal(v.y) + b2 * fetch_normal(v.z);
+  const float len = length(n);
+  return len > 0.0 ? n / len : ng;
+}
+
+Surface make_surface(Ray ray, Hit hit, out Shape shape) {
+  const Primitive prim = fetch_primitive(hit.slot);
+  shape = fetch_shape(prim.shape);
+  Surface s;
+  s.shape = prim.shape;
+  s.primitive = prim.primitive;
+  s.error = surface_error(prim);
+  vec3 ns;
+  if (prim.kind == kPrimitiveSphere) {
+    s.ng = normalize(ray.o + hit.t * ray.d - prim.p0);
+    s.p = prim.p0 + prim.p1.x * s.ng;  // back onto the sphere: the error no longer grows with the distance
+    ns = s.ng;
+  } else {
+    s.ng = triangle_normal(prim);
+    s.p = (1.0 - hit.b1 - hit.b2) * prim.p0 + hit.b1 * prim.p1 + hit.b2 * prim.p2;
+    ns = shading_normal(shape, prim.primitive, hit.b1, hit.b2, s.ng);
+  }
+  s.frame = make_frame(ns);
+  return s;
+}
+
+// True when w is on the same side of the geometric and the shading normal.
+bool consistent_side(Surface s, vec3 w) { return dot(w, s.ng) * dot(w, s.frame.n) > 0.0; }
+
+#endif

@@ -1,0 +1,39 @@
+// Maps from the unit square to the shapes that are sampled; docs/conventions.md, "Warps", fixes each of them.
+#ifndef WARP_GLSL
+#define WARP_GLSL
+
+#include "math.glsl"
+
+// Unit disk, concentric map [Shirley1997]; pdf 1/π w.r.t. area.
+vec2 square_to_disk(vec2 u) {
+  const vec2 ab = 2.0 * u - 1.0;
+  const bool wide = abs(ab.x) > abs(ab.y);
+  const float r = wide ? ab.x : ab.y;
+  const float other = wide ? ab.y : ab.x;
+  const vec2 cs = cos_sin_octant((0.25 * kPi) * (r == 0.0 ? 0.0 : other / r));
+  // cos(π/2 − x) = sin x: the second half of the map swaps the two.
+  return r * (wide ? cs : cs.yx);
+}
+
+// Cosine-weighted direction about +Z; pdf_w = z/π.
+vec3 square_to_cosine_hemisphere(vec2 u) {
+  const vec2 d = square_to_disk(u);
+  return vec3(d, sqrt(max(0.0, 1.0 - dot(d, d))));
+}
+
+// Weights of p0, p1, p2, uniform over the triangle's area [Turk1990].
+vec3 square_to_triangle(vec2 u) {
+  const float su = sqrt(u.x);
+  const float b0 = 1.0 - su;
+  const float b1 = u.y * su;
+  return vec3(b0, b1, 1.0 - b0 - b1);
+}
+
+// Direction about +Z, uniform in the cone 1 − cos θ <= one_minus_cos_max; pdf_w = 1/(2π one_minus_cos_max).
+vec3 square_to_cone(vec2 u, float one_minus_cos_max) {
+  const float w = u.x * one_minus_cos_max;  // 1 − cos θ, exact for small angles
+  const float sin_theta = sqrt(max(0.0, w * (2.0 - w)));
+  return vec3(sin_theta * cos_sin_turn(u.y), 1.0 - w);
+}
+
+#endif
