@@ -1,0 +1,94 @@
+#pragma once
+/// What the EXR files of pictures and films share: memory streams, header checks, metadata. Internal to src/image.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+
+#include "image/image.h"
+
+namespace etendue {
+
+/// Largest width or height and largest number of pixels that is read from a file.
+inline constexpr std::uint32_t kMaxImageSide = 65536;
+inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 28;
+
+class MemoryOStream : public Imf::OStream {
+ public:
+  MemoryOStream() : Imf::OStream("memory") {}
+  void write(const char bytes[], int count) override;
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override { position_ = position; }
+  std::vector<std::byte>& bytes() { return bytes_; }
+
+ private:
+  std::vector<std::byte> bytes_;
+  std::uint64_t position_ = 0;
+};
+
+/// Reads from bytes that must outlive it; throws Iex::InputExc past their end.
+class MemoryIStream : public Imf::IStream {
+ public:
+  explicit MemoryIStream(std::span<const std::byte> bytes) : Imf::IStream("memory"), bytes_(bytes) {}
+  bool read(char target[], int count) override;
+  std::uint64_t tellg() override { return position_; }
+  void seekg(std::uint64_t position) override { position_ = position; }
+
+ private:
+  std::span<const std::byte> bytes_;
+  std::uint64_t position_ = 0;
+};
+
+bool is_exr(std::span<const std::byte> bytes);
+
+/// Where an attribute's value lies in the file.
+struct ExrAttribute {
+  std::string name;
+  std::string type;
+  std::size_t offset = 0;
+  std::size_t size = 0;
+};
+
+/// The attributes of a single-part scan-line or tiled file, from its first bytes. Done before the library sees the
+/// file, which would allocate whatever an attribute says its size is. Throws Error(file_error).
+std::vector<ExrAttribute> exr_attributes(std::span<const std::byte> bytes, const std::string& path);
+
+/// The header, checked: attributes lie inside the bytes, the sizes are within the limits above. Throws
+/// Error(file_error).
+Imf::Header read_exr_header(std::span<const std::byte> bytes, const std::string& path);
+
+/// Throws Error(file_error) unless a file of `file_size` bytes can hold the pixels its header announces.
+void check_exr_size(const Imf::Header& header, std::uint64_t file_size, const std::string& path);
+
+/// A header with everything both kinds of file have in common.
+Imf::Header make_exr_header(std::uint32_t width, std::uint32_t height, const Metadata& metadata,
+                            const std::string& path);
+
+/// Text attributes by their metadata names.
+Metadata exr_metadata(const Imf::Header& header);
+
+/// Channel `name` at `base`: rows of `width` values, `stride` bytes from one to the next.
+void add_slice(Imf::FrameBuffer& buffer, const std::string& name, Imf::PixelType type, const void* base,
+               std::size_t stride, std::uint32_t width);
+
+/// Encodes header and channels; throws Error(file_error) naming the path.
+std::vector<std::byte> encode_exr(const Imf::Header& header, const Imf::FrameBuffer& buffer, std::uint32_t height,
+                                  const std::string& path);
+/// Decodes the channels of `buffer`, all of them or none; throws Error(file_error) naming the path.
+void decode_exr(std::span<const std::byte> bytes, const Imf::FrameBuffer& buffer, const std::string& path);
+
+/// PNG counterparts of the EXR functions of image.h, on bytes.
+bool is_png(std::span<const std::byte> bytes);
+Image decode_png(std::span<const std::byte> bytes, const std::string& path);
+Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path);
+/// `path` is for messages only.
+FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path);
+
+}  // namespace etendue

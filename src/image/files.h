@@ -1,0 +1,43 @@
+#pragma once
+/// Whole files: read at once, and written so that they appear whole or not at all.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace etendue {
+
+/// Replaces the file at a path in one step: bytes go to a new file beside it, which is flushed to the disk and renamed
+/// over the path by commit(). Whatever fails before that, the path keeps what it had and the new file is removed. A
+/// symbolic link at the path stays a link: the file it leads to is replaced. Every function throws Error(file_error)
+/// with the path and the system's reason; a file size limit (RLIMIT_FSIZE) is reported like a full disk and does not
+/// end the process.
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::string& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(std::span<const std::byte> bytes);
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const char* action, int error) const;
+  void create_beside(int mode);
+
+  std::string path_;       ///< as given, for messages
+  std::string name_;       ///< file name inside folder_
+  std::string temporary_;  ///< name of the new file inside folder_; empty when there is none
+  int folder_ = -1;
+  int file_ = -1;
+};
+
+void write_file_atomically(const std::string& path, std::span<const std::byte> bytes);
+
+/// The first `limit` bytes of a regular file (all of them by default). Throws Error(file_error).
+std::vector<std::byte> read_file(const std::string& path, std::uint64_t limit = ~std::uint64_t{0});
+
+}  // namespace etendue
