@@ -1,0 +1,55 @@
+#pragma once
+/// Materials. The contract, the same for every one of them:
+/// - directions are unit vectors in the local shading frame, +Z is `ns`, and point away from the surface;
+/// - `eval` is f · |cos θ_i| and `pdf` the density of `sample` w.r.t. solid angle; both are 0 for delta lobes;
+/// - `sample` returns `weight` = eval / pdf; `pdf` = 0 and lobe `none` mean that there is no sample; delta lobes return
+///   their discrete probability as `pdf`; every random number is in [0,1).
+
+#include <cstdint>
+
+#include "reference/vec.h"
+#include "scene/scene.h"
+
+namespace etendue::reference {
+
+/// Values are those of the path signature.
+enum class Lobe : std::uint32_t { none = 0, diffuse_reflection = 1, delta_reflection = 2, delta_transmission = 3 };
+
+inline bool is_delta(Lobe lobe) { return lobe == Lobe::delta_reflection || lobe == Lobe::delta_transmission; }
+
+struct BsdfSample {
+  Vec3 wi{0.0};
+  Vec3 weight{0.0};
+  double pdf = 0.0;
+  Lobe lobe = Lobe::none;
+  double eta = 1.0;  ///< n_i / n_o: ratio of the index on the side of `wi` to that on the side of `wo`
+};
+
+Vec3 eval(const DiffuseBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const DiffuseBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const DiffuseBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
+Vec3 eval(const MirrorBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const MirrorBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const MirrorBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
+Vec3 eval(const DielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const DielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const DielectricBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
+inline Vec3 eval(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
+  return std::visit([&](const auto& b) { return eval(b, wo, wi); }, bsdf);
+}
+inline double pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
+  return std::visit([&](const auto& b) { return pdf(b, wo, wi); }, bsdf);
+}
+inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u) {
+  return std::visit([&](const auto& b) { return sample(b, wo, u_lobe, u); }, bsdf);
+}
+
+/// True when nothing but delta lobes scatter: next-event estimation cannot find light then.
+inline bool is_delta(const Bsdf& bsdf) { return !std::holds_alternative<DiffuseBsdf>(bsdf); }
+/// True when the side behind the normal is black.
+inline bool is_one_sided(const Bsdf& bsdf) { return !std::holds_alternative<DielectricBsdf>(bsdf); }
+
+}  // namespace etendue::reference

@@ -1,0 +1,46 @@
+#include "reference/integrator.h"
+
+namespace etendue::reference {
+
+PathVertex* DecisionLog::vertex() const {
+  return vertices_ != nullptr && segments_ <= kMaxVertices ? &vertices_->back() : nullptr;
+}
+
+void DecisionLog::segment(const std::optional<Surface>& hit) {
+  ++segments_;
+  if (vertices_ != nullptr && segments_ <= kMaxVertices) vertices_->emplace_back();
+  fold(hit ? hit->shape + 1 : 0);
+  if (!hit) return;
+  fold(hit->primitive + 1);
+  if (PathVertex* v = vertex()) {
+    v->shape = hit->shape;
+    v->primitive = hit->primitive;
+  }
+}
+
+void DecisionLog::light(const LightSample& sample, bool contributed) {
+  fold(sample.shape + 1);
+  fold(sample.primitive + 1);
+  fold(contributed ? 1 : 0);
+  if (PathVertex* v = vertex()) {
+    v->light_shape = sample.shape;
+    v->light_primitive = sample.primitive;
+    v->light_contributed = contributed ? 1 : 0;
+  }
+}
+
+void DecisionLog::lobe(Lobe lobe) {
+  fold(static_cast<std::uint32_t>(lobe));
+  if (PathVertex* v = vertex()) v->lobe = static_cast<std::uint32_t>(lobe);
+}
+
+void DecisionLog::roulette(bool survived) {
+  fold(survived ? 1 : 0);
+  if (PathVertex* v = vertex()) v->survived = survived ? 1 : 0;
+}
+
+void DecisionLog::radiance(const Vec3& rgb) {
+  if (PathVertex* v = vertex()) v->radiance = glm::vec3(rgb);
+}
+
+}  // namespace etendue::reference

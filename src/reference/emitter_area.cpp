@@ -1,0 +1,98 @@
+/// Surfaces that emit the same radiance in all directions on the side of the geometric normal.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "reference/frame.h"
+#include "reference/intersect.h"
+#include "reference/lights.h"
+#include "reference/sampling.h"
+
+namespace etendue::reference {
+namespace {
+
+double largest_coordinate(const Vec3& v) { return max_component(glm::abs(v)); }
+
+/// A point of the sphere, uniform in the solid angle the sphere fills from outside.
+void sample_sphere(const Sphere& sphere, const AreaLight& light, double prob_shape, const Vec3& from,
+                   const SampleRandom::Light& random, LightSample& sample) {
+  const Vec3 to_center = sphere.center - from;
+  const double distance = glm::length(to_center);
+  if (distance <= sphere.radius) return;  // nothing is emitted inward
+  const SphereCone cone(sphere.radius, distance);
+  const Vec3 local = cone.sample({random.u, random.v});
+  sample.wi = Frame(to_center / distance).to_world(local);
+  // Nearer intersection: distance · cos θ minus half the chord; at the limb rounding may leave no chord.
+  const double sin2 = local.x * local.x + local.y * local.y;
+  const double half_chord = std::sqrt(std::max(0.0, sphere.radius * sphere.radius - distance * distance * sin2));
+  const Vec3 point = from + (distance * local.z - half_chord) * sample.wi;
+  const Vec3 normal = glm::normalize(point - sphere.center);
+  sample.surface.ng = sample.surface.ns = normal;
+  sample.surface.p = sphere.center + sphere.radius * normal;
+  sample.surface.magnitude = largest_coordinate(sphere.center) + sphere.radius;
+  sample.pdf_w = sample.pdf_w_mis = prob_shape * cone.pdf_w();
+  sample.radiance = light.radiance;
+}
+
+}  // namespace
+
+void Lights::sample_triangle(const TriangleMesh& mesh, const AreaLight& light, double prob_shape, const Vec3& from,
+                             const SampleRandom::Light& random, LightSample& sample) const {
+  if (light.triangles.empty()) return;
+  const std::size_t index = light.triangles.choose(random.primitive);
+  sample.primitive = sample.surface.primitive = static_cast<std::uint32_t>(index);
+  const glm::uvec3 t = mesh.triangles[index];
+  const std::array<Vec3, 3> p{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+  const Vec3 b = square_to_triangle({random.u, random.v});
+  sample.surface.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
+  sample.surface.ng = sample.surface.ns = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+  for (const Vec3& vertex : p)
+    sample.surface.magnitude = std::max(sample.surface.magnitude, largest_coordinate(vertex));
+
+  const Vec3 to_light = sample.surface.p - from;
+  const double distance = glm::length(to_light);
+  if (distance == 0.0) return;
+  sample.wi = to_light / distance;
+  const double cos_light = -glm::dot(sample.wi, sample.surface.ng);
+  if (cos_light <= 0.0) return;  // seen from behind
+  const double area_to_solid_angle = distance * distance / cos_light;
+  sample.pdf_w = prob_shape * light.triangles.prob(index) / triangle_area(p[0], p[1], p[2]) * area_to_solid_angle;
+  sample.pdf_w_mis = prob_shape / light.area * area_to_solid_angle;
+  sample.radiance = light.radiance;
+}
+
+LightSample Lights::sample(const Scene& scene, const Vec3& from, const SampleRandom::Light& random) const {
+  const std::size_t chosen = shape_choice_.choose(random.emitter);
+  const AreaLight& light = lights_[chosen];
+  const double prob_shape = shape_choice_.prob(chosen);
+  LightSample sample;
+  sample.shape = sample.surface.shape = light.shape;
+  const Geometry& geometry = scene.shapes[light.shape].geometry;
+  if (const auto* sphere = std::get_if<Sphere>(&geometry))
+    sample_sphere(*sphere, light, prob_shape, from, random, sample);
+  else
+    sample_triangle(std::get<TriangleMesh>(geometry), light, prob_shape, from, random, sample);
+  return sample;
+}
+
+double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Surface& at) const {
+  const std::optional<std::size_t> index = of_shape_[at.shape];
+  if (!index) return 0.0;
+  const AreaLight& light = lights_[*index];
+  const double prob_shape = shape_choice_.prob(*index);
+  if (const auto* sphere = std::get_if<Sphere>(&scene.shapes[at.shape].geometry)) {
+    const double distance = glm::length(sphere->center - from);
+    return distance <= sphere->radius ? 0.0 : prob_shape * SphereCone(sphere->radius, distance).pdf_w();
+  }
+  const Vec3 to_light = at.p - from;
+  const double distance2 = glm::dot(to_light, to_light);
+  const double cos_light = -glm::dot(to_light, at.ng) / std::sqrt(distance2);
+  return cos_light <= 0.0 ? 0.0 : prob_shape / light.area * distance2 / cos_light;
+}
+
+Vec3 emitted_radiance(const Shape& shape, const Surface& surface, const Vec3& wo) {
+  return shape.emitter && glm::dot(surface.ng, wo) > 0.0 ? shape.emitter->radiance : Vec3(0.0);
+}
+
+}  // namespace etendue::reference

@@ -1,0 +1,49 @@
+#pragma once
+/// Estimators of the radiance along a camera ray, and the record of what they decided.
+
+#include <optional>
+#include <vector>
+
+#include "reference/bsdf.h"
+#include "reference/rng.h"
+#include "reference/world.h"
+#include "render/renderer.h"
+
+namespace etendue::reference {
+
+/// Folds a sample's decisions into its signature and, when asked, keeps them one by one; docs/conventions.md, "Path
+/// signature".
+class DecisionLog {
+ public:
+  static constexpr std::size_t kMaxVertices = 256;
+
+  /// Decisions are also appended to `vertices` unless it is null.
+  explicit DecisionLog(std::vector<PathVertex>* vertices = nullptr) : vertices_(vertices) {}
+
+  void segment(const std::optional<Surface>& hit);
+  void light(const LightSample& sample, bool contributed);
+  void lobe(Lobe lobe);
+  void roulette(bool survived);
+  /// What the path has gathered so far.
+  void radiance(const Vec3& rgb);
+
+  std::uint32_t signature() const { return hash_; }
+  std::uint32_t segments() const { return segments_; }
+
+ private:
+  void fold(std::uint32_t word) { hash_ = (hash_ ^ word) * 0x01000193u; }
+  /// The vertex being recorded, or null.
+  PathVertex* vertex() const;
+
+  std::uint32_t hash_ = 0x811c9dc5u;
+  std::uint32_t segments_ = 0;
+  std::vector<PathVertex>* vertices_;
+};
+
+/// Path tracing (integrator `path`) [Kajiya1986] as in docs/conventions.md, "Path estimator".
+Vec3 path_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
+
+/// Shading normal at the first hit, mapped from [−1,1] to [0,1] (integrator `normals`).
+Vec3 normals_radiance(const World& world, const Ray& camera_ray, DecisionLog& log);
+
+}  // namespace etendue::reference

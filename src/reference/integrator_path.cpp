@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <cmath>
+
+#include "reference/frame.h"
+#include "reference/integrator.h"
+
+namespace etendue::reference {
+namespace {
+
+/// Power heuristic with exponent 2 for a strategy of density `own` against one of density `other` [Veach1997, §9.2].
+double power_heuristic(double own, double other) {
+  const double ratio = other / own;
+  return 1.0 / (1.0 + ratio * ratio);
+}
+
+/// A material at a point of the surface, in world space. Adds to the local contract of bsdf.h that a direction counts only if
+/// it lies on the same side of the geometric and the shading normal.
+class Scatterer {
+ public:
+  Scatterer(const Bsdf& bsdf, const Surface& surface, const Vec3& wo)
+      : bsdf_(bsdf), surface_(surface), frame_(surface.ns), wo_(frame_.to_local(wo)) {
+    const double side = glm::dot(surface.ng, wo);
+    black_ = !(wo_.z * side > 0.0) || (is_one_sided(bsdf) && side < 0.0);
+  }
+
+  /// Nothing scatters toward `wo`.
+  bool black() const { return black_; }
+
+  Vec3 eval(const Vec3& wi) const {
+    const Vec3 local = frame_.to_local(wi);
+    return counts(wi, local) ? reference::eval(bsdf_, wo_, local) : Vec3(0.0);
+  }
+  double pdf(const Vec3& wi) const {
+    const Vec3 local = frame_.to_local(wi);
+    return counts(wi, local) ? reference::pdf(bsdf_, wo_, local) : 0.0;
+  }
+  /// Like that of bsdf.h, with `wi` in world space; lobe `none` unless its weight is positive somewhere.
+  BsdfSample sample(const SampleRandom::Material& random) const {
+    BsdfSample sample = reference::sample(bsdf_, wo_, random.lobe, {random.u, random.v});
+    if (sample.lobe == Lobe::none || is_zero(sample.weight)) return {};
+    const Vec3 local = sample.wi;
+    sample.wi = frame_.to_world(local);
+    return counts(sample.wi, local) ? sample : BsdfSample{};
+  }
+
+ private:
+  bool counts(const Vec3& world, const Vec3& local) const { return glm::dot(surface_.ng, world) * local.z > 0.0; }
+
+  const Bsdf& bsdf_;
+  const Surface& surface_;
+  Frame frame_;
+  Vec3 wo_;
+  bool black_ = false;
+};
+
+/// One path from the camera; the steps are those of docs/conventions.md, "Path estimator".
+class Path {
+ public:
+  Path(const World& world, const SampleRandom& random, DecisionLog& log)
+      : world_(world), integrator_(world.scene().integrator), random_(random), log_(log) {}
+
+  Vec3 trace(Ray ray) {
+    for (std::uint32_t depth = 1; depth <= integrator_.max_depth; ++depth) {
+      const std::optional<Surface> hit = world_.closest_hit(ray);
+      log_.segment(hit);
+      const bool goes_on = hit ? scatter(*hit, depth, ray) : leave(ray);
+      log_.radiance(radiance_);
+      if (!goes_on) break;
+    }
+    return radiance_;
+  }
+
+ private:
+  bool leave(const Ray& ray) {
+    radiance_ += beta_ * world_.sky(ray.direction);
+    return false;
+  }
+
+  /// Gathers light at vertex `depth` − 1 and turns `ray` into the next segment; false when the path ends.
+  bool scatter(const Surface& surface, std::uint32_t depth, Ray& ray) {
+    const Shape& shape = world_.scene().shapes[surface.shape];
+    const Vec3 wo = -ray.direction;
+    radiance_ += beta_ * emission(shape, surface, wo);
+    if (depth == integrator_.max_depth) return false;
+    const Scatterer scatterer(shape.bsdf, surface, wo);
+    if (scatterer.black()) {
+      log_.lobe(Lobe::none);
+      return false;
+    }
+    const std::uint32_t k = depth - 1;
+    if (integrator_.nee && !is_delta(shape.bsdf) && !world_.lights().empty())
+      radiance_ += beta_ * direct_light(surface, scatterer, random_.light(k));
+
+    const SampleRandom::Material random = random_.material(k);
+    const BsdfSample bounce = scatterer.sample(random);
+    log_.lobe(bounce.lobe);
+    if (bounce.lobe == Lobe::none) return false;
+    beta_ *= bounce.weight;
+    if (bounce.lobe == Lobe::delta_transmission) eta_scale_ *= bounce.eta * bounce.eta;
+    if (!survives(depth, random.roulette)) return false;
+
+    previous_ = Previous{.point = surface.p, .pdf_w = bounce.pdf, .delta = is_delta(bounce.lobe)};
+    ray = {.origin = surface.offset_toward(bounce.wi), .direction = bounce.wi};
+    return true;
+  }
+
+  /// Radiance emitted toward `wo`, times the share that finding it by chance has in the estimate.
+  Vec3 emission(const Shape& shape, const Surface& surface, const Vec3& wo) const {
+    const Vec3 Le = emitted_radiance(shape, surface, wo);
+    if (is_zero(Le) || !integrator_.nee || !previous_ || previous_->delta) return Le;
+    if (!integrator_.mis) return Vec3(0.0);
+    const double pdf_light = world_.lights().pdf_w_mis(world_.scene(), previous_->point, surface);
+    const double w_bsdf = power_heuristic(previous_->pdf_w, pdf_light);
+    return Le * w_bsdf;
+  }
+
+  /// Next-event estimation: reflected radiance due to one sampled point of one light.
+  Vec3 direct_light(const Surface& surface, const Scatterer& scatterer, const SampleRandom::Light& random) const {
+    const LightSample light = world_.lights().sample(world_.scene(), surface.p, random);
+    const Vec3 f = light.pdf_w > 0.0 ? scatterer.eval(light.wi) : Vec3(0.0);
+    const Vec3 unshadowed = f * light.radiance;
+    const bool contributes =
+        !is_zero(unshadowed) &&
+        !world_.occluded(surface.offset_toward(light.wi), light.surface.offset_toward(-light.wi));
+    log_.light(light, contributes);
+    if (!contributes) return Vec3(0.0);
+    const double w_light = integrator_.mis ? power_heuristic(light.pdf_w_mis, scatterer.pdf(light.wi)) : 1.0;
+    return unshadowed / light.pdf_w * w_light;
+  }
+
+  /// Russian roulette. Paths inside a medium carry radiance scaled by its squared index; `eta_scale_` undoes this, so that
+  /// a path's chance does not depend on the medium it is in.
+  bool survives(std::uint32_t depth, double u) {
+    if (integrator_.rr_depth == 0 || depth < integrator_.rr_depth) return true;
+    const double q = std::min(max_component(beta_) * eta_scale_, 0.99);
+    const bool survived = u < q;
+    log_.roulette(survived);
+    if (survived) beta_ /= q;
+    return survived;
+  }
+
+  struct Previous {
+    Vec3 point{0.0};
+    double pdf_w = 0.0;
+    bool delta = false;
+  };
+
+  const World& world_;
+  const Integrator& integrator_;
+  const SampleRandom& random_;
+  DecisionLog& log_;
+  Vec3 beta_{1.0};
+  Vec3 radiance_{0.0};
+  double eta_scale_ = 1.0;
+  std::optional<Previous> previous_;  ///< the vertex before; none for the camera
+};
+
+}  // namespace
+
+Vec3 path_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log) {
+  return Path(world, random, log).trace(camera_ray);
+}
+
+}  // namespace etendue::reference

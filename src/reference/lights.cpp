@@ -1,0 +1,70 @@
+#include "reference/lights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference/intersect.h"
+
+namespace etendue::reference {
+
+DiscreteChoice::DiscreteChoice(const std::vector<double>& weights) {
+  double sum = 0.0;
+  for (const double weight : weights) sum += weight;
+  if (!(sum > 0.0)) return;
+  const std::size_t n = weights.size();
+  thresholds_.assign(n + 1, 0);
+  double prefix = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    prefix += weights[i];
+    thresholds_[i + 1] = static_cast<std::uint64_t>(std::floor(0x1p32 * prefix / sum));
+  }
+  // Whatever has weight must have a chance: at least one unit each, upward, then downward to end at 2^32 again.
+  for (std::size_t i = 0; i < n; ++i)
+    thresholds_[i + 1] = std::max(thresholds_[i + 1], thresholds_[i] + (weights[i] > 0.0 ? 1 : 0));
+  thresholds_[n] = std::uint64_t{1} << 32;
+  for (std::size_t i = n; i-- > 0;)
+    thresholds_[i] = std::min(thresholds_[i], thresholds_[i + 1] - (weights[i] > 0.0 ? 1 : 0));
+}
+
+std::size_t DiscreteChoice::choose(std::uint32_t word) const {
+  const auto above = std::upper_bound(thresholds_.begin(), thresholds_.end(), std::uint64_t{word});
+  return static_cast<std::size_t>(above - thresholds_.begin()) - 1;
+}
+
+double DiscreteChoice::prob(std::size_t index) const {
+  return empty() ? 0.0 : static_cast<double>(thresholds_[index + 1] - thresholds_[index]) * 0x1p-32;
+}
+
+namespace {
+
+AreaLight make_light(const Shape& shape, std::uint32_t index) {
+  AreaLight light{.shape = index, .radiance = shape.emitter->radiance, .area = 0.0, .triangles = {}};
+  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+    light.area = 4.0 * kPi * sphere->radius * sphere->radius;
+    return light;
+  }
+  const auto& mesh = std::get<TriangleMesh>(shape.geometry);
+  std::vector<double> areas;
+  areas.reserve(mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    areas.push_back(triangle_area(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]));
+    light.area += areas.back();
+  }
+  light.triangles = DiscreteChoice(areas);
+  return light;
+}
+
+}  // namespace
+
+Lights::Lights(const Scene& scene) : of_shape_(scene.shapes.size()) {
+  std::vector<double> weights;
+  for (std::uint32_t i = 0; i < scene.shapes.size(); ++i) {
+    if (!scene.shapes[i].emitter) continue;
+    of_shape_[i] = lights_.size();
+    lights_.push_back(make_light(scene.shapes[i], i));
+    weights.push_back(luminance(lights_.back().radiance) * lights_.back().area);
+  }
+  shape_choice_ = DiscreteChoice(weights);
+}
+
+}  // namespace etendue::reference

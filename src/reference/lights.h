@@ -1,0 +1,74 @@
+#pragma once
+/// Everything that emits from a surface, and the choice among it; docs/conventions.md, "Discrete choices" and "Emitters".
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "reference/ray.h"
+#include "reference/rng.h"
+#include "scene/scene.h"
+
+namespace etendue::reference {
+
+/// Chooses an index in proportion to weights by comparing a whole 32-bit word with integer thresholds, so that every renderer
+/// chooses the same.
+class DiscreteChoice {
+ public:
+  /// Weights are finite and >= 0, fewer than 2^32. Empty when all of them are 0.
+  explicit DiscreteChoice(const std::vector<double>& weights);
+  DiscreteChoice() = default;
+
+  bool empty() const { return thresholds_.empty(); }
+  std::size_t choose(std::uint32_t word) const;  ///< not when empty
+  double prob(std::size_t index) const;          ///< 0 when empty
+  /// T(0) … T(n); empty when there is nothing to choose.
+  const std::vector<std::uint64_t>& thresholds() const { return thresholds_; }
+
+ private:
+  std::vector<std::uint64_t> thresholds_;
+};
+
+/// A shape with an emitter.
+struct AreaLight {
+  std::uint32_t shape = 0;
+  Vec3 radiance{0.0};
+  double area = 0.0;
+  DiscreteChoice triangles;  ///< empty for a sphere
+};
+
+/// A point on a light, as seen from a point `from`.
+struct LightSample {
+  std::uint32_t shape = 0;
+  std::uint32_t primitive = 0;
+  Surface surface;          ///< the light's surface there
+  Vec3 wi{0.0};             ///< unit, from `from` toward it
+  double pdf_w = 0.0;       ///< solid-angle density of this sample, choice of the light included; 0: it sends nothing here
+  double pdf_w_mis = 0.0;   ///< the density that multiple-importance weights use
+  Vec3 radiance{0.0};       ///< toward `from`
+};
+
+class Lights {
+ public:
+  explicit Lights(const Scene& scene);
+  Lights() = default;
+
+  bool empty() const { return shape_choice_.empty(); }
+  /// Chooses a light and a point on it. Not when empty.
+  LightSample sample(const Scene& scene, const Vec3& from, const SampleRandom::Light& random) const;
+  /// The density with which `sample` from `from` finds `at`, for multiple-importance weights; 0 where there is no light.
+  double pdf_w_mis(const Scene& scene, const Vec3& from, const Surface& at) const;
+
+ private:
+  void sample_triangle(const TriangleMesh& mesh, const AreaLight& light, double prob_shape, const Vec3& from,
+                       const SampleRandom::Light& random, LightSample& sample) const;
+
+  std::vector<AreaLight> lights_;
+  DiscreteChoice shape_choice_;                     ///< index into lights_
+  std::vector<std::optional<std::size_t>> of_shape_;  ///< shape → index into lights_
+};
+
+/// Radiance a shape's surface emits toward `wo`.
+Vec3 emitted_radiance(const Shape& shape, const Surface& surface, const Vec3& wo);
+
+}  // namespace etendue::reference

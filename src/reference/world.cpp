@@ -1,0 +1,117 @@
+#include "reference/world.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference/intersect.h"
+
+namespace etendue::reference {
+namespace {
+
+double largest_coordinate(const Vec3& v) { return max_component(glm::abs(v)); }
+
+}  // namespace
+
+World::World(const Scene& scene) : scene_(scene), lights_(scene), filter_(scene.camera.filter) {
+  const std::vector<Primitive> unordered = collect();
+  std::vector<Box> boxes(unordered.size());
+  for (std::size_t i = 0; i < unordered.size(); ++i) {
+    const Primitive& p = unordered[i];
+    if (p.radius > 0.0) {
+      boxes[i].include(p.p0 - Vec3(p.radius));
+      boxes[i].include(p.p0 + Vec3(p.radius));
+    } else {
+      for (const Vec3& vertex : {p.p0, p.p1, p.p2}) boxes[i].include(vertex);
+    }
+  }
+  bvh_ = Bvh(boxes);
+  primitives_.reserve(unordered.size());
+  for (const std::uint32_t i : bvh_.order()) primitives_.push_back(unordered[i]);
+}
+
+std::vector<World::Primitive> World::collect() const {
+  std::vector<Primitive> primitives;
+  for (std::uint32_t s = 0; s < scene_.shapes.size(); ++s) {
+    if (const auto* sphere = std::get_if<Sphere>(&scene_.shapes[s].geometry)) {
+      primitives.push_back({.p0 = sphere->center, .radius = sphere->radius, .shape = s, .index = 0});
+      continue;
+    }
+    const auto& mesh = std::get<TriangleMesh>(scene_.shapes[s].geometry);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      const glm::uvec3 t = mesh.triangles[i];
+      const Vec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
+      if (!is_degenerate(p0, p1, p2))
+        primitives.push_back({.p0 = p0, .p1 = p1, .p2 = p2, .radius = 0.0, .shape = s, .index = i});
+    }
+  }
+  return primitives;
+}
+
+std::optional<Surface> World::closest_hit(const Ray& ray) const {
+  const TriangleTest triangle_test(ray);
+  const Primitive* nearest = nullptr;
+  TriangleHit hit;
+  bvh_.traverse(ray, [&](std::uint32_t position, double& t_max) {
+    const Primitive& p = primitives_[position];
+    if (p.radius > 0.0) {
+      const auto t = intersect_sphere(ray, p.p0, p.radius, t_max);
+      if (!t) return false;
+      hit.t = *t;
+    } else {
+      const auto found = triangle_test(p.p0, p.p1, p.p2, t_max);
+      if (!found) return false;
+      hit = *found;
+    }
+    t_max = hit.t;
+    nearest = &p;
+    return false;
+  });
+  if (nearest == nullptr) return std::nullopt;
+  if (nearest->radius > 0.0) return sphere_surface(*nearest, ray.origin + hit.t * ray.direction);
+  return triangle_surface(*nearest, hit.barycentric);
+}
+
+bool World::occluded(const Vec3& from, const Vec3& to) const {
+  const double distance = glm::length(to - from);
+  const Ray ray{.origin = from, .direction = (to - from) / distance, .t_min = 0.0, .t_max = distance};
+  const TriangleTest triangle_test(ray);
+  return bvh_.traverse(ray, [&](std::uint32_t position, double& t_max) {
+    const Primitive& p = primitives_[position];
+    if (p.radius > 0.0) return intersect_sphere(ray, p.p0, p.radius, t_max).has_value();
+    return triangle_test(p.p0, p.p1, p.p2, t_max).has_value();
+  });
+}
+
+Surface World::triangle_surface(const Primitive& primitive, const Vec3& b) const {
+  // From the vertices, not along the ray: this point's error depends on the triangle alone, however far the ray came.
+  Surface surface{.p = b.x * primitive.p0 + b.y * primitive.p1 + b.z * primitive.p2,
+                  .ng = glm::normalize(glm::cross(primitive.p1 - primitive.p0, primitive.p2 - primitive.p0)),
+                  .shape = primitive.shape,
+                  .primitive = primitive.index};
+  for (const Vec3& vertex : {primitive.p0, primitive.p1, primitive.p2})
+    surface.magnitude = std::max(surface.magnitude, largest_coordinate(vertex));
+  surface.ns = surface.ng;
+  const auto& mesh = std::get<TriangleMesh>(scene_.shapes[primitive.shape].geometry);
+  if (!mesh.normals.empty()) {
+    const glm::uvec3 t = mesh.triangles[primitive.index];
+    const Vec3 normal = b.x * mesh.normals[t.x] + b.y * mesh.normals[t.y] + b.z * mesh.normals[t.z];
+    if (const double length = glm::length(normal); length > 0.0) surface.ns = normal / length;
+  }
+  return surface;
+}
+
+Surface World::sphere_surface(const Primitive& primitive, const Vec3& near_point) const {
+  const Vec3 normal = glm::normalize(near_point - primitive.p0);
+  return {.p = primitive.p0 + primitive.radius * normal,
+          .ng = normal,
+          .ns = normal,
+          .magnitude = largest_coordinate(primitive.p0) + primitive.radius,
+          .shape = primitive.shape,
+          .primitive = 0};
+}
+
+Vec3 World::sky(const Vec3& w) const {
+  return glm::mix(scene_.sky.horizon, scene_.sky.top, std::clamp(w.y, 0.0, 1.0));
+}
+
+}  // namespace etendue::reference

@@ -1,0 +1,49 @@
+#pragma once
+/// The scene as the reference renders it: description, hierarchy, lights, filter.
+
+#include <optional>
+#include <vector>
+
+#include "reference/bvh.h"
+#include "reference/filter.h"
+#include "reference/lights.h"
+#include "reference/ray.h"
+#include "scene/scene.h"
+
+namespace etendue::reference {
+
+class World {
+ public:
+  explicit World(const Scene& scene);
+
+  const Scene& scene() const { return scene_; }
+  const Lights& lights() const { return lights_; }
+  const FilterSampler& filter() const { return filter_; }
+
+  /// The nearest surface along the ray.
+  std::optional<Surface> closest_hit(const Ray& ray) const;
+  /// Whether anything lies between two points that have already been offset off their surfaces.
+  bool occluded(const Vec3& from, const Vec3& to) const;
+  /// Radiance that arrives from outside along direction `w`.
+  Vec3 sky(const Vec3& w) const;
+
+ private:
+  /// A triangle, or a sphere when `radius` > 0 (its centre is p0).
+  struct Primitive {
+    Vec3 p0{0.0}, p1{0.0}, p2{0.0};
+    double radius = 0.0;
+    std::uint32_t shape = 0;
+    std::uint32_t index = 0;  ///< triangle in its mesh, 0 for a sphere
+  };
+  std::vector<Primitive> collect() const;
+  Surface triangle_surface(const Primitive& primitive, const Vec3& barycentric) const;
+  Surface sphere_surface(const Primitive& primitive, const Vec3& near_point) const;
+
+  Scene scene_;
+  Lights lights_;
+  FilterSampler filter_;
+  Bvh bvh_;
+  std::vector<Primitive> primitives_;  ///< in the order of the hierarchy's leaves
+};
+
+}  // namespace etendue::reference
