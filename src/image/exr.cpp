@@ -21,9 +21,8 @@ constexpr std::array<const char*, 3> kColor = {"R", "G", "B"};
 constexpr std::array<const char*, 3> kStandardError = {"StdErr.R", "StdErr.G", "StdErr.B"};
 constexpr const char* kSampleCount = "SampleCount";
 
-bool has_channels(const Imf::ChannelList& channels, const std::array<const char*, 3>& names) {
-  return std::all_of(names.begin(), names.end(),
-                     [&](const char* name) { return channels.findChannel(name) != nullptr; });
+[[noreturn]] void fail(const std::string& path, const std::string& reason) {
+  throw Error(ExitCode::file_error, fmt::format("{}: {}", path, reason));
 }
 
 void check_complete(const Image& image, const std::string& path) {
@@ -40,8 +39,32 @@ void check_complete(const Image& image, const std::string& path) {
 }
 
 void add_color_slices(Imf::FrameBuffer& buffer, const std::array<const char*, 3>& names,
-                      const std::vector<glm::vec3>& values, std::uint32_t width) {
-  for (int c = 0; c < 3; ++c) add_slice(buffer, names[c], Imf::FLOAT, &values[0][c], sizeof(glm::vec3), width);
+                      const std::vector<glm::vec3>& values, const Imath::Box2i& window) {
+  for (int c = 0; c < 3; ++c) {
+    add_slice(buffer, names[static_cast<std::size_t>(c)], Imf::FLOAT, &values[0][c], sizeof(glm::vec3), window);
+  }
+}
+
+void add_statistics(Imf::FrameBuffer& buffer, const Image& image, const Imath::Box2i& window) {
+  if (!image.standard_error.empty()) add_color_slices(buffer, kStandardError, image.standard_error, window);
+  if (!image.sample_count.empty()) {
+    add_slice(buffer, kSampleCount, Imf::UINT, image.sample_count.data(), sizeof(std::uint32_t), window);
+  }
+}
+
+/// Throws unless the channel holds one real number for every pixel.
+void check_color_channel(const Imf::ChannelList& channels, const char* name, const std::string& path) {
+  const Imf::Channel& channel = channels[name];
+  if (channel.type == Imf::UINT) fail(path, fmt::format("channel {} holds integers; expected float or half", name));
+  if (channel.xSampling != 1 || channel.ySampling != 1) {
+    fail(path, fmt::format("channel {} is stored at {}x{} times lower resolution; only full resolution is read", name,
+                           channel.xSampling, channel.ySampling));
+  }
+}
+
+bool full_resolution(const Imf::ChannelList& channels, const char* name, Imf::PixelType type) {
+  const Imf::Channel* channel = channels.findChannel(name);
+  return channel != nullptr && channel->type == type && channel->xSampling == 1 && channel->ySampling == 1;
 }
 
 }  // namespace
@@ -51,15 +74,46 @@ void write_exr(const std::string& path, const Image& image) {
   Imf::Header header = make_exr_header(image.width, image.height, image.metadata, path);
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer buffer;
-  add_color_slices(buffer, kColor, image.pixels, image.width);
-  if (!image.standard_error.empty()) add_color_slices(buffer, kStandardError, image.standard_error, image.width);
-  if (!image.sample_count.empty()) {
-    add_slice(buffer, kSampleCount, Imf::UINT, image.sample_count.data(), sizeof(std::uint32_t), image.width);
+  add_color_slices(buffer, kColor, image.pixels, header.dataWindow());
+  add_statistics(buffer, image, header.dataWindow());
+  write_file_atomically(path, encode_exr(header, buffer, path));
+}
+
+Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path) {
+  const Imf::Header header = read_exr_header(bytes, path);
+  check_exr_size(header, bytes.size(), path);
+  const Imf::ChannelList& channels = header.channels();
+  const bool color =
+      std::all_of(kColor.begin(), kColor.end(), [&](auto* name) { return channels.findChannel(name) != nullptr; });
+  if (!color && channels.findChannel("Y") == nullptr)
+    fail(path, "has neither the channels R, G and B nor the channel Y");
+  const auto names = color ? kColor : std::array<const char*, 3>{"Y", "Y", "Y"};
+  for (const char* name : names) check_color_channel(channels, name, path);
+
+  Image image;
+  const Imath::Box2i& window = header.dataWindow();
+  image.width = static_cast<std::uint32_t>(window.max.x - window.min.x) + 1;
+  image.height = static_cast<std::uint32_t>(window.max.y - window.min.y) + 1;
+  image.metadata = exr_metadata(header);
+  const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
+  image.pixels.resize(count);
+  if (std::all_of(kStandardError.begin(), kStandardError.end(),
+                  [&](auto* name) { return full_resolution(channels, name, Imf::FLOAT); })) {
+    image.standard_error.resize(count);
   }
-  for (auto slice = buffer.begin(); slice != buffer.end(); ++slice) {
-    header.channels().insert(slice.name(), Imf::Channel(slice.slice().type));
+  if (full_resolution(channels, kSampleCount, Imf::UINT)) image.sample_count.resize(count);
+
+  Imf::FrameBuffer buffer;
+  if (color) {
+    add_color_slices(buffer, kColor, image.pixels, window);
+  } else {
+    add_slice(buffer, "Y", Imf::FLOAT, image.pixels.data(), sizeof(glm::vec3), window);
   }
-  write_file_atomically(path, encode_exr(header, buffer, image.height, path));
+  add_statistics(buffer, image, window);
+  decode_exr(bytes, buffer, path);
+  if (!color)
+    std::for_each(image.pixels.begin(), image.pixels.end(), [](glm::vec3& pixel) { pixel = glm::vec3(pixel.x); });
+  return image;
 }
 
 }  // namespace etendue

@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include <Iex.h>
+#include <ImfChannelList.h>
 #include <ImfChromaticitiesAttribute.h>
 #include <ImfCompression.h>
 #include <ImfInputFile.h>
@@ -57,6 +58,14 @@ std::uint64_t pixel_bytes(const Imf::ChannelList& channels) {
     bytes += channel.channel().type == Imf::HALF ? 2 : 4;
   }
   return bytes;
+}
+
+void check_dimensions(std::int64_t width, std::int64_t height, const std::string& path) {
+  if (width < 1 || height < 1 || width > kMaxImageSide || height > kMaxImageSide ||
+      static_cast<std::uint64_t>(width * height) > kMaxImagePixels) {
+    fail(path, fmt::format("has {}x{} pixels; files hold 1 to {} a side and at most {} in all", width, height,
+                           kMaxImageSide, kMaxImagePixels));
+  }
 }
 
 /// Walks the attributes of a header: name, type (both end in a zero byte), 32-bit size, value; an empty name ends it.
@@ -154,13 +163,7 @@ Imf::Header read_exr_header(std::span<const std::byte> bytes, const std::string&
     fail(path, fmt::format("is a damaged EXR file: {}", error.what()));
   }
   const Imath::Box2i& window = header.dataWindow();
-  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-  if (width < 1 || height < 1 || width > kMaxImageSide || height > kMaxImageSide ||
-      static_cast<std::uint64_t>(width * height) > kMaxImagePixels) {
-    fail(path, fmt::format("has {}x{} pixels; 1 to {} a side and at most {} in all are read", width, height,
-                           kMaxImageSide, kMaxImagePixels));
-  }
+  check_dimensions(std::int64_t{window.max.x} - window.min.x + 1, std::int64_t{window.max.y} - window.min.y + 1, path);
   return header;
 }
 
@@ -181,6 +184,7 @@ void check_exr_size(const Imf::Header& header, std::uint64_t file_size, const st
 
 Imf::Header make_exr_header(std::uint32_t width, std::uint32_t height, const Metadata& metadata,
                             const std::string& path) {
+  check_dimensions(width, height, path);
   Imf::Header header(static_cast<int>(width), static_cast<int>(height));
   Imf::addChromaticities(header, Imf::Chromaticities());  // Rec. 709 primaries and white point
   for (const auto& [key, value] : metadata) {
@@ -198,28 +202,29 @@ Metadata exr_metadata(const Imf::Header& header) {
   Metadata metadata;
   for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
     if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute())) {
-      metadata[metadata_key(attribute.name())] = text->value();
+      if (attribute.name() != std::string(kChecksumAttribute)) metadata[metadata_key(attribute.name())] = text->value();
     }
   }
   return metadata;
 }
 
 void add_slice(Imf::FrameBuffer& buffer, const std::string& name, Imf::PixelType type, const void* base,
-               std::size_t stride, std::uint32_t width) {
-  // One slice type serves reading and writing, hence the cast.
-  auto* bytes = const_cast<char*>(static_cast<const char*>(base));
-  buffer.insert(name, Imf::Slice(type, bytes, stride, stride * width));
+               std::size_t stride, const Imath::Box2i& window) {
+  const std::size_t width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
+  buffer.insert(name, Imf::Slice::Make(type, base, window, stride, stride * width));
 }
 
-std::vector<std::byte> encode_exr(const Imf::Header& header, const Imf::FrameBuffer& buffer, std::uint32_t height,
-                                  const std::string& path) {
+std::vector<std::byte> encode_exr(Imf::Header header, const Imf::FrameBuffer& buffer, const std::string& path) {
   use_threads();
   try {
+    for (auto slice = buffer.begin(); slice != buffer.end(); ++slice) {
+      header.channels().insert(slice.name(), Imf::Channel(slice.slice().type));
+    }
     MemoryOStream stream;
     {
       Imf::OutputFile file(stream, header);
       file.setFrameBuffer(buffer);
-      file.writePixels(static_cast<int>(height));
+      file.writePixels(header.dataWindow().max.y + 1);
     }
     return std::move(stream.bytes());
   } catch (const std::exception& error) {

@@ -16,9 +16,12 @@
 
 namespace etendue {
 
-/// Largest width or height and largest number of pixels that is read from a file.
+/// Largest width or height and largest number of pixels of a file.
 inline constexpr std::uint32_t kMaxImageSide = 65536;
 inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 28;
+
+/// Text attribute that only film files have; never part of the metadata.
+inline constexpr const char* kChecksumAttribute = "filmChecksum";
 
 class MemoryOStream : public Imf::OStream {
  public:
@@ -74,13 +77,12 @@ Imf::Header make_exr_header(std::uint32_t width, std::uint32_t height, const Met
 /// Text attributes by their metadata names.
 Metadata exr_metadata(const Imf::Header& header);
 
-/// Channel `name` at `base`: rows of `width` values, `stride` bytes from one to the next.
+/// Channel `name` of the whole data window, from or to `base`: rows without gaps, `stride` bytes from pixel to pixel.
 void add_slice(Imf::FrameBuffer& buffer, const std::string& name, Imf::PixelType type, const void* base,
-               std::size_t stride, std::uint32_t width);
+               std::size_t stride, const Imath::Box2i& window);
 
-/// Encodes header and channels; throws Error(file_error) naming the path.
-std::vector<std::byte> encode_exr(const Imf::Header& header, const Imf::FrameBuffer& buffer, std::uint32_t height,
-                                  const std::string& path);
+/// Encodes the channels of `buffer`; throws Error(file_error) naming the path.
+std::vector<std::byte> encode_exr(Imf::Header header, const Imf::FrameBuffer& buffer, const std::string& path);
 /// Decodes the channels of `buffer`, all of them or none; throws Error(file_error) naming the path.
 void decode_exr(std::span<const std::byte> bytes, const Imf::FrameBuffer& buffer, const std::string& path);
 
@@ -89,6 +91,7 @@ bool is_png(std::span<const std::byte> bytes);
 Image decode_png(std::span<const std::byte> bytes, const std::string& path);
 Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path);
 /// `path` is for messages only.
-FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path);
+/// `verify` is off only where a fuzzer must get past the checksum.
+FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, bool verify);
 
 }  // namespace etendue

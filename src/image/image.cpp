@@ -1,6 +1,13 @@
 #include "image/image.h"
 
+#include <new>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
 #include "core/parallel.h"
+#include "image/exr_io.h"
+#include "image/files.h"
 
 namespace etendue {
 
@@ -21,6 +28,17 @@ Image image_from_film(const Film& film, Metadata metadata) {
     }
   });
   return image;
+}
+
+Image read_image(const std::string& path) {
+  try {
+    const std::vector<std::byte> bytes = read_file(path);
+    if (is_exr(bytes)) return decode_exr_image(bytes, path);
+    if (is_png(bytes)) return decode_png(bytes, path);
+  } catch (const std::bad_alloc&) {
+    throw Error(ExitCode::file_error, fmt::format("{}: is too large for the memory of this machine", path));
+  }
+  throw Error(ExitCode::file_error, fmt::format("{}: is neither an EXR nor a PNG file", path));
 }
 
 }  // namespace etendue

@@ -51,6 +51,13 @@ static void write_png_bytes(png_structp png, png_bytep bytes, std::size_t count)
 
 static void flush_png(png_structp) {}
 
+static void read_png_bytes(png_structp png, png_bytep target, std::size_t count) {
+  auto* state = static_cast<PngState*>(png_get_io_ptr(png));
+  if (count > state->input.size() - state->position) png_error(png, "the file ends too early");
+  std::memcpy(target, state->input.data() + state->position, count);
+  state->position += count;
+}
+
 }  // extern "C"
 
 /// IEC 61966-2-1, clamped to [0,1]; NaN becomes 0. In double; 255 times it is rounded to the nearest integer, halves
@@ -82,6 +89,92 @@ bool encode(png_structp png, png_infop info, PngState& state, std::uint32_t widt
   png_write_image(png, rows);
   png_write_end(png, nullptr);
   return true;
+}
+
+/// Reads up to the pixels. Returns false when libpng gave up.
+bool read_info(png_structp png, png_infop info, PngState& state) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_read_fn(png, &state, read_png_bytes);
+  png_set_user_limits(png, kMaxImageSide, kMaxImageSide);
+  png_set_chunk_malloc_max(png, 8u << 20);  // bounds what a compressed text may grow to
+  png_set_chunk_cache_max(png, 1000);
+  png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
+  png_read_info(png, info);
+  return true;
+}
+
+/// Everything becomes three 16-bit channels: palettes and greys are expanded, alpha is left out.
+bool read_rows(png_structp png, png_infop info, PngState& state, png_bytepp rows) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_expand_16(png);
+  png_set_gray_to_rgb(png);
+  png_set_strip_alpha(png);
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  if (png_get_rowbytes(png, info) != std::size_t{6} * png_get_image_width(png, info)) {
+    std::strncpy(state.message.data(), "unknown pixel format", state.message.size() - 1);
+    return false;
+  }
+  png_read_image(png, rows);
+  png_read_end(png, info);
+  return true;
+}
+
+/// Linear values of the 65536 codes, IEC 61966-2-1, rounded to float32.
+const std::vector<float>& srgb_decoding() {
+  static const std::vector<float> table = [] {
+    std::vector<float> values(65536);
+    for (std::size_t code = 0; code < values.size(); ++code) {
+      const double x = static_cast<double>(code) / 65535.0;
+      values[code] = static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+    }
+    return values;
+  }();
+  return table;
+}
+
+/// Frees libpng's structures on the way out.
+struct PngReader {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  explicit PngReader(PngState& state) {
+    png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &state, on_png_error, on_png_warning);
+    info = png != nullptr ? png_create_info_struct(png) : nullptr;
+    if (info == nullptr) {
+      png_destroy_read_struct(&png, &info, nullptr);
+      throw std::bad_alloc();
+    }
+  }
+  ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+};
+
+Metadata png_metadata(png_structp png, png_infop info) {
+  Metadata metadata;
+  png_textp texts = nullptr;
+  int count = 0;
+  png_get_text(png, info, &texts, &count);
+  for (int i = 0; i < count; ++i) metadata[texts[i].key] = texts[i].text != nullptr ? texts[i].text : "";
+  return metadata;
+}
+
+/// Throws unless the size is within the limits and the file can hold that many pixels (deflate shrinks by at most
+/// 1032).
+void check_png_size(png_structp png, png_infop info, std::size_t file_size, const std::string& path) {
+  const std::uint64_t width = png_get_image_width(png, info);
+  const std::uint64_t height = png_get_image_height(png, info);
+  if (width * height > kMaxImagePixels) {
+    throw Error(ExitCode::file_error,
+                fmt::format("{}: has {}x{} pixels; at most {} are read", path, width, height, kMaxImagePixels));
+  }
+  const std::uint64_t raw = png_get_rowbytes(png, info) * height;
+  if (raw / 1040 > file_size) {
+    throw Error(ExitCode::file_error,
+                fmt::format("{}: announces {} bytes of pixels but has only {} bytes: it is damaged or "
+                            "truncated",
+                            path, raw, file_size));
+  }
 }
 
 }  // namespace
@@ -119,6 +212,41 @@ void write_png(const std::string& path, const Image& image) {
   if (!encodable)
     throw Error(ExitCode::file_error, fmt::format("{}: cannot be encoded as PNG: {}", path, state.message.data()));
   write_file_atomically(path, state.output);
+}
+
+bool is_png(std::span<const std::byte> bytes) {
+  return bytes.size() >= 8 && png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes.data()), 0, 8) == 0;
+}
+
+Image decode_png(std::span<const std::byte> bytes, const std::string& path) {
+  PngState state;
+  state.input = bytes;
+  PngReader reader(state);
+  const auto damaged = [&] {
+    return Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file: {}", path, state.message.data()));
+  };
+  if (!read_info(reader.png, reader.info, state)) throw damaged();
+  check_png_size(reader.png, reader.info, bytes.size(), path);
+
+  Image image;
+  image.width = png_get_image_width(reader.png, reader.info);
+  image.height = png_get_image_height(reader.png, reader.info);
+  const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
+  std::vector<png_byte> encoded(6 * count);
+  std::vector<png_bytep> rows(image.height);
+  for (std::uint32_t y = 0; y < image.height; ++y) rows[y] = encoded.data() + std::size_t{6} * y * image.width;
+  if (!read_rows(reader.png, reader.info, state, rows.data())) throw damaged();
+
+  image.pixels.resize(count);
+  const std::vector<float>& decoding = srgb_decoding();
+  for (std::size_t i = 0; i < count; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const png_byte* sample = &encoded[6 * i + 2 * static_cast<std::size_t>(c)];
+      image.pixels[i][c] = decoding[static_cast<std::size_t>(sample[0]) << 8 | sample[1]];
+    }
+  }
+  image.metadata = png_metadata(reader.png, reader.info);
+  return image;
 }
 
 }  // namespace etendue

@@ -1,0 +1,29 @@
+#pragma once
+/// What a film file says about itself, without its pixels. write_film and read_film are in image.h.
+
+#include <cstdint>
+#include <string>
+
+#include "image/image.h"
+#include "image/sample_ranges.h"
+
+namespace etendue {
+
+struct FilmHeader {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  int exponent = 0;
+  SampleRanges samples;
+  Metadata metadata;
+  bool operator==(const FilmHeader&) const = default;
+};
+
+/// Reads only the first bytes of the file; the checksum, which covers all of it, is left to read_film. Throws
+/// Error(file_error).
+FilmHeader read_film_header(const std::string& path);
+FilmHeader header_of(const FilmFile& file);
+
+/// The file's metadata with what follows from the film, "samples" and "rejected". write_film writes these.
+Metadata film_metadata(const FilmFile& file);
+
+}  // namespace etendue

@@ -1,0 +1,191 @@
+#include "image/merge.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+
+namespace etendue {
+namespace {
+
+/// Metadata that must agree: what the samples are a function of.
+struct IdentityKey {
+  const char* key;
+  const char* words;
+};
+constexpr std::array<IdentityKey, 4> kIdentity = {{{"version", "versions of the program"},
+                                                   {"sceneHash", "scenes (sceneHash)"},
+                                                   {"seed", "seeds"},
+                                                   {"integrator", "integrator settings"}}};
+
+/// Metadata that may differ from shard to shard and is then listed with its samples.
+constexpr std::array<const char*, 2> kListed = {"device", "driver"};
+constexpr const char* kUnknown = "unknown";
+
+struct Shard {
+  std::string path;
+  FilmHeader header;
+};
+
+std::string value_of(const Metadata& metadata, const std::string& key) {
+  const auto found = metadata.find(key);
+  return found != metadata.end() ? fmt::format("\"{}\"", found->second) : "none";
+}
+
+[[noreturn]] void refuse(const std::string& a_name, const std::string& b_name, const char* what,
+                         const std::string& a_value, const std::string& b_value) {
+  throw Error(ExitCode::file_error, fmt::format("{}: cannot be merged with {}: different {}, {} here and {} there",
+                                                b_name, a_name, what, b_value, a_value));
+}
+
+/// One value of a listed key and the samples it stands for.
+using Listed = std::map<std::string, SampleRanges>;
+
+/// Reads "A [0:64]; B [64:128]". Names may contain anything, so the ranges must be those of the film or it is one plain
+/// name.
+std::optional<Listed> parse_list(const std::string& text, const SampleRanges& samples) {
+  Listed entries;
+  SampleRanges all;
+  std::size_t start = 0;
+  while (start < text.size()) {
+    std::optional<SampleRanges> ranges;
+    std::size_t open = start, close = start;
+    while (!ranges) {
+      open = text.find(" [", open + 1);
+      close = open == std::string::npos ? open : text.find(']', open);
+      if (close == std::string::npos) return {};
+      const bool ends = close + 1 == text.size() || text.compare(close, 3, "]; ") == 0;
+      if (ends) ranges = parse_sample_ranges(std::string_view(text).substr(open + 2, close - open - 2));
+    }
+    SampleRanges& entry = entries[text.substr(start, open - start)];
+    entry.insert(entry.end(), ranges->begin(), ranges->end());
+    all.insert(all.end(), ranges->begin(), ranges->end());
+    start = close + 1 == text.size() ? text.size() : close + 3;
+  }
+  if (sample_count(all) != sample_count(samples) || canonical(all) != samples) return {};
+  return entries;
+}
+
+/// The value of a listed key for the result; nothing when no shard has one.
+std::optional<std::string> merge_listed(const std::vector<Shard>& shards, const char* key) {
+  Listed entries;
+  bool any = false;
+  for (const Shard& shard : shards) {
+    // A film without samples owes nothing to its device, unless there is nothing else.
+    if (shard.header.samples.empty() && !shards.front().header.samples.empty()) continue;
+    const auto found = shard.header.metadata.find(key);
+    any = any || found != shard.header.metadata.end();
+    const std::string text = found != shard.header.metadata.end() ? found->second : kUnknown;
+    const std::optional<Listed> list = parse_list(text, shard.header.samples);
+    for (const auto& [name, ranges] : list ? *list : Listed{{text, shard.header.samples}}) {
+      entries[name].insert(entries[name].end(), ranges.begin(), ranges.end());
+    }
+  }
+  if (!any) return {};
+  if (entries.size() == 1) return entries.begin()->first;
+  std::vector<std::pair<SampleRanges, std::string>> ordered;
+  for (const auto& [name, ranges] : entries) ordered.emplace_back(canonical(ranges), name);
+  std::sort(ordered.begin(), ordered.end());
+  std::string text;
+  for (const auto& [ranges, name] : ordered)
+    text += fmt::format("{}{} [{}]", text.empty() ? "" : "; ", name, to_text(ranges));
+  return text;
+}
+
+Metadata merge_metadata(const std::vector<Shard>& shards) {
+  Metadata result = shards.front().header.metadata;
+  for (const Shard& shard : shards) {
+    std::erase_if(result, [&](const auto& entry) {
+      const auto found = shard.header.metadata.find(entry.first);
+      return entry.first != "scene" && (found == shard.header.metadata.end() || found->second != entry.second);
+    });
+  }
+  for (const char* key : kListed) {
+    result.erase(key);
+    if (const auto value = merge_listed(shards, key)) result[key] = *value;
+  }
+  return result;
+}
+
+/// Throws when two shards hold the same sample; returns the union.
+SampleRanges join_ranges(const std::vector<Shard>& shards) {
+  struct Owned {
+    std::pair<std::uint32_t, std::uint32_t> range;
+    const Shard* shard;
+  };
+  std::vector<Owned> owned;
+  SampleRanges all;
+  for (const Shard& shard : shards) {
+    for (const auto& range : shard.header.samples) {
+      owned.push_back({range, &shard});
+      all.push_back(range);
+    }
+  }
+  std::stable_sort(owned.begin(), owned.end(), [](const Owned& a, const Owned& b) { return a.range < b.range; });
+  for (std::size_t i = 1; i < owned.size(); ++i) {
+    const Owned &a = owned[i - 1], &b = owned[i];
+    if (b.range.first < a.range.second) {
+      throw Error(ExitCode::file_error,
+                  fmt::format("{} and {} both hold the samples {}:{}; give only one of them", a.shard->path,
+                              b.shard->path, b.range.first, std::min(a.range.second, b.range.second)));
+    }
+  }
+  return canonical(all);
+}
+
+/// Headers of all files, in the order of their samples, checked against each other.
+std::vector<Shard> read_headers(const std::vector<std::string>& paths) {
+  std::vector<Shard> shards;
+  for (const std::string& path : paths) {
+    shards.push_back({path, read_film_header(path)});
+    check_same_render(shards.front().header, shards.front().path, shards.back().header, path);
+  }
+  // Films without samples come last; they add nothing and name no device.
+  std::stable_sort(shards.begin(), shards.end(), [](const Shard& a, const Shard& b) {
+    if (a.header.samples.empty() || b.header.samples.empty())
+      return !a.header.samples.empty() && b.header.samples.empty();
+    return a.header.samples < b.header.samples;
+  });
+  return shards;
+}
+
+}  // namespace
+
+void check_same_render(const FilmHeader& a, const std::string& a_name, const FilmHeader& b, const std::string& b_name) {
+  for (const auto& [key, words] : kIdentity) {
+    const std::string a_value = value_of(a.metadata, key), b_value = value_of(b.metadata, key);
+    if (a_value != b_value) refuse(a_name, b_name, words, a_value, b_value);
+  }
+  if (a.width != b.width || a.height != b.height) {
+    refuse(a_name, b_name, "sizes", fmt::format("{}x{}", a.width, a.height), fmt::format("{}x{}", b.width, b.height));
+  }
+  if (a.exponent != b.exponent) {
+    refuse(a_name, b_name, "film exponents", std::to_string(a.exponent), std::to_string(b.exponent));
+  }
+}
+
+FilmFile merge_films(const std::vector<std::string>& paths) {
+  if (paths.empty()) throw Error(ExitCode::usage, "there is nothing to merge: give at least one film");
+  const std::vector<Shard> shards = read_headers(paths);
+  FilmFile result;
+  result.samples = join_ranges(shards);
+  result.metadata = merge_metadata(shards);
+  const FilmHeader& first = shards.front().header;
+  result.film = Film(first.width, first.height, first.exponent);
+  for (const Shard& shard : shards) {
+    const FilmFile file = read_film(shard.path);
+    if (header_of(file) != shard.header) {
+      throw Error(ExitCode::file_error,
+                  fmt::format("{}: was changed while it was being merged; start again", shard.path));
+    }
+    result.film.merge(file.film);
+  }
+  result.metadata = film_metadata(result);
+  return result;
+}
+
+}  // namespace etendue

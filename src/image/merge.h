@@ -1,0 +1,25 @@
+#pragma once
+/// Putting the films of one render together.
+
+#include <string>
+#include <vector>
+
+#include "image/film_file.h"
+#include "image/image.h"
+
+namespace etendue {
+
+/// Throws Error(file_error) unless both films belong to one render: same size, film exponent and metadata "version",
+/// "sceneHash", "seed" and "integrator". The sentence names the difference and both values.
+void check_same_render(const FilmHeader& a, const std::string& a_name, const FilmHeader& b, const std::string& b_name);
+
+/// The film of all samples of the files, in whatever order they are given; equal to one render of these samples. Gaps
+/// in the sample ranges are allowed and recorded. Holds one file at a time besides the result. Metadata:
+/// - "samples" and "rejected" are those of the result; "scene" is that of the file with the lowest sample index;
+/// - "device" and "driver", where files differ, become a list with the sample ranges: "A [0:64]; B [64:128,192:256]";
+/// - anything else is kept where all files agree and left out where they do not.
+/// Throws Error(file_error) when a file is no film, belongs to another render or shares samples with another file;
+/// Error(usage) when there are no paths.
+FilmFile merge_films(const std::vector<std::string>& paths);
+
+}  // namespace etendue
