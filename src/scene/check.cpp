@@ -1,0 +1,218 @@
+#include "scene/check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
+
+#include "scene/obj_reader.h"
+#include "scene/text.h"
+
+namespace etendue {
+namespace {
+
+struct Box {
+  glm::dvec3 min{std::numeric_limits<double>::infinity()};
+  glm::dvec3 max{-std::numeric_limits<double>::infinity()};
+
+  void add(const glm::dvec3& p) {
+    min = glm::min(min, p);
+    max = glm::max(max, p);
+  }
+};
+
+Box bounds(const Geometry& geometry) {
+  Box box;
+  if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+    box.add(sphere->center - sphere->radius);
+    box.add(sphere->center + sphere->radius);
+  } else {
+    for (const glm::dvec3& p : std::get<TriangleMesh>(geometry).positions) box.add(p);
+  }
+  return box;
+}
+
+bool is_dark(const glm::dvec3& radiance) {
+  return radiance == glm::dvec3(0.0);
+}
+
+void check_light(const Scene& scene, Diagnostics& diagnostics) {
+  const bool sky = !is_dark(scene.sky.top) || !is_dark(scene.sky.horizon);
+  const bool emitter = std::any_of(scene.shapes.begin(), scene.shapes.end(),
+                                   [](const Shape& s) { return s.emitter && !is_dark(s.emitter->radiance); });
+  if (sky || emitter) return;
+  diagnostics.warning(scene.position,
+                      "the scene has no emitter and a black sky: the image will be black; add an <emitter> to a mesh "
+                      "or sky_top to the scene");
+}
+
+/// True if some part of the box lies more than rounding in front of the triangle's plane.
+bool box_in_front(const Box& box, const glm::dvec3& p, const glm::dvec3& n, double tolerance) {
+  const glm::dvec3 farthest(n.x > 0 ? box.max.x : box.min.x, n.y > 0 ? box.max.y : box.min.y,
+                            n.z > 0 ? box.max.z : box.min.z);
+  return glm::dot(farthest - p, n) > tolerance;
+}
+
+/// An emitter mesh none of whose triangles has anything, or the camera, in front of it. Boxes make it a cautious test:
+/// it warns only when nothing can be lit.
+void check_facing(const Scene& scene, const Shape& shape, const Box& all, Diagnostics& diagnostics) {
+  const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
+  if (mesh == nullptr || !shape.emitter) return;
+  const glm::dvec3 extent = all.max - all.min;
+  const double tolerance = 1e-6 * std::max({extent.x, extent.y, extent.z});
+  for (const glm::uvec3& t : mesh->triangles) {
+    const glm::dvec3& p = mesh->positions[t.x];
+    const glm::dvec3 n = glm::cross(mesh->positions[t.y] - p, mesh->positions[t.z] - p);
+    const double length = glm::length(n);
+    if (length > 0.0 && box_in_front(all, p, n / length, tolerance)) return;
+  }
+  diagnostics.warning(
+      shape.position,
+      fmt::format("the emitter {} faces away from everything in scene {}: it lights nothing; turn its triangles around",
+                  text::quoted(shape.name), scene.name));
+}
+
+/// Generalised winding number of a mesh around a point: the solid angle it fills over 4π [VanOosterom1983]; ±1 inside a
+/// closed mesh, 0 outside, in between for open ones.
+double winding_number(const TriangleMesh& mesh, const glm::dvec3& p) {
+  double sum = 0.0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a = mesh.positions[t.x] - p, b = mesh.positions[t.y] - p, c = mesh.positions[t.z] - p;
+    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+    const double numerator = glm::dot(a, glm::cross(b, c));
+    const double denominator = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+    sum += 2.0 * std::atan2(numerator, denominator);
+  }
+  return sum / (4.0 * glm::pi<double>());
+}
+
+double volume_size(const Box& box) {
+  return glm::length(box.max - box.min);
+}
+
+/// The medium around the camera is that of the smallest dielectric it is inside of; a hollow (inside index near 1) is
+/// air.
+void check_camera_medium(const Scene& scene, const std::vector<Box>& boxes, Diagnostics& diagnostics) {
+  const glm::dvec3 eye(scene.camera.world_from_camera[3]);
+  const Shape* innermost = nullptr;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+    const Shape& shape = scene.shapes[i];
+    if (!std::holds_alternative<DielectricBsdf>(shape.bsdf) || volume_size(boxes[i]) >= smallest) continue;
+    const bool in_box = glm::all(glm::greaterThan(eye, boxes[i].min)) && glm::all(glm::lessThan(eye, boxes[i].max));
+    if (!in_box) continue;
+    const auto* sphere = std::get_if<Sphere>(&shape.geometry);
+    const bool inside = sphere != nullptr ? glm::distance(eye, sphere->center) < sphere->radius
+                                          : std::abs(winding_number(std::get<TriangleMesh>(shape.geometry), eye)) > 0.5;
+    if (!inside) continue;
+    innermost = &shape;
+    smallest = volume_size(boxes[i]);
+  }
+  constexpr double kAir = 1.01;
+  if (innermost == nullptr || std::get<DielectricBsdf>(innermost->bsdf).int_ior < kAir) return;
+  diagnostics.warning(
+      scene.camera.position,
+      fmt::format("the camera stands inside the dielectric {} of line {}; move it out unless that is meant",
+                  text::quoted(innermost->name), innermost->position.line));
+}
+
+void check_normals(const Shape& shape, Diagnostics& diagnostics) {
+  const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
+  if (mesh == nullptr || mesh->normals.empty()) return;
+  const auto against = std::count_if(mesh->triangles.begin(), mesh->triangles.end(), [&](const glm::uvec3& t) {
+    const glm::dvec3& p = mesh->positions[t.x];
+    const glm::dvec3 ng = glm::cross(mesh->positions[t.y] - p, mesh->positions[t.z] - p);
+    return glm::dot(ng, mesh->normals[t.x] + mesh->normals[t.y] + mesh->normals[t.z]) < 0.0;
+  });
+  if (against == 0) return;
+  diagnostics.warning(
+      shape.position,
+      fmt::format(
+          "{} of {} triangles of {} have vertex normals against their winding and stay black; flip the faces or "
+          "the normals",
+          against, mesh->triangles.size(), text::quoted(shape.name)));
+}
+
+/// Numbers positions so that equal ones get the same number: vertices are split where normals differ.
+std::vector<std::uint32_t> weld(const TriangleMesh& mesh) {
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    const glm::dvec3 &p = mesh.positions[a], &q = mesh.positions[b];
+    return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
+  };
+  std::vector<std::uint32_t> order(mesh.positions.size()), number(mesh.positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), less);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    number[order[i]] = i > 0 && !less(order[i - 1], order[i]) ? number[order[i - 1]] : order[i];
+  return number;
+}
+
+/// Edges that are not run through equally often in both directions: a closed, consistently oriented surface has none.
+std::size_t open_edges(const TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> number = weld(mesh);
+  std::vector<std::uint64_t> edges;  // both ends sorted, then the direction in the lowest bit
+  edges.reserve(mesh.triangles.size() * 3);
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const std::uint64_t a = number[t[i]], b = number[t[(i + 1) % 3]];
+      if (a != b) edges.push_back(std::min(a, b) << 33 | std::max(a, b) << 1 | (a < b ? 1 : 0));
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::int64_t balance = 0;
+    const std::uint64_t edge = edges[i] >> 1;
+    for (; i < edges.size() && edges[i] >> 1 == edge; ++i) balance += (edges[i] & 1) != 0 ? 1 : -1;
+    open += static_cast<std::size_t>(std::abs(balance));
+  }
+  return open;
+}
+
+void check_closed(const Shape& shape, Diagnostics& diagnostics) {
+  const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
+  if (mesh == nullptr || !std::holds_alternative<DielectricBsdf>(shape.bsdf)) return;
+  const std::size_t open = open_edges(*mesh);
+  if (open == 0) return;
+  diagnostics.warning(
+      shape.position,
+      fmt::format(
+          "the dielectric mesh {} is not closed ({} open edges): light that enters may never leave; close the mesh",
+          text::quoted(shape.name), open));
+}
+
+}  // namespace
+
+void check_scene(const Scene& scene, Diagnostics& diagnostics) {
+  std::vector<Box> boxes;
+  Box all;
+  for (const Shape& shape : scene.shapes) {
+    boxes.push_back(bounds(shape.geometry));
+    all.add(boxes.back().min);
+    all.add(boxes.back().max);
+  }
+  if (scene.shapes.empty()) diagnostics.warning(scene.position, "the scene has no <mesh>: only the sky will be seen");
+  all.add(glm::dvec3(scene.camera.world_from_camera[3]));
+  if (scene.integrator.type == Integrator::Type::path) check_light(scene, diagnostics);
+  check_camera_medium(scene, boxes, diagnostics);
+  for (const Shape& shape : scene.shapes) {
+    check_facing(scene, shape, all, diagnostics);
+    check_normals(shape, diagnostics);
+    check_closed(shape, diagnostics);
+  }
+}
+
+void check_scene_file(const SceneFile& file, Diagnostics& diagnostics) {
+  if (const auto* scene = std::get_if<Scene>(&file)) check_scene(*scene, diagnostics);
+  if (const auto* test = std::get_if<TTest>(&file)) {
+    for (const Scene& scene : test->scenes) check_scene(scene, diagnostics);
+  }
+}
+
+}  // namespace etendue

@@ -1,0 +1,16 @@
+#pragma once
+/// What is legal in a scene but probably not meant.
+
+#include "scene/diagnostics.h"
+#include "scene/xml_reader.h"
+
+namespace etendue {
+
+/// Adds warnings about a scene that was read without errors: no light, emitters that face away from everything, a
+/// camera inside glass, vertex normals against the winding, glass that is not closed. Linear in the number of
+/// triangles, but for sorting the edges of dielectric meshes.
+void check_scene(const Scene& scene, Diagnostics& diagnostics);
+/// The same for every scene of a file.
+void check_scene_file(const SceneFile& file, Diagnostics& diagnostics);
+
+}  // namespace etendue

@@ -1,0 +1,57 @@
+#include "scene/diagnostics.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/log.h"
+
+namespace etendue {
+
+std::string to_string(const SourcePosition& position) {
+  if (position.line == 0) return position.file;
+  return fmt::format("{}:{}:{}", position.file, position.line, position.column);
+}
+
+std::string to_string(const Diagnostic& diagnostic) {
+  const std::string place = to_string(diagnostic.position);
+  return place.empty() ? diagnostic.message : place + ": " + diagnostic.message;
+}
+
+void Diagnostics::add(Diagnostic diagnostic) {
+  const bool is_error = diagnostic.severity == Severity::error;
+  if (is_error) ++errors_;
+  // The first error is always kept, or a thousand warnings before it would hide why a file is refused.
+  if (list_.size() < kMaxListed || (is_error && errors_ == 1)) {
+    list_.push_back(std::move(diagnostic));
+  } else {
+    ++dropped_;
+  }
+}
+
+void Diagnostics::error(const SourcePosition& position, std::string message, ExitCode code) {
+  add({Severity::error, position, std::move(message), code});
+}
+
+void Diagnostics::warning(const SourcePosition& position, std::string message) {
+  add({Severity::warning, position, std::move(message), ExitCode::scene_error});
+}
+
+void Diagnostics::note(const SourcePosition& position, std::string message) {
+  add({Severity::note, position, std::move(message), ExitCode::scene_error});
+}
+
+void Diagnostics::throw_first_error() const {
+  for (const Diagnostic& diagnostic : list_) {
+    if (diagnostic.severity == Severity::error) throw Error(diagnostic.code, to_string(diagnostic));
+  }
+}
+
+void Diagnostics::log_warnings() const {
+  for (const Diagnostic& diagnostic : list_) {
+    if (diagnostic.severity == Severity::warning) log::warning(to_string(diagnostic));
+    if (diagnostic.severity == Severity::note) log::debug(to_string(diagnostic));
+  }
+}
+
+}  // namespace etendue

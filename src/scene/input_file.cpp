@@ -1,0 +1,47 @@
+#include "scene/input_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+
+namespace etendue {
+
+InputFile::InputFile(const std::string& path) : path_(path) {
+  // O_NONBLOCK lets open() return at once for a FIFO, which is then refused by its kind.
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (descriptor_ < 0) {
+    throw Error(ExitCode::scene_error, fmt::format("{}: cannot open the file: {}", path, std::strerror(errno)));
+  }
+  struct stat info {};
+  const bool known = ::fstat(descriptor_, &info) == 0;
+  if (known && S_ISREG(info.st_mode)) {
+    size_ = static_cast<std::uint64_t>(info.st_size);
+    return;
+  }
+  ::close(descriptor_);
+  const char* kind = known && S_ISDIR(info.st_mode) ? "a folder" : "not a regular file (a pipe, socket or device)";
+  throw Error(ExitCode::scene_error, fmt::format("{}: this is {}; give the path of a regular file", path, kind));
+}
+
+InputFile::~InputFile() {
+  ::close(descriptor_);
+}
+
+std::size_t InputFile::read(char* buffer, std::size_t capacity) {
+  for (;;) {
+    const ssize_t count = ::read(descriptor_, buffer, capacity);
+    if (count >= 0) return static_cast<std::size_t>(count);
+    if (errno != EINTR) {
+      throw Error(ExitCode::file_error, fmt::format("{}: cannot read the file: {}", path_, std::strerror(errno)));
+    }
+  }
+}
+
+}  // namespace etendue

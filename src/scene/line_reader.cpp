@@ -1,0 +1,95 @@
+#include "scene/line_reader.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace etendue {
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{1} << 18;
+
+/// First CR or LF in [from, end), or `end`. One pass over both: a memchr for LF alone would scan the whole buffer for
+/// every line of a file that ends its lines with CR.
+const char* find_line_end(const char* from, const char* end) {
+  return std::find_if(from, end, [](char c) { return c == '\n' || c == '\r'; });
+}
+
+}  // namespace
+
+LineReader::LineReader(Source source, std::string file, std::size_t max_line)
+    : source_(std::move(source)), file_(std::move(file)), max_line_(max_line), buffer_(kChunk) {}
+
+bool LineReader::refill() {
+  if (at_end_) return false;
+  std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  end_ -= begin_;
+  begin_ = 0;
+  if (end_ == buffer_.size()) buffer_.resize(buffer_.size() * 2);
+  const std::size_t count = source_(buffer_.data() + end_, buffer_.size() - end_);
+  at_end_ = count == 0;
+  end_ += count;
+  return !at_end_;
+}
+
+bool LineReader::next_physical(std::string_view& physical) {
+  std::size_t searched = 0;
+  for (;;) {
+    const char* first = buffer_.data() + begin_;
+    const char* last = buffer_.data() + end_;
+    const char* stop = find_line_end(first + searched, last);
+    // A CR at the end of the buffer may be half of a CR LF.
+    const bool undecided = stop == last || (*stop == '\r' && stop + 1 == last);
+    const auto length = static_cast<std::size_t>(stop - first);
+    if (length > max_line_)
+      throw TooLong{
+          {file_, static_cast<int>(std::min<std::uint64_t>(number_ + 1, std::numeric_limits<int>::max())), 1}};
+    if (undecided && !at_end_) {
+      searched = length;
+      refill();
+      continue;
+    }
+    if (stop == last && length == 0) return false;
+    physical = std::string_view(first, length);
+    std::size_t used = length;
+    if (stop != last) used += *stop == '\r' && stop + 1 != last && stop[1] == '\n' ? 2 : 1;
+    begin_ += used;
+    ++number_;
+    return true;
+  }
+}
+
+bool LineReader::next() {
+  joins_.clear();
+  std::string_view physical;
+  if (!next_physical(physical)) return false;
+  joins_.push_back({0, number_});
+  if (physical.empty() || physical.back() != '\\') {
+    line_ = physical;
+    return true;
+  }
+  joined_.clear();
+  for (;;) {
+    const bool continues = !physical.empty() && physical.back() == '\\';
+    joined_ += physical.substr(0, physical.size() - (continues ? 1 : 0));
+    if (joined_.size() > max_line_) throw TooLong{position(0)};
+    if (!continues) break;
+    joined_ += ' ';  // a backslash separates: it stands where a blank would
+    if (!next_physical(physical)) break;
+    joins_.push_back({joined_.size(), number_});
+  }
+  line_ = joined_;
+  return true;
+}
+
+SourcePosition LineReader::position(std::size_t offset) const {
+  const auto after = std::upper_bound(joins_.begin(), joins_.end(), offset,
+                                      [](std::size_t o, const Join& join) { return o < join.offset; });
+  const Join join = after == joins_.begin() ? Join{0, number_} : *(after - 1);
+  constexpr std::uint64_t kMax = std::numeric_limits<int>::max();
+  return {file_, static_cast<int>(std::min(join.number, kMax)),
+          static_cast<int>(std::min<std::uint64_t>(offset - join.offset + 1, kMax))};
+}
+
+}  // namespace etendue

@@ -1,0 +1,42 @@
+#pragma once
+/// Wavefront OBJ files, read as a stream. tinyobjloader would be at hand, but it gives no positions for errors, takes
+/// indices that are out of range and has crashed on hostile files; a file here may be anything.
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "scene/diagnostics.h"
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// Bounds on a mesh, so that memory stays within about 3 GiB whatever the file holds.
+struct ObjLimits {
+  static constexpr std::size_t kMaxVertices = std::size_t{1} << 25;  ///< `v` lines; `vn` and `vt` lines likewise
+  static constexpr std::size_t kMaxTriangles = std::size_t{1} << 25;
+  static constexpr std::size_t kMaxCorners = 65536;              ///< of one face
+  static constexpr std::size_t kMaxLine = std::size_t{4} << 20;  ///< bytes, continuations included
+};
+
+/// Fills a buffer with the next bytes of a file and returns how many there were; 0 at the end.
+using ByteSource = std::function<std::size_t(char* buffer, std::size_t capacity)>;
+
+/// Reads `v`, `vt`, `vn` and `f` lines into one mesh in world space; groups, materials and smoothing groups are
+/// ignored. Positions go through `world_from_object`, normals through its inverse transpose. Polygons are triangulated,
+/// vertices with several normals are split, vertices no face uses are left out. Where only some faces have normals, the
+/// others get that of their plane. The first error ends the reading and is reported, with line and column; then there
+/// is no mesh. Warnings are reported too.
+std::optional<TriangleMesh> read_obj(const std::string& path, const glm::dmat4& world_from_object,
+                                     Diagnostics& diagnostics);
+/// The same from any source of bytes; `file` is for messages.
+std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file,
+                                     const glm::dmat4& world_from_object, Diagnostics& diagnostics);
+
+/// Area of a triangle of the mesh, in squared scene units.
+double triangle_area(const TriangleMesh& mesh, const glm::uvec3& triangle);
+
+}  // namespace etendue

@@ -1,0 +1,179 @@
+#include "scene/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace etendue::text {
+namespace {
+
+char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+/// True if a number that std::from_chars found out of range is too small rather than too large: its first non-zero
+/// digit stands for a negative power of ten.
+bool is_underflow(std::string_view token) {
+  const std::size_t e = token.find_first_of("eE");
+  const std::string_view mantissa = token.substr(0, e);
+  std::int64_t exponent = 0;
+  if (e != std::string_view::npos) {
+    const std::string_view digits = token.substr(e + 1);
+    if (parse_integer(digits, exponent) != NumberError::none) return digits.front() == '-';
+  }
+  const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
+  const std::size_t first = mantissa.find_first_of("123456789");
+  if (first == std::string_view::npos) return true;
+  const auto power = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(first);
+  return exponent < -power;
+}
+
+std::string_view without_plus(std::string_view token) {
+  if (token.size() > 1 && token[0] == '+' && token[1] != '-' && token[1] != '+') token.remove_prefix(1);
+  return token;
+}
+
+}  // namespace
+
+NumberError parse_double(std::string_view token, double& value) {
+  const std::string_view digits = without_plus(token);
+  double result = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), result);
+  if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) return NumberError::not_a_number;
+  if (error == std::errc::result_out_of_range) {
+    if (!is_underflow(digits)) return NumberError::too_large;
+    result = 0;
+  }
+  if (!std::isfinite(result)) return NumberError::not_finite;
+  value = result;
+  return NumberError::none;
+}
+
+NumberError parse_integer(std::string_view token, std::int64_t& value) {
+  const std::string_view digits = without_plus(token);
+  std::int64_t result = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), result);
+  if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) return NumberError::not_a_number;
+  if (error == std::errc::result_out_of_range) return NumberError::too_large;
+  value = result;
+  return NumberError::none;
+}
+
+std::string describe(NumberError error, std::string_view token, const char* kind) {
+  switch (error) {
+    case NumberError::none:
+      return {};
+    case NumberError::not_a_number:
+      return fmt::format("{} is not {}", quoted(token), kind);
+    case NumberError::not_finite:
+      return fmt::format("{} is not a finite number", quoted(token));
+    case NumberError::too_large:
+      return fmt::format("{} is too large", quoted(token));
+  }
+  return {};
+}
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+std::string_view trim(std::string_view s) {
+  while (!s.empty() && is_blank(s.front())) s.remove_prefix(1);
+  while (!s.empty() && is_blank(s.back())) s.remove_suffix(1);
+  return s;
+}
+
+bool equal_ignoring_case(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+}
+
+std::size_t utf8_length(std::string_view s, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return k < s.size() ? static_cast<unsigned char>(s[k]) : 0u; };
+  const unsigned lead = byte(i);
+  if (lead < 0x80) return 1;
+  const std::size_t length = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  if (lead < 0xc2 || lead > 0xf4) return 0;
+  for (std::size_t k = 1; k < length; ++k) {
+    if ((byte(i + k) & 0xc0) != 0x80) return 0;
+  }
+  const unsigned second = byte(i + 1);
+  const bool bad = (lead == 0xe0 && second < 0xa0) || (lead == 0xed && second > 0x9f) ||
+                   (lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second > 0x8f);
+  return bad ? 0 : length;
+}
+
+std::string quoted(std::string_view s) {
+  constexpr std::size_t kMaxShown = 40;
+  std::string shown = "\"";
+  std::size_t characters = 0;
+  for (std::size_t i = 0; i < s.size(); ++characters) {
+    if (characters == kMaxShown) {
+      shown += "…";
+      break;
+    }
+    const std::size_t length = utf8_length(s, i);
+    const auto c = static_cast<unsigned char>(s[i]);
+    // C1 control characters (U+0080…U+009F) can drive a terminal just as C0 can.
+    const bool control =
+        c < 0x20 || c == 0x7f || (c == 0xc2 && length == 2 && static_cast<unsigned char>(s[i + 1]) < 0xa0);
+    if (length == 0 || control) {
+      shown += "�";
+    } else {
+      shown += s.substr(i, length);
+    }
+    i += std::max<std::size_t>(length, 1);
+  }
+  return shown + '"';
+}
+
+namespace {
+
+/// Number of insertions, deletions, substitutions and swaps of neighbours (optimal string alignment) between two short
+/// words, ignoring case.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), previous(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) previous[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      row[j] = std::min({previous[j] + 1, row[j - 1] + 1, previous[j - 1] + (same ? 0 : 1)});
+      const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, previous);
+    std::swap(previous, row);
+  }
+  return previous[b.size()];
+}
+
+}  // namespace
+
+std::string closest(std::string_view word, const std::vector<std::string>& candidates) {
+  constexpr std::size_t kMaxWord = 64;  // keeps the quadratic distance cheap whatever the file holds
+  if (word.empty() || word.size() > kMaxWord) return {};
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(1, std::min<std::size_t>(3, word.size() / 3)) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
+  const std::string best = closest(word, candidates);
+  return best.empty() ? std::string() : fmt::format("; did you mean \"{}\"?", best);
+}
+
+std::string join(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+}  // namespace etendue::text

@@ -1,0 +1,40 @@
+#pragma once
+/// Small text tools shared by the readers. Nothing here depends on the locale.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace etendue::text {
+
+enum class NumberError { none, not_a_number, not_finite, too_large };
+
+/// Reads the whole token as a finite decimal number (an optional leading '+' or '-', no hexadecimal). A number too
+/// small for a double becomes zero.
+NumberError parse_double(std::string_view token, double& value);
+/// Reads the whole token as a decimal integer.
+NumberError parse_integer(std::string_view token, std::int64_t& value);
+/// What a NumberError says about `token`: `"1e999" is too large`.
+std::string describe(NumberError error, std::string_view token, const char* kind);
+
+/// XML's white space: blank, tab, carriage return, newline.
+bool is_blank(char c);
+std::string_view trim(std::string_view s);
+bool equal_ignoring_case(std::string_view a, std::string_view b);
+
+/// A piece of the user's text for a message: in double quotes, shortened to 40 characters, with control characters and
+/// bytes that are not UTF-8 replaced, so that a hostile file cannot write to the terminal.
+std::string quoted(std::string_view s);
+
+/// Byte length of the UTF-8 sequence at `s[i]`, or 0 if it is malformed (overlong, surrogate, out of range, truncated).
+std::size_t utf8_length(std::string_view s, std::size_t i);
+
+/// The candidate closest to `word`, or "" if none is close enough to be a slip of the pen.
+std::string closest(std::string_view word, const std::vector<std::string>& candidates);
+/// `; did you mean "width"?` or nothing.
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
+/// "a, b, c".
+std::string join(const std::vector<std::string>& words);
+
+}  // namespace etendue::text

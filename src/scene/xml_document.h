@@ -1,0 +1,62 @@
+#pragma once
+/// A strict reader for the part of XML 1.0 that scene files use: elements and attributes in UTF-8. It exists because
+/// scene errors need the exact place of every attribute and value in the original bytes, and because the DOM libraries
+/// at hand accept what XML forbids (duplicate attributes, undefined entities, malformed UTF-8) without a word.
+///
+/// Document types are refused, so there are no entities but the five predefined ones and nothing can expand.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/diagnostics.h"
+
+namespace etendue {
+
+struct XmlAttribute {
+  std::string name;
+  std::string value;       ///< references replaced
+  std::size_t offset = 0;  ///< of the name, in bytes of the file
+  std::size_t value_offset = 0;
+  bool verbatim = true;  ///< `value` is byte for byte what the file holds, so offsets into it are offsets into the file
+};
+
+struct XmlElement {
+  std::string name;
+  std::size_t offset = 0;  ///< of the '<'
+  std::vector<XmlAttribute> attributes;
+  std::vector<XmlElement> children;
+
+  const XmlAttribute* find(std::string_view attribute) const;
+};
+
+class XmlDocument {
+ public:
+  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+  static constexpr std::size_t kMaxDepth = 32;
+  static constexpr std::size_t kMaxElements = 1'000'000;
+  static constexpr std::size_t kMaxAttributes = 16;  ///< of one element
+
+  /// Parses `text`. Stray text and duplicate attributes are reported and skipped; after a syntax error parsing ends and
+  /// there is no root. Never throws for anything in `text`.
+  XmlDocument(std::string text, std::string file, Diagnostics& diagnostics);
+
+  const std::optional<XmlElement>& root() const { return root_; }
+  const std::string& file() const { return file_; }
+  /// Line and column of a byte. Lines end with LF, CR LF or CR; columns count characters (code points), a tab is one.
+  SourcePosition position(std::size_t offset) const;
+
+ private:
+  void index_lines();
+
+  std::string text_;
+  std::string file_;
+  std::vector<std::uint32_t> line_starts_;
+  std::vector<std::uint32_t> continuation_bytes_;  ///< UTF-8 continuation bytes before every 4096th byte
+  std::optional<XmlElement> root_;
+};
+
+}  // namespace etendue

@@ -1,0 +1,458 @@
+#include "scene/xml_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "scene/check.h"
+#include "scene/input_file.h"
+#include "scene/obj_reader.h"
+#include "scene/object.h"
+#include "scene/text.h"
+#include "scene/xml_document.h"
+
+namespace etendue {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Errors after which meshes are no longer opened: a file that names one broken mesh a million times ends soon.
+constexpr std::size_t kMaxErrorsBeforeMeshes = 100;
+/// Triangles of all meshes of a file together.
+constexpr std::size_t kMaxSceneTriangles = std::size_t{1} << 26;
+/// Darkest emission: below it single precision loses digits and then the light.
+constexpr double kMinRadiance = 1e-20;
+
+std::uint32_t to_uint32(std::int64_t value) {
+  return static_cast<std::uint32_t>(value);
+}  // in range by the plugin table
+
+/// Turns elements into the structs of scene.h. Every function reports what is wrong and goes on with something usable,
+/// so that one pass finds all problems; a result counts only if there were no errors.
+class SceneReader {
+ public:
+  SceneReader(ReadContext& context, const MeshLoader& load_mesh)
+      : context_(context), sink_(context.diagnostics), load_mesh_(load_mesh), path_(context.document.file()) {}
+
+  std::optional<SceneFile> read(const XmlElement& root) {
+    if (root.name != "scene" && root.name != "test") {
+      sink_.error(
+          context_.document.position(root.offset),
+          fmt::format("the root element is {}; a file holds one <scene> or one <test>", text::quoted(root.name)));
+      return std::nullopt;
+    }
+    const std::optional<Object> object = Object::read(root, context_);
+    if (!object) return std::nullopt;
+    const std::string type = object->plugin().type;
+    if (type == "ttest") return read_ttest(*object);
+    if (type == "chi2test") return read_chi2test(*object);
+    return read_scene(*object, fs::path(path_).stem().string());
+  }
+
+ private:
+  Scene read_scene(const Object& object, const std::string& name) {
+    Scene scene;
+    scene.name = name;
+    scene.file = path_;
+    scene.position = object.position();
+    scene.sky = {object.get<glm::dvec3>("sky_top"), object.get<glm::dvec3>("sky_horizon")};
+    check_radiance(scene.sky.top, object.position_of("sky_top"));
+    check_radiance(scene.sky.horizon, object.position_of("sky_horizon"));
+    if (const auto integrator = read_only_child(object, "integrator"))
+      scene.integrator = read_integrator(*integrator, object);
+    if (const auto camera = read_only_child(object, "camera")) scene.camera = read_camera(*camera);
+    scene.sampler = read_sampler(object);
+    for (const XmlElement* mesh : object.children("mesh")) {
+      if (const auto child = Object::read(*mesh, context_)) read_shape(*child, scene);
+    }
+    return scene;
+  }
+
+  /// The object of a tag of which there is at most one; nothing if it is missing or unusable.
+  std::optional<Object> read_only_child(const Object& parent, const char* tag) {
+    const std::vector<const XmlElement*> children = parent.children(tag);
+    if (children.empty()) return std::nullopt;
+    return Object::read(*children.front(), context_);
+  }
+
+  Integrator read_integrator(const Object& object, const Object& scene) {
+    Integrator integrator;
+    const std::string type = object.plugin().type;
+    if (type == "normals") {
+      integrator.type = Integrator::Type::normals;
+      return integrator;
+    }
+    integrator.max_depth = to_uint32(object.get<std::int64_t>("maxDepth"));
+    integrator.rr_depth = to_uint32(object.get<std::int64_t>("rrDepth"));
+    if (type == "path") {
+      // The scene's nee counts only where the integrator is silent: the nearer word wins.
+      integrator.nee = object.given("nee") ? object.get<bool>("nee") : scene.get<bool>("nee");
+      integrator.mis = object.get<bool>("mis");
+      if (object.given("nee") && scene.given("nee")) warn_scene_nee(scene, "the integrator has its own");
+    } else {
+      integrator.nee = type != "path_mats";
+      integrator.mis = type == "path_mis";
+      if (scene.given("nee") && scene.get<bool>("nee") != integrator.nee)
+        warn_scene_nee(scene, "the integrator " + type + " decides it");
+    }
+    check_integrator(integrator, object);
+    return integrator;
+  }
+
+  void warn_scene_nee(const Object& scene, const std::string& why) {
+    sink_.warning(scene.position_of("nee"), fmt::format("\"nee\" of <scene> has no effect: {}", why));
+  }
+
+  void check_integrator(const Integrator& integrator, const Object& object) {
+    const bool path = std::string_view(object.plugin().type) == "path";
+    if (path && !integrator.nee && object.given("mis") && integrator.mis) {
+      sink_.warning(object.position_of("mis"), "\"mis\" has no effect without nee; set nee to true or remove mis");
+    }
+    if (object.given("rrDepth") && integrator.rr_depth > integrator.max_depth) {
+      sink_.warning(object.position_of("rrDepth"), fmt::format("\"rrDepth\" {} has no effect: paths end at maxDepth {}",
+                                                               integrator.rr_depth, integrator.max_depth));
+    }
+    constexpr std::uint32_t kLongPath = 10000;
+    if (integrator.rr_depth == 0 && integrator.max_depth > kLongPath) {
+      sink_.warning(
+          object.position_of("maxDepth"),
+          fmt::format("paths of up to {} segments without Russian roulette may take for ever; set rrDepth to 5",
+                      integrator.max_depth));
+    }
+  }
+
+  Camera read_camera(const Object& object) {
+    Camera camera;
+    camera.position = object.position();
+    const auto width = object.get<std::int64_t>("width"), height = object.get<std::int64_t>("height");
+    if (width * height > kMaxPixels) {
+      sink_.error(object.position_of("width"), fmt::format("the film has {} × {} = {} pixels; at most {} are supported",
+                                                           width, height, width * height, kMaxPixels));
+    }
+    camera.width = to_uint32(width);
+    camera.height = to_uint32(height);
+    camera.fov = object.get<double>("fov");
+    camera.near_clip = object.get<double>("nearClip");
+    camera.far_clip = object.get<double>("farClip");
+    if (!(camera.near_clip < camera.far_clip)) {
+      const char* name = object.given("farClip") ? "farClip" : "nearClip";
+      sink_.error(object.position_of(name),
+                  fmt::format("nearClip {} is not less than farClip {}; nothing would be visible", camera.near_clip,
+                              camera.far_clip));
+    }
+    camera.world_from_camera = object.matrix("toWorld");
+    const glm::dvec3 origin(camera.world_from_camera[3]);
+    if (!(std::max({std::abs(origin.x), std::abs(origin.y), std::abs(origin.z)}) <= kMaxCoordinate)) {
+      sink_.error(object.position_of("toWorld"),
+                  fmt::format("the camera stands at {} {} {}; coordinates up to {} are supported", origin.x, origin.y,
+                              origin.z, kMaxCoordinate));
+    }
+    camera.filter = read_filter(object);
+    return camera;
+  }
+
+  ReconstructionFilter read_filter(const Object& camera) {
+    ReconstructionFilter filter;
+    std::optional<Object> object = read_only_child(camera, "rfilter");
+    if (!object && !camera.children("rfilter").empty()) return filter;
+    if (!object) object = Object::defaulted("rfilter", "box", camera.position(), context_);
+    const std::string_view type = object->plugin().type;
+    using Type = ReconstructionFilter::Type;
+    filter.type = type == "tent"       ? Type::tent
+                  : type == "gaussian" ? Type::gaussian
+                  : type == "mitchell" ? Type::mitchell
+                                       : Type::box;
+    if (filter.type == Type::gaussian || filter.type == Type::mitchell) filter.radius = object->get<double>("radius");
+    if (filter.type == Type::gaussian) filter.stddev = object->get<double>("stddev");
+    if (filter.type == Type::mitchell) {
+      filter.b = object->get<double>("B");
+      filter.c = object->get<double>("C");
+    }
+    return filter;
+  }
+
+  Sampler read_sampler(const Object& scene) {
+    std::optional<Object> object = read_only_child(scene, "sampler");
+    if (!object && !scene.children("sampler").empty()) return {};
+    if (!object) object = Object::defaulted("sampler", "independent", scene.position(), context_);
+    return {Sampler::Type::independent, to_uint32(object->get<std::int64_t>("sampleCount"))};
+  }
+
+  void read_shape(const Object& object, Scene& scene) {
+    Shape shape;
+    shape.position = object.position();
+    const auto bsdf = read_only_child(object, "bsdf");
+    if (bsdf) shape.bsdf = read_bsdf(*bsdf);
+    const auto emitter = read_only_child(object, "emitter");
+    if (emitter) shape.emitter = read_emitter(*emitter);
+    const bool is_sphere = std::string_view(object.plugin().type) == "sphere";
+    if (is_sphere) {
+      shape.name = "sphere";
+      shape.geometry = Sphere{object.get<glm::dvec3>("center"), object.get<double>("radius")};
+    } else {
+      std::optional<TriangleMesh> mesh = read_mesh(object, shape.name);
+      if (!mesh) return;
+      if (emitter) check_emitter_area(*mesh, shape.name, emitter->position());
+      shape.geometry = std::move(*mesh);
+    }
+    scene.shapes.push_back(std::move(shape));
+  }
+
+  Bsdf read_bsdf(const Object& object) {
+    const std::string_view type = object.plugin().type;
+    if (type == "mirror") return MirrorBsdf{};
+    if (type == "dielectric") return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR")};
+    const auto albedo = object.get<glm::dvec3>("albedo");
+    const double least = std::min({albedo.x, albedo.y, albedo.z}), most = std::max({albedo.x, albedo.y, albedo.z});
+    if (most > 1.0) {
+      sink_.warning(object.position_of("albedo"),
+                    fmt::format("albedo {} is above 1: the surface reflects more light than it receives, and the image "
+                                "may not converge",
+                                most));
+    }
+    if (least < 0.0) {
+      sink_.warning(
+          object.position_of("albedo"),
+          fmt::format("albedo {} is below 0: the surface reflects negative light, which darkens others", least));
+    }
+    return DiffuseBsdf{albedo};
+  }
+
+  AreaEmitter read_emitter(const Object& object) {
+    const auto radiance = object.get<glm::dvec3>("radiance");
+    check_radiance(radiance, object.position_of("radiance"));
+    if (object.given("radiance") && radiance == glm::dvec3(0.0)) {
+      sink_.warning(object.position_of("radiance"), "radiance 0 0 0: this emitter sends no light");
+    }
+    return {radiance};
+  }
+
+  void check_radiance(const glm::dvec3& radiance, const SourcePosition& position) {
+    for (const double component : {radiance.x, radiance.y, radiance.z}) {
+      if (!(component > 0.0 && component < kMinRadiance)) continue;
+      sink_.error(position, fmt::format("radiance {} is too small for single precision; use 0 or at least {}",
+                                        component, kMinRadiance));
+      return;
+    }
+  }
+
+  std::optional<TriangleMesh> read_mesh(const Object& object, std::string& name) {
+    const auto text = object.get<std::string>("filename");
+    const std::string filename(text::trim(text));
+    if (!object.given("filename")) return std::nullopt;
+    const SourcePosition position = object.position_of("filename");
+    if (filename.empty()) {
+      sink_.error(position, "\"filename\" is empty; give the path of an OBJ file");
+      return std::nullopt;
+    }
+    const fs::path path = fs::path(path_).parent_path() / filename;
+    name = path.filename().string();
+    note_if_outside(path, position);
+    const glm::dmat4 world_from_object = object.matrix("toWorld");
+    if (glm::determinant(glm::dmat3(world_from_object)) < 0.0) {
+      sink_.warning(object.position_of("toWorld"),
+                    "this transform mirrors the mesh (its determinant is negative): the winding turns around, and with "
+                    "it the side that emits and reflects");
+    }
+    if (sink_.error_count() >= kMaxErrorsBeforeMeshes) return std::nullopt;
+    return load_mesh(path.string(), world_from_object, position);
+  }
+
+  std::optional<TriangleMesh> load_mesh(const std::string& path, const glm::dmat4& world_from_object,
+                                        const SourcePosition& position) {
+    std::optional<TriangleMesh> mesh;
+    try {
+      mesh = load_mesh_(path, world_from_object, sink_);
+    } catch (const Error& error) {  // the file cannot be opened or read: say who asked for it
+      sink_.error(position, fmt::format("mesh {}", error.what()), error.code());
+    }
+    if (!mesh) return std::nullopt;
+    triangles_ += mesh->triangles.size();
+    if (triangles_ > kMaxSceneTriangles) {
+      sink_.error(position, fmt::format("with this mesh the scene has {} triangles; at most {} are supported",
+                                        triangles_, kMaxSceneTriangles));
+      return std::nullopt;
+    }
+    return mesh;
+  }
+
+  /// A scene from a stranger may name any file of the machine; reading it is allowed, but not in silence.
+  void note_if_outside(const fs::path& path, const SourcePosition& position) {
+    std::error_code error;
+    const fs::path folder = fs::weakly_canonical(fs::absolute(fs::path(path_), error).parent_path(), error);
+    if (error) return;
+    const fs::path target = fs::weakly_canonical(path, error);
+    if (error) return;
+    const fs::path relative = target.lexically_relative(folder);
+    const bool outside = relative.empty() || *relative.begin() == "..";
+    if (outside)
+      sink_.note(position,
+                 fmt::format("mesh {} lies outside the folder of the scene file", text::quoted(target.string())));
+  }
+
+  void check_emitter_area(const TriangleMesh& mesh, const std::string& name, const SourcePosition& position) {
+    const bool has_area = std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
+                                      [&](const glm::uvec3& t) { return triangle_area(mesh, t) > 0.0; });
+    if (!has_area)
+      sink_.error(position, fmt::format("the emitter's mesh {} has no area; it cannot send light", text::quoted(name)));
+  }
+
+  std::vector<TestBsdf> read_test_bsdfs(const Object& test) {
+    std::vector<TestBsdf> bsdfs;
+    for (const XmlElement* element : test.children("bsdf")) {
+      const auto object = Object::read(*element, context_);
+      if (!object) continue;
+      bsdfs.push_back(
+          {read_bsdf(*object), fmt::format("{} {}", object->plugin().type, bsdfs.size() + 1), object->position()});
+    }
+    return bsdfs;
+  }
+
+  TTest read_ttest(const Object& object) {
+    TTest test;
+    test.significance_level = object.get<double>("significanceLevel");
+    test.sample_count = static_cast<std::uint64_t>(object.get<std::int64_t>("sampleCount"));
+    test.references = object.get<std::vector<double>>("references");
+    test.angles = object.get<std::vector<double>>("angles");
+    const std::string stem = fs::path(path_).stem().string();
+    const std::vector<const XmlElement*> scenes = object.children("scene");
+    const std::size_t bsdf_count = object.children("bsdf").size();
+    for (const XmlElement* element : scenes) {
+      if (const auto scene = Object::read(*element, context_))
+        test.scenes.push_back(read_scene(*scene, fmt::format("{}[{}]", stem, test.scenes.size() + 1)));
+    }
+    test.bsdfs = read_test_bsdfs(object);
+    check_ttest(test, object, scenes.size(), bsdf_count);
+    return test;
+  }
+
+  void check_ttest(const TTest& test, const Object& object, std::size_t scene_count, std::size_t bsdf_count) {
+    if (scene_count == 0 && bsdf_count == 0) {
+      sink_.error(object.position(), "the test has neither <scene> nor <bsdf> children; add what is to be tested");
+      return;
+    }
+    if (scene_count > 0 && bsdf_count > 0) {
+      sink_.error(object.position(),
+                  fmt::format("the test mixes {} scenes and {} bsdfs; write two test files", scene_count, bsdf_count));
+      return;
+    }
+    if (bsdf_count > 0 && test.angles.empty()) {
+      if (!object.given("angles"))
+        sink_.error(object.position(),
+                    "a test of bsdfs needs its property \"angles\"; add <string name=\"angles\" value=\"0, 30, 60\"/>");
+      else
+        sink_.error(object.position_of("angles"), "\"angles\" is empty; give angles of incidence in degrees");
+      return;
+    }
+    if (scene_count > 0 && object.given("angles"))
+      sink_.warning(object.position_of("angles"), "\"angles\" has no effect on scenes");
+    const std::size_t expected = scene_count > 0 ? scene_count : bsdf_count * test.angles.size();
+    if (!object.given("references") || test.references.size() == expected) return;
+    const std::string children =
+        scene_count > 0 ? fmt::format("{} scenes", scene_count)
+                        : fmt::format("{} bsdfs × {} angles = {} results", bsdf_count, test.angles.size(), expected);
+    sink_.error(object.position_of("references"),
+                fmt::format("{} references for {}; each needs exactly one", test.references.size(), children));
+  }
+
+  Chi2Test read_chi2test(const Object& object) {
+    Chi2Test test;
+    test.significance_level = object.get<double>("significanceLevel");
+    test.resolution = to_uint32(object.get<std::int64_t>("resolution"));
+    test.min_exp_frequency = object.get<double>("minExpFrequency");
+    test.sample_count = static_cast<std::uint64_t>(object.get<std::int64_t>("sampleCount"));
+    test.test_count = to_uint32(object.get<std::int64_t>("testCount"));
+    test.bsdfs = read_test_bsdfs(object);
+    return test;
+  }
+
+  ReadContext& context_;
+  Diagnostics& sink_;
+  const MeshLoader& load_mesh_;
+  std::string path_;
+  std::size_t triangles_ = 0;
+};
+
+void report_unmatched_overrides(const ReadContext& context) {
+  const std::vector<std::string> known(context.overridable.begin(), context.overridable.end());
+  for (std::size_t i = 0; i < context.overrides.size(); ++i) {
+    if (context.override_matched[i]) continue;
+    const auto& [name, value] = context.overrides[i];
+    context.diagnostics.error({fmt::format("-D {}={}", name, value), 0, 0},
+                              fmt::format("{} has no property {}{}; known here are: {}", context.document.file(),
+                                          text::quoted(name), text::did_you_mean(name, known), text::join(known)),
+                              ExitCode::usage);
+  }
+}
+
+std::string read_text(const std::string& path) {
+  InputFile file(path);
+  if (file.size() > XmlDocument::kMaxBytes) {
+    throw Error(ExitCode::scene_error,
+                fmt::format("{}: the file has {} bytes; a scene file has at most {}, geometry belongs into OBJ files",
+                            path, file.size(), XmlDocument::kMaxBytes));
+  }
+  std::string text(static_cast<std::size_t>(file.size()), '\0');
+  std::size_t size = 0;
+  while (size < text.size()) {
+    const std::size_t count = file.read(text.data() + size, text.size() - size);
+    if (count == 0) break;  // somebody shortens the file while it is read
+    size += count;
+  }
+  text.resize(size);
+  return text;
+}
+
+}  // namespace
+
+std::optional<SceneFile> parse_scene_file(std::string text, const std::string& file, const ReadOptions& options,
+                                          const MeshLoader& load_mesh, Diagnostics& diagnostics) {
+  const std::size_t errors_before = diagnostics.error_count();
+  const XmlDocument document(std::move(text), file, diagnostics);
+  if (!document.root()) return std::nullopt;
+  ReadContext context{document,       diagnostics, options.overrides,
+                      options.strict, {},          std::vector<bool>(options.overrides.size(), false)};
+  std::optional<SceneFile> result = SceneReader(context, load_mesh).read(*document.root());
+  // After other errors an object may be missing that the override would have reached.
+  if (diagnostics.error_count() == errors_before) report_unmatched_overrides(context);
+  if (diagnostics.error_count() > errors_before) return std::nullopt;
+  return result;
+}
+
+std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOptions& options,
+                                         Diagnostics& diagnostics) {
+  std::string text;
+  try {
+    text = read_text(path);
+  } catch (const Error& error) {
+    diagnostics.error({}, error.what(), error.code());
+    return std::nullopt;
+  }
+  const MeshLoader load = [](const std::string& mesh, const glm::dmat4& world_from_object, Diagnostics& sink) {
+    return read_obj(mesh, world_from_object, sink);
+  };
+  return parse_scene_file(std::move(text), path, options, load, diagnostics);
+}
+
+SceneFile read_scene_file(const std::string& path, const ReadOptions& options) {
+  Diagnostics diagnostics;
+  std::optional<SceneFile> file = read_scene_file(path, options, diagnostics);
+  if (file) check_scene_file(*file, diagnostics);
+  diagnostics.log_warnings();
+  diagnostics.throw_first_error();
+  return std::move(*file);
+}
+
+Scene read_scene(const std::string& path, const ReadOptions& options) {
+  SceneFile file = read_scene_file(path, options);
+  if (auto* scene = std::get_if<Scene>(&file)) return std::move(*scene);
+  const char* command = std::holds_alternative<TTest>(file) ? "ttest" : "chi2";
+  throw Error(ExitCode::scene_error,
+              fmt::format("{}: the file holds a <test>, not a <scene>; run it with etendue {}", path, command));
+}
+
+}  // namespace etendue
