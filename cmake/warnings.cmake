@@ -1,7 +1,8 @@
 # Flags every target of the project gets. Contraction is off: a*b+c on the host is what the source says, so that host-side
 # integers derived from floats (BVH bytes, thresholds) are the same on every machine.
 add_library(etendue_flags INTERFACE)
-target_compile_options(etendue_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off)
+target_compile_options(etendue_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+                       -Wno-missing-field-initializers -ffp-contract=off)
 foreach(sanitizer IN LISTS ETENDUE_SANITIZE)
   target_compile_options(etendue_flags INTERFACE -fsanitize=${sanitizer} -fno-omit-frame-pointer)
   target_link_options(etendue_flags INTERFACE -fsanitize=${sanitizer})

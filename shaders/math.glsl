@@ -5,7 +5,7 @@
 
 const float kPi = 3.14159265358979;
 const float kInvPi = 0.318309886183791;
-const float kInfinity = uintBitsToFloat(0x7f800000u);
+const float kInfinity = 1.0 / 0.0;
 
 float max_component(vec3 v) { return max(v.x, max(v.y, v.z)); }
 

@@ -29,6 +29,9 @@ bool is_delta(uint lobe) { return lobe == kLobeDeltaReflection || lobe == kLobeD
 // True when the material has only delta lobes, so that light sampling cannot contribute.
 bool bsdf_is_delta(Shape m) { return m.bsdf != kBsdfDiffuse; }
 
+// True when the material is black seen from behind.
+bool bsdf_is_one_sided(Shape m) { return m.bsdf != kBsdfDielectric; }
+
 vec3 bsdf_eval(Shape m, vec3 wo, vec3 wi) { return m.bsdf == kBsdfDiffuse ? diffuse_eval(m, wo, wi) : vec3(0.0); }
 
 float bsdf_pdf(Shape m, vec3 wo, vec3 wi) { return m.bsdf == kBsdfDiffuse ? diffuse_pdf(wo, wi) : 0.0; }

@@ -14,15 +14,16 @@ layout(constant_id = 3) const bool kMis = true;
 // A path under construction: the ray that is traced next and what it carries.
 struct Path {
   Ray ray;
-  vec3 beta;
+  vec3 beta;           // throughput; the filter's weight is not part of it
   float bsdf_pdf;      // solid-angle density of the ray's direction; meaningless after a delta lobe
-  vec3 radiance;       // gathered so far, filter weight included
+  vec3 radiance;       // gathered so far
   float eta_scale;     // product of (n_i/n_o)² along the path
   uint segment;        // of the ray, the camera ray is 1
   bool full_emission;  // emission at the ray's end counts in full: camera ray, after a delta lobe, or no light sampling
   uint pixel;
   uint sample_index;
   uint steps;          // traversal steps spent
+  float filter_weight;
 };
 
 // Decisions taken at the end of a segment; kNone where nothing was decided. Folded into signatures or written out by the kernels that
@@ -38,8 +39,11 @@ Path begin_path(uint pixel, uint sample_index) {
   const uvec2 xy = uvec2(pixel % frame.width, pixel / frame.width);
   float weight;
   const Ray ray = sample_camera_ray(xy, to_unit(words.xy), weight);
-  return Path(ray, vec3(weight), 0.0, vec3(0.0), 1.0, 1u, true, pixel, sample_index, 0u);
+  return Path(ray, vec3(1.0), 0.0, vec3(0.0), 1.0, 1u, true, pixel, sample_index, 0u, weight);
 }
+
+// The value of a finished path's sample.
+vec3 path_value(Path path) { return path.filter_weight * path.radiance; }
 
 vec3 sky_radiance(vec3 d) { return mix(frame.sky_horizon, frame.sky_top, clamp(d.y, 0.0, 1.0)); }
 
@@ -66,15 +70,13 @@ vec3 gather_light(inout Path path, Surface s, Shape shape, vec3 wo, uint step_bu
   decisions.light_primitive = light.primitive;
   decisions.light_contributed = 0u;
   const vec3 wi = to_local(s.frame, light.wi);
-  const vec3 f = bsdf_eval(shape, wo, wi);
-  if (light.pdf_w <= 0.0 || max_component(f) == 0.0 || !consistent_side(s, light.wi)) return vec3(0.0);
-  const float w_light = kMis ? power_heuristic(light.mis_pdf, bsdf_pdf(shape, wo, wi)) : 1.0;
-  const vec3 contribution = path.beta * f * light.radiance * (w_light / light.pdf_w);
-  if (max_component(contribution) == 0.0) return vec3(0.0);
+  const vec3 reflected = bsdf_eval(shape, wo, wi) * light.radiance;
+  if (light.pdf_w <= 0.0 || max_component(reflected) == 0.0 || !consistent_side(s, light.wi)) return vec3(0.0);
   const Ray shadow = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
   if (trace(shadow, true, step_budget, path.steps).slot != kNone) return vec3(0.0);
   decisions.light_contributed = 1u;
-  return contribution;
+  const float w_light = kMis ? power_heuristic(light.mis_pdf, bsdf_pdf(shape, wo, wi)) : 1.0;
+  return path.beta * reflected * (w_light / light.pdf_w);
 }
 
 // Step 6: ends the path or makes up for the paths that ended.
@@ -106,24 +108,25 @@ bool path_segment(inout Path path, uint step_budget, out Decisions decisions) {
   if (path.segment >= frame.max_depth) return false;
 
   const vec3 wo = to_local(s.frame, -path.ray.d);
-  const bool visible_side = consistent_side(s, -path.ray.d);
-  if (kNee && visible_side && !bsdf_is_delta(shape) && frame.light_shape_count > 0u) {
+  if (!consistent_side(s, -path.ray.d) || (bsdf_is_one_sided(shape) && wo.z <= 0.0)) {
+    decisions.lobe = kLobeNone;
+    return false;
+  }
+  if (kNee && !bsdf_is_delta(shape) && frame.light_shape_count > 0u) {
     path.radiance += gather_light(path, s, shape, wo, step_budget, decisions);
   }
 
   const uvec4 words = random_words(frame.seed, path.pixel, path.sample_index, block_bsdf(path.segment - 1u));
-  BsdfSample bs = kNoBsdfSample;
-  if (visible_side) bs = bsdf_sample(shape, wo, to_unit(words.x), to_unit(words.yz));
+  const BsdfSample bs = bsdf_sample(shape, wo, to_unit(words.x), to_unit(words.yz));
   const vec3 wi = to_world(s.frame, bs.wi);
   // A transmitted direction changes sides of both normals together; a mismatch means light would leak through.
-  if (bs.pdf == 0.0 || !consistent_side(s, wi)) {
+  if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0 || !consistent_side(s, wi)) {
     decisions.lobe = kLobeNone;
     return false;
   }
   decisions.lobe = bs.lobe;
   path.beta *= bs.weight;
   path.eta_scale *= bs.eta_scale;
-  if (max_component(path.beta) == 0.0) return false;
   path.full_emission = is_delta(bs.lobe) || !kNee;
   path.bsdf_pdf = bs.pdf;
   path.ray = spawn_ray(s.p, s.ng, s.error, wi);

@@ -50,7 +50,7 @@ void render_slot(uint group, uint lane) {
       break;
     }
     steps = path.steps;
-    const vec3 value = kLuminance ? vec3(luminance(path.radiance)) : path.radiance;
+    const vec3 value = kLuminance ? vec3(luminance(path_value(path))) : path_value(path);
     if (!film_add(sums, value, frame.film_exponent)) report_rejected(path);
     sample_index += pass.lanes_per_pixel;
   }

@@ -21,7 +21,7 @@ void trace_sample(uint i) {
     alive = path_segment(path, pass.step_budget, decisions);
     signature = fold_decisions(signature, decisions);
   }
-  records[i] = SampleResult(path.radiance, signature, path.segment, path.steps > pass.step_budget ? 1u : 0u, 0u, 0u);
+  records[i] = SampleResult(path_value(path), signature, path.segment, path.steps > pass.step_budget ? 1u : 0u, 0u, 0u);
 }
 
 #endif

@@ -1,0 +1,29 @@
+#pragma once
+/// Scene → vectors of GPU-ready structs.
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu_types.h"
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// Everything a device needs to render a scene, in the layouts of shaders/gpu_types.h. Positions are normalised: translated and scaled by a
+/// power of two, so that single precision serves scenes of any size and place alike.
+struct CompiledScene {
+  gpu::Frame frame{};
+  std::vector<gpu::BvhNode> nodes;
+  std::vector<gpu::Primitive> primitives;
+  std::vector<gpu::Shape> shapes;
+  std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
+  std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
+  std::vector<gpu::LightShape> light_shapes;
+  std::vector<gpu::LightPrimitive> light_primitives;
+  std::vector<float> filter_knots;    ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
+  std::uint32_t bvh_depth = 0;
+};
+
+CompiledScene compile_scene(const Scene& scene);
+
+}  // namespace etendue

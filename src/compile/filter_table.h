@@ -1,0 +1,19 @@
+#pragma once
+/// Reconstruction filters as tables for sampling: docs/conventions.md, "Camera and filter".
+
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace etendue {
+
+struct FilterTable {
+  std::vector<float> knots;       ///< inverse CDF of |filter| at i/kFilterSteps, in pixels; empty for the box
+  double weight = 1.0;            ///< ∫|f| / ∫f
+  bool has_negative_lobes = false;
+  double zero = 0.0;              ///< |x| beyond which the filter is negative
+};
+
+FilterTable make_filter_table(const ReconstructionFilter& filter);
+
+}  // namespace etendue

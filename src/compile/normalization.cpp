@@ -1,0 +1,51 @@
+#include "compile/normalization.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace etendue {
+namespace {
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Calls visit(lower corner, upper corner, centroid) for every primitive.
+template <typename Visit>
+void for_each_primitive(const Scene& scene, const Visit& visit) {
+  for (const Shape& shape : scene.shapes) {
+    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+      visit(sphere->center - sphere->radius, sphere->center + sphere->radius, sphere->center);
+      continue;
+    }
+    const auto& mesh = std::get<TriangleMesh>(shape.geometry);
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+      visit(glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)), (a + b + c) / 3.0);
+    }
+  }
+}
+
+}  // namespace
+
+Normalization find_normalization(const Scene& scene) {
+  std::vector<double> centroids[3];
+  glm::dvec3 lower(INFINITY), upper(-INFINITY);
+  for_each_primitive(scene, [&](const glm::dvec3& lo, const glm::dvec3& hi, const glm::dvec3& centroid) {
+    lower = glm::min(lower, lo);
+    upper = glm::max(upper, hi);
+    for (int a = 0; a < 3; ++a) centroids[a].push_back(centroid[a]);
+  });
+  Normalization n;
+  if (centroids[0].empty()) return n;
+  for (int a = 0; a < 3; ++a) n.center[a] = median(centroids[a]);
+  const glm::dvec3 reach = glm::max(upper - n.center, n.center - lower);
+  const double farthest = std::max({reach.x, reach.y, reach.z});
+  if (farthest > 0.0) n.scale = std::exp2(-std::ceil(std::log2(farthest)));
+  return n;
+}
+
+}  // namespace etendue

@@ -1,0 +1,46 @@
+#pragma once
+/// Film slots in device memory and their way back into a Film.
+
+#include <vector>
+
+#include "image/film.h"
+#include "render/renderer.h"
+#include "vulkan/commands.h"
+
+namespace etendue {
+
+/// How pixels map to film slots. Slots are laid out in 8 × 8 tiles, row by row; when an image has few pixels, each pixel's samples are dealt to
+/// `layers` slots, so that there is work for every lane (sums are integers, so adding slots up later changes nothing).
+struct SlotLayout {
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t tiles_x = 0, tiles_y = 0;
+  std::uint32_t layers = 1;
+
+  SlotLayout(std::uint32_t width, std::uint32_t height, std::uint32_t samples, std::uint32_t wanted_slots);
+  std::uint32_t groups_per_layer() const { return tiles_x * tiles_y; }
+  std::uint64_t groups() const { return std::uint64_t{groups_per_layer()} * layers; }
+  /// Pixel of lane `lane` of group `group`, or ~0u for the padding at the border.
+  std::uint32_t pixel(std::uint64_t group, std::uint32_t lane) const;
+};
+
+/// A run of workgroups whose slots fit into one storage buffer.
+class FilmBand {
+ public:
+  FilmBand(const vulkan::Context& context, vulkan::Commands& commands, const SlotLayout& layout, std::uint32_t first_group,
+           std::uint32_t group_count, SampleRange range);
+  std::uint32_t first_group() const { return first_group_; }
+  std::uint32_t group_count() const { return group_count_; }
+  const vulkan::Buffer& slots() const { return slots_; }
+  const vulkan::Buffer& progress() const { return progress_; }
+  /// Adds every slot to its pixel.
+  void add_to(vulkan::Commands& commands, const SlotLayout& layout, Film& film) const;
+
+ private:
+  std::uint32_t first_group_, group_count_;
+  vulkan::Buffer slots_, progress_;
+};
+
+/// Workgroups whose slots fit into one binding of the device.
+std::uint32_t max_groups_per_band(const vulkan::Context& context);
+
+}  // namespace etendue

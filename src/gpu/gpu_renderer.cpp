@@ -1,0 +1,291 @@
+#include "gpu/gpu_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include <fmt/core.h>
+
+#include "core/errors.h"
+#include "core/log.h"
+#include "gpu/device_film.h"
+#include "gpu/device_scene.h"
+#include "kernels.h"
+
+namespace etendue {
+namespace {
+
+// A lane's budget of traversal steps per dispatch. lavapipe ends loops silently after 65 535 rounds per SIMD group, and a group takes
+// as many rounds as its lanes' walks laid end to end at worst.
+constexpr std::uint32_t kCpuStepBudget = 4000;
+constexpr std::uint32_t kGpuStepBudget = 1u << 20;
+constexpr std::uint32_t kMaxStepBudgetOnCpu = 30000;
+constexpr double kDispatchTimeout = 300.0;  // seconds; passes are sized to a fraction of one
+
+// Lanes that keep a device busy.
+std::uint32_t wanted_slots(const vulkan::Context& context) { return context.is_cpu() ? 4096 : 1u << 17; }
+
+class Timer {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// Sizes dispatches by the rate measured so far. It decides when samples are computed, never their values.
+class PassSizer {
+ public:
+  PassSizer(double seconds, std::uint32_t fixed_samples, std::uint32_t fixed_groups)
+      : seconds_(seconds), fixed_samples_(fixed_samples), fixed_groups_(fixed_groups) {}
+
+  void measured(double slot_samples, double seconds) {
+    if (seconds > 0.0) rate_ = slot_samples / seconds;
+  }
+  std::uint32_t groups(std::uint32_t available) const {
+    if (fixed_groups_ > 0) return std::min(fixed_groups_, available);
+    const double affordable = seconds_ * rate_ / gpu::kWorkgroupSize;
+    return static_cast<std::uint32_t>(std::clamp(affordable, 1.0, static_cast<double>(available)));
+  }
+  std::uint32_t samples(std::uint64_t slots) const {
+    if (fixed_samples_ > 0) return fixed_samples_;
+    return static_cast<std::uint32_t>(std::clamp(seconds_ * rate_ / static_cast<double>(slots), 1.0, 64.0));
+  }
+
+ private:
+  double seconds_;
+  std::uint32_t fixed_samples_, fixed_groups_;
+  double rate_ = 1e6;  // slot samples per second; a careful first guess
+};
+
+class GpuRenderer final : public Renderer {
+ public:
+  GpuRenderer(const Scene& scene, const RenderSettings& settings, const GpuOptions& options)
+      : options_(options), context_(options.device, options.context), commands_(context_),
+        layout_(context_, kernel_bindings(), sizeof(gpu::Pass)) {
+    Timer timer;
+    CompiledScene compiled = compile_scene(scene);
+    compiled.frame.seed = settings.seed;
+    frame_ = compiled.frame;
+    timings_.compile = timer.seconds();
+    timer = {};
+    scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled);
+    report_ = vulkan::Buffer(context_, sizeof(gpu::ReportHead) + gpu::kRejectedListed * sizeof(gpu::RejectedEntry),
+                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::host, "report");
+    unused_ = vulkan::Buffer(context_, 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "placeholder");
+    timings_.upload = timer.seconds();
+    constants_ = {{0, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
+                  {1, scene.integrator.type == Integrator::Type::path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
+                  {2, scene.integrator.nee ? 1u : 0u},
+                  {3, scene.integrator.mis ? 1u : 0u},
+                  {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u}};
+    step_budget_ = context_.is_cpu() ? kCpuStepBudget : kGpuStepBudget;
+  }
+
+  std::string device_name() const override { return context_.info().name; }
+  std::string driver_name() const override { return context_.info().driver; }
+  const GpuTimings& timings() const { return timings_; }
+  const std::string& choice() const { return context_.choice(); }
+
+  std::uint32_t render(SampleRange range, Film& film, const Progress& progress, std::vector<RejectedSample>& rejected) override;
+  std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) override;
+  std::vector<PathVertex> trace_path(SampleId id) override;
+
+ private:
+  vulkan::Kernel make_kernel(std::span<const std::uint32_t> spirv, const char* name) {
+    const Timer timer;
+    vulkan::Kernel kernel(context_, layout_, spirv, constants_, name);
+    timings_.pipeline += timer.seconds();
+    return kernel;
+  }
+  // A set with the scene bound and a placeholder everywhere else.
+  vulkan::BindingSet make_set() {
+    vulkan::BindingSet set(context_, layout_);
+    for (std::uint32_t b = gpu::kBindingFilm; b < gpu::kBindingCount; ++b) set.bind(b, unused_);
+    scene_->bind(set);
+    return set;
+  }
+  double dispatch(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, const gpu::Pass& pass, std::uint32_t groups) {
+    return commands_.dispatch(layout_, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
+  }
+  std::vector<FilmBand> make_bands(const SlotLayout& slots, SampleRange range);
+  void run_pass(const FilmBand& band, const vulkan::BindingSet& set, const SlotLayout& slots, std::uint32_t samples, std::uint32_t sample_end);
+  void run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples);
+  gpu::ReportHead take_report();
+
+  GpuOptions options_;
+  vulkan::Context context_;
+  vulkan::Commands commands_;
+  vulkan::BindingLayout layout_;
+  std::unique_ptr<DeviceScene> scene_;
+  vulkan::Buffer report_, unused_;
+  std::vector<vulkan::Specialization> constants_;
+  vulkan::Kernel render_kernel_;
+  gpu::Frame frame_{};
+  std::uint32_t step_budget_ = 0;
+  bool first_dispatch_done_ = false;
+  std::unique_ptr<PassSizer> sizer_;
+  std::vector<RejectedSample> rejected_;
+  GpuTimings timings_;
+};
+
+std::vector<FilmBand> GpuRenderer::make_bands(const SlotLayout& slots, SampleRange range) {
+  std::vector<FilmBand> bands;
+  const std::uint32_t per_band = max_groups_per_band(context_);
+  for (std::uint64_t first = 0; first < slots.groups(); first += per_band) {
+    const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(per_band, slots.groups() - first));
+    bands.emplace_back(context_, commands_, slots, static_cast<std::uint32_t>(first), count, range);
+  }
+  return bands;
+}
+
+gpu::ReportHead GpuRenderer::take_report() {
+  gpu::ReportHead head;
+  std::memcpy(&head, report_.mapped().data(), sizeof head);
+  const std::uint32_t listed = std::min(head.rejected_count, gpu::kRejectedListed);
+  for (std::uint32_t i = 0; i < listed && rejected_.size() < gpu::kRejectedListed; ++i) {
+    gpu::RejectedEntry entry;
+    std::memcpy(&entry, report_.mapped().data() + sizeof head + i * sizeof entry, sizeof entry);
+    rejected_.push_back({{entry.pixel, entry.sample_index}, entry.segments});
+  }
+  std::memset(report_.mapped().data(), 0, sizeof head);
+  return head;
+}
+
+// Dispatches one run of groups until every lane has reached pass.sample_end.
+void GpuRenderer::run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples) {
+  pass.step_budget = step_budget_;
+  for (;;) {
+    const double seconds = dispatch(render_kernel_, set, pass, groups);
+    const gpu::ReportHead head = take_report();
+    if (first_dispatch_done_) {
+      timings_.render += seconds;
+      sizer_->measured(static_cast<double>(samples) * groups * gpu::kWorkgroupSize, seconds);
+    } else {
+      timings_.pipeline += seconds;  // dominated by the driver's lazy compilation
+      first_dispatch_done_ = true;
+    }
+    if (head.unfinished == 0) return;
+    if (head.stuck > 0) {
+      if (context_.is_cpu() && pass.step_budget >= kMaxStepBudgetOnCpu) {
+        throw Error(ExitCode::device_lost,
+                    fmt::format("{} paths need more than {} traversal steps each, the most '{}' can loop in one dispatch; lower maxDepth or let roulette "
+                                "begin earlier (rrDepth).",
+                                head.stuck, pass.step_budget, context_.info().name));
+      }
+      pass.step_budget = context_.is_cpu() ? std::min(pass.step_budget * 2, kMaxStepBudgetOnCpu) : pass.step_budget * 2;
+    }
+  }
+}
+
+void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, const SlotLayout& slots, std::uint32_t samples,
+                           std::uint32_t sample_end) {
+  gpu::Pass pass{};
+  pass.slot_base = band.first_group() * gpu::kWorkgroupSize;
+  pass.sample_end = sample_end;
+  pass.lanes_per_pixel = slots.layers;
+  pass.slots_per_layer = slots.groups_per_layer() * gpu::kWorkgroupSize;
+  for (std::uint32_t done = 0; done < band.group_count();) {
+    const std::uint32_t groups = std::min({sizer_->groups(band.group_count() - done), context_.limits().maxComputeWorkGroupCount[0]});
+    pass.first_group = band.first_group() + done;
+    run_groups(set, pass, groups, samples);
+    done += groups;
+  }
+}
+
+std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress, std::vector<RejectedSample>& rejected) {
+  if (!render_kernel_.get()) render_kernel_ = make_kernel(kernels::render, "render");
+  if (!sizer_) sizer_ = std::make_unique<PassSizer>(options_.pass_seconds, options_.fixed_samples, options_.fixed_groups);
+  rejected_.clear();
+  const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context_));
+  const std::vector<FilmBand> bands = make_bands(slots, range);
+  std::vector<vulkan::BindingSet> sets;
+  for (const FilmBand& band : bands) {
+    sets.push_back(make_set());
+    sets.back().bind(gpu::kBindingFilm, band.slots());
+    sets.back().bind(gpu::kBindingProgress, band.progress());
+    sets.back().bind(gpu::kBindingReport, report_);
+  }
+  const std::uint64_t pixels = std::uint64_t{frame_.width} * frame_.height;
+  std::uint32_t done = range.begin;
+  bool go_on = true;
+  while (done < range.end && go_on) {
+    const std::uint32_t samples = sizer_->samples(slots.groups() * gpu::kWorkgroupSize);
+    const std::uint32_t end = done + static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{samples} * slots.layers, range.end - done));
+    for (std::size_t i = 0; i < bands.size(); ++i) run_pass(bands[i], sets[i], slots, samples, end);
+    done = end;
+    if (progress) go_on = progress((done - range.begin) * pixels, range.count() * pixels);
+  }
+  for (const FilmBand& band : bands) band.add_to(commands_, slots, film);
+  rejected.insert(rejected.end(), rejected_.begin(), rejected_.end());
+  return done;
+}
+
+std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> ids) {
+  constexpr std::size_t kChunk = 1u << 16;
+  const vulkan::Kernel kernel = make_kernel(kernels::trace_samples, "trace_samples");
+  const vulkan::Buffer requests(context_, kChunk * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                vulkan::Buffer::Memory::device, "sample requests");
+  const vulkan::Buffer records(context_, kChunk * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                               vulkan::Buffer::Memory::device, "sample records");
+  vulkan::BindingSet set = make_set();
+  set.bind(gpu::kBindingRequests, requests);
+  set.bind(gpu::kBindingRecords, records);
+  std::vector<SampleRecord> out;
+  out.reserve(ids.size());
+  for (std::size_t first = 0; first < ids.size(); first += kChunk) {
+    const auto chunk = ids.subspan(first, std::min(kChunk, ids.size() - first));
+    std::vector<gpu::SampleRequest> asked;
+    for (const SampleId& id : chunk) asked.push_back({id.pixel, id.sample, 0, 0});
+    commands_.upload(requests, 0, std::as_bytes(std::span(asked)));
+    gpu::Pass pass{};
+    pass.request_count = static_cast<gpu::uint>(chunk.size());
+    pass.step_budget = context_.is_cpu() ? kMaxStepBudgetOnCpu : kGpuStepBudget;
+    dispatch(kernel, set, pass, (pass.request_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
+    std::vector<gpu::SampleResult> results(chunk.size());
+    commands_.download(records, 0, std::as_writable_bytes(std::span(results)));
+    for (const gpu::SampleResult& r : results) {
+      if (r.stuck != 0) throw Error(ExitCode::device_lost, "A path needs more traversal steps than one dispatch can take; lower maxDepth.");
+      out.push_back({r.radiance, r.signature, r.segments});
+    }
+  }
+  return out;
+}
+
+std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
+  const vulkan::Kernel kernel = make_kernel(kernels::trace_path, "trace_path");
+  const vulkan::Buffer request(context_, sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
+                               "sample request");
+  constexpr std::size_t kBytes = 16 + gpu::kMaxTracedVertices * sizeof(gpu::TracedVertex);
+  const vulkan::Buffer vertices(context_, kBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "path vertices");
+  const gpu::SampleRequest asked{id.pixel, id.sample, 0, 0};
+  commands_.upload(request, 0, std::as_bytes(std::span(&asked, 1)));
+  vulkan::BindingSet set = make_set();
+  set.bind(gpu::kBindingRequests, request);
+  set.bind(gpu::kBindingVertices, vertices);
+  gpu::Pass pass{};
+  pass.step_budget = context_.is_cpu() ? kMaxStepBudgetOnCpu : kGpuStepBudget;
+  dispatch(kernel, set, pass, 1);
+  std::vector<std::byte> bytes(kBytes);
+  commands_.download(vertices, 0, bytes);
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data(), sizeof count);
+  std::vector<PathVertex> out;
+  for (std::uint32_t i = 0; i < std::min(count, gpu::kMaxTracedVertices); ++i) {
+    gpu::TracedVertex v;
+    std::memcpy(&v, bytes.data() + 16 + i * sizeof v, sizeof v);
+    out.push_back({v.shape, v.primitive, v.light_shape, v.light_primitive, v.light_contributed, v.lobe, v.survived, v.radiance});
+  }
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSettings& settings, const GpuOptions& options) {
+  return std::make_unique<GpuRenderer>(scene, settings, options);
+}
+
+GpuTimings gpu_timings(const Renderer& renderer) { return dynamic_cast<const GpuRenderer&>(renderer).timings(); }
+std::string gpu_device_choice(const Renderer& renderer) { return dynamic_cast<const GpuRenderer&>(renderer).choice(); }
+
+}  // namespace etendue

@@ -1,0 +1,36 @@
+#pragma once
+/// The device path: compiles a scene, uploads it and dispatches sample passes.
+
+#include <memory>
+#include <string>
+
+#include "render/renderer.h"
+#include "vulkan/context.h"
+
+namespace etendue {
+
+/// Where the render's time went, in seconds.
+struct GpuTimings {
+  double compile = 0;   ///< scene to buffers, BVH included
+  double upload = 0;
+  double pipeline = 0;  ///< kernel compilation, the first dispatch's lazy part included
+  double render = 0;    ///< dispatches after the first
+};
+
+struct GpuOptions {
+  std::string device = "auto";  ///< see vulkan::Context
+  vulkan::ContextOptions context = vulkan::ContextOptions::from_environment();
+  double pass_seconds = 0.1;    ///< a dispatch is sized to take about this long, so that no watchdog fires
+  std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
+  std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
+};
+
+/// Opens the device and uploads the scene. Throws Error(no_device, device_lost).
+std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSettings& settings, const GpuOptions& options = {});
+
+/// Timings of a renderer made by make_gpu_renderer.
+GpuTimings gpu_timings(const Renderer& renderer);
+/// The sentence that says which device was taken and why.
+std::string gpu_device_choice(const Renderer& renderer);
+
+}  // namespace etendue

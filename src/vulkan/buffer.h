@@ -1,0 +1,34 @@
+#pragma once
+/// Device memory and the way bytes get in and out of it.
+
+#include <cstddef>
+#include <span>
+
+#include "vulkan/context.h"
+
+namespace etendue::vulkan {
+
+/// A buffer with memory of its own.
+class Buffer {
+ public:
+  enum class Memory { device, host };  ///< host: mapped and coherent for its whole life
+  Buffer() = default;
+  /// `what` names the contents in errors ("film", "BVH nodes"); size 0 is rounded up, so that every binding has a buffer.
+  Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usage, Memory memory, const char* what);
+
+  VkBuffer get() const { return buffer_.get(); }
+  VkDeviceSize size() const { return size_; }
+  std::span<std::byte> mapped() const { return {static_cast<std::byte*>(mapped_), static_cast<std::size_t>(size_)}; }
+
+ private:
+  VkDeviceSize size_ = 0;
+  Handle<VkDeviceMemory, &vkFreeMemory> memory_;
+  Handle<VkBuffer, &vkDestroyBuffer> buffer_;
+  void* mapped_ = nullptr;
+};
+
+/// Formatted view of a buffer for texelFetch.
+using TexelView = Handle<VkBufferView, &vkDestroyBufferView>;
+TexelView make_texel_view(const Context& context, const Buffer& buffer, VkFormat format);
+
+}  // namespace etendue::vulkan

@@ -1,0 +1,328 @@
+#define VOLK_IMPLEMENTATION
+#include "vulkan/context.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/core.h>
+
+#include "core/errors.h"
+#include "core/log.h"
+#include "vulkan/check.h"
+
+namespace etendue::vulkan {
+namespace {
+
+std::atomic<std::uint64_t> g_validation_messages{0};
+
+VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,
+                                                     const VkDebugUtilsMessengerCallbackDataEXT* data, void*) {
+  const bool serious = severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
+  if (serious) {
+    ++g_validation_messages;
+    log::error(fmt::format("Vulkan validation: {}", data->pMessage));
+  }
+  return VK_FALSE;
+}
+
+const char* type_name(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "CPU";
+    default: return "other";
+  }
+}
+
+int type_rank(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return 3;
+    default: return 4;
+  }
+}
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// Index of a queue family with compute, preferring one without graphics; -1 when there is none.
+int compute_family(VkPhysicalDevice device) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  int best = -1;
+  for (int i = 0; i < static_cast<int>(count); ++i) {
+    if ((families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) == 0) continue;
+    if (best < 0 || (families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) == 0) best = i;
+  }
+  return best;
+}
+
+std::string missing_features(VkPhysicalDevice device, const VkPhysicalDeviceProperties& p) {
+  if (p.apiVersion < VK_API_VERSION_1_2) {
+    return fmt::format("it speaks Vulkan {}.{}, 1.2 is needed", VK_API_VERSION_MAJOR(p.apiVersion), VK_API_VERSION_MINOR(p.apiVersion));
+  }
+  if (compute_family(device) < 0) return "it has no compute queue";
+  if (p.limits.maxComputeWorkGroupInvocations < 64) return "its workgroups hold fewer than 64 invocations";
+  if (p.limits.maxPerStageDescriptorStorageBuffers < 12) {
+    return fmt::format("it binds {} storage buffers to a kernel, 12 are needed", p.limits.maxPerStageDescriptorStorageBuffers);
+  }
+  return "";
+}
+
+DeviceInfo describe(VkPhysicalDevice device, std::uint32_t index) {
+  VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, .pNext = &driver};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
+  vkGetPhysicalDeviceProperties(device, &properties.properties);
+  const VkPhysicalDeviceProperties basic = properties.properties;
+  DeviceInfo info;
+  info.index = index;
+  info.name = basic.deviceName;
+  info.type = type_name(basic.deviceType);
+  info.api_version = basic.apiVersion;
+  info.missing = missing_features(device, basic);
+  if (basic.apiVersion >= VK_API_VERSION_1_2) {
+    vkGetPhysicalDeviceProperties2(device, &properties);
+    info.driver = fmt::format("{} ({})", driver.driverName, driver.driverInfo);
+    info.subgroup_size = subgroup.subgroupSize;
+  }
+  VkPhysicalDeviceMemoryProperties memory;
+  vkGetPhysicalDeviceMemoryProperties(device, &memory);
+  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i) {
+    if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) {
+      info.memory_bytes = std::max<std::uint64_t>(info.memory_bytes, memory.memoryHeaps[i].size);
+    }
+  }
+  return info;
+}
+
+std::filesystem::path pipeline_cache_path(VkPhysicalDevice device) {
+  std::filesystem::path folder;
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg == '/') {
+    folder = xdg;
+  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') {
+    folder = std::filesystem::path(home) / ".cache";
+  } else {
+    return {};
+  }
+  VkPhysicalDeviceProperties p;
+  vkGetPhysicalDeviceProperties(device, &p);
+  std::string uuid;
+  for (const std::uint8_t byte : p.pipelineCacheUUID) uuid += fmt::format("{:02x}", byte);
+  return folder / "etendue" / fmt::format("pipelines-{:04x}-{:04x}-{}.bin", p.vendorID, p.deviceID, uuid);
+}
+
+}  // namespace
+
+/// The Vulkan instance with its debug messenger.
+class Instance {
+ public:
+  explicit Instance(const ContextOptions& options) {
+    static const VkResult loader = volkInitialize();
+    if (loader != VK_SUCCESS) {
+      throw Error(ExitCode::no_device,
+                  "No Vulkan loader (libvulkan.so.1) was found; install the packages libvulkan1 and mesa-vulkan-drivers, or use --device reference.");
+    }
+    create(options);
+    volkLoadInstance(instance_);
+    if (options.validation) {
+      const auto info = messenger_info();
+      check(vkCreateDebugUtilsMessengerEXT(instance_, &info, nullptr, &messenger_), "listen to the validation layer");
+    }
+  }
+  ~Instance() {
+    if (messenger_ != VK_NULL_HANDLE) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+    vkDestroyInstance(instance_, nullptr);
+  }
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  std::vector<VkPhysicalDevice> physical_devices() const {
+    std::uint32_t count = 0;
+    check(vkEnumeratePhysicalDevices(instance_, &count, nullptr), "list the devices");
+    std::vector<VkPhysicalDevice> devices(count);
+    check(vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "list the devices");
+    devices.resize(count);
+    return devices;
+  }
+
+ private:
+  static VkDebugUtilsMessengerCreateInfoEXT messenger_info() {
+    return {.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+            .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+            .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+            .pfnUserCallback = on_validation_message};
+  }
+
+  void create(const ContextOptions& options) {
+    const VkApplicationInfo application{
+        .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "etendue", .apiVersion = VK_API_VERSION_1_2};
+    const VkValidationFeatureEnableEXT extra[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,
+                                                  VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT};
+    VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                     .enabledValidationFeatureCount = options.validation_extra ? 2u : 0u,
+                                     .pEnabledValidationFeatures = extra};
+    const char* const layers[] = {"VK_LAYER_KHRONOS_validation"};
+    const char* const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
+    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                    .pNext = options.validation ? &features : nullptr,
+                                    .pApplicationInfo = &application,
+                                    .enabledLayerCount = options.validation ? 1u : 0u,
+                                    .ppEnabledLayerNames = layers,
+                                    .enabledExtensionCount = options.validation ? 1u : 0u,
+                                    .ppEnabledExtensionNames = extensions};
+    const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
+    if (result == VK_ERROR_LAYER_NOT_PRESENT) {
+      throw Error(ExitCode::no_device,
+                  "The Khronos validation layer was asked for but is not installed; install the package vulkan-validationlayers.");
+    }
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
+      throw Error(ExitCode::no_device,
+                  "No Vulkan driver was found; install the package mesa-vulkan-drivers (its lavapipe needs no GPU), or use --device reference.");
+    }
+    check(result, "start");
+  }
+
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+};
+
+ContextOptions ContextOptions::from_environment() {
+  const char* value = std::getenv("ETENDUE_VALIDATION");
+  const std::string_view text = value != nullptr ? value : "";
+  return {.validation = text == "1" || text == "2", .validation_extra = text == "2"};
+}
+
+std::uint64_t validation_message_count() { return g_validation_messages; }
+
+std::vector<DeviceInfo> list_devices(const ContextOptions& options) {
+  const Instance instance(options);
+  std::vector<DeviceInfo> infos;
+  for (const VkPhysicalDevice device : instance.physical_devices()) {
+    infos.push_back(describe(device, static_cast<std::uint32_t>(infos.size())));
+  }
+  return infos;
+}
+
+Context::Context(const std::string& selector, const ContextOptions& options) : instance_(std::make_shared<Instance>(options)) {
+  const std::vector<VkPhysicalDevice> devices = instance_->physical_devices();
+  std::string others;
+  int best_rank = 100;
+  std::uint32_t wanted_index = 0;
+  const auto [end, error] = std::from_chars(selector.data(), selector.data() + selector.size(), wanted_index);
+  const bool by_index = error == std::errc{} && end == selector.data() + selector.size();
+  for (std::uint32_t i = 0; i < devices.size(); ++i) {
+    const DeviceInfo info = describe(devices[i], i);
+    VkPhysicalDeviceProperties p;
+    vkGetPhysicalDeviceProperties(devices[i], &p);
+    const bool asked = selector == "auto" || (by_index ? i == wanted_index : lower(info.name).find(lower(selector)) != std::string::npos);
+    const int rank = type_rank(p.deviceType);
+    std::string reason;
+    if (!info.missing.empty()) {
+      reason = info.missing;
+    } else if (!asked) {
+      reason = fmt::format("'--device {}' does not name it", selector);
+    } else if (rank >= best_rank) {
+      reason = fmt::format("'{}' comes first", info_.name);
+    }
+    if (reason.empty()) {
+      if (physical_ != VK_NULL_HANDLE) others += fmt::format("; not {} '{}': '{}' ({}) is preferred", info_.index, info_.name, info.name, info.type);
+      best_rank = rank;
+      physical_ = devices[i];
+      info_ = info;
+      is_cpu_ = p.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+      limits_ = p.limits;
+    } else {
+      others += fmt::format("; not {} '{}': {}", i, info.name, reason);
+    }
+  }
+  if (physical_ == VK_NULL_HANDLE) {
+    throw Error(ExitCode::no_device,
+                fmt::format("No suitable Vulkan device for '--device {}' among {}{}; see 'etendue devices', or use --device reference.", selector,
+                            devices.size(), others));
+  }
+  choice_ = fmt::format("Device {} '{}' ({}, {}){}.", info_.index, info_.name, info_.type, info_.driver, others);
+  open_device();
+  load_pipeline_cache();
+}
+
+Context::~Context() {
+  save_pipeline_cache();
+  pipeline_cache_ = {};
+  vkDestroyDevice(device_, nullptr);
+}
+
+void Context::open_device() {
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+  queue_family_ = static_cast<std::uint32_t>(compute_family(physical_));
+  const float priority = 1.0f;
+  const VkDeviceQueueCreateInfo queue_info{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                           .queueFamilyIndex = queue_family_,
+                                           .queueCount = 1,
+                                           .pQueuePriorities = &priority};
+  const VkDeviceCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue_info};
+  check(vkCreateDevice(physical_, &info, nullptr, &device_), fmt::format("open the device '{}'", info_.name));
+  vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+}
+
+std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const {
+  for (const VkMemoryPropertyFlags wanted : {required | preferred, required}) {
+    for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
+      if ((type_bits >> i & 1u) != 0 && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
+    }
+  }
+  throw Error(ExitCode::device_lost, fmt::format("The device '{}' has no memory type with the properties {:#x}.", info_.name, required));
+}
+
+// The cache only saves time, so every failure to read or write it is silent: the render must not depend on it.
+void Context::load_pipeline_cache() {
+  std::string bytes;
+  if (const auto path = pipeline_cache_path(physical_); !path.empty()) {
+    std::ifstream file(path, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  VkPipelineCacheCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, .initialDataSize = bytes.size(), .pInitialData = bytes.data()};
+  VkPipelineCache cache = VK_NULL_HANDLE;
+  if (vkCreatePipelineCache(device_, &info, nullptr, &cache) != VK_SUCCESS) {
+    info.initialDataSize = 0;
+    check(vkCreatePipelineCache(device_, &info, nullptr, &cache), "create a pipeline cache");
+  }
+  pipeline_cache_ = {device_, cache};
+}
+
+void Context::save_pipeline_cache() const {
+  const auto path = pipeline_cache_path(physical_);
+  std::size_t size = 0;
+  if (path.empty() || vkGetPipelineCacheData(device_, pipeline_cache_.get(), &size, nullptr) != VK_SUCCESS) return;
+  std::string bytes(size, '\0');
+  if (vkGetPipelineCacheData(device_, pipeline_cache_.get(), &size, bytes.data()) != VK_SUCCESS) return;
+  bytes.resize(size);
+  std::error_code ignored;
+  if (std::filesystem::file_size(path, ignored) == size) return;
+  std::filesystem::create_directories(path.parent_path(), ignored);
+  const auto beside = path.string() + fmt::format(".{}", ::getpid());
+  if (std::ofstream(beside, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(size))) {
+    std::filesystem::rename(beside, path, ignored);
+  }
+  std::filesystem::remove(beside, ignored);
+}
+
+}  // namespace etendue::vulkan

@@ -1,0 +1,83 @@
+#pragma once
+/// Instance, physical devices and one logical device with a compute queue.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "vulkan/handle.h"
+
+namespace etendue::vulkan {
+
+/// What is known of a physical device before it is opened.
+struct DeviceInfo {
+  std::uint32_t index = 0;      ///< in the order of vkEnumeratePhysicalDevices; what --device takes
+  std::string name;
+  std::string driver;           ///< driver name and version text
+  std::string type;             ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other"
+  std::uint32_t api_version = 0;
+  std::uint64_t memory_bytes = 0;  ///< largest device-local heap
+  std::uint32_t subgroup_size = 0;
+  std::string missing;          ///< why it cannot be used; empty when it can
+};
+
+/// Options of the Vulkan instance.
+struct ContextOptions {
+  /// Loads the Khronos validation layer (an error when it is not installed). Every message is counted and logged.
+  bool validation = false;
+  /// Adds synchronization and GPU-assisted validation.
+  bool validation_extra = false;
+  /// True when the environment variable ETENDUE_VALIDATION is "1", or "2" for the extra kinds.
+  static ContextOptions from_environment();
+};
+
+class Instance;
+
+/// Every physical device, usable or not. Throws Error(no_device) when there is no Vulkan loader.
+std::vector<DeviceInfo> list_devices(const ContextOptions& options);
+
+/// An open device. Not thread-safe: one thread submits at a time.
+class Context {
+ public:
+  /// `selector`: "auto" (discrete > integrated > virtual > CPU), an index, or a part of the name (case-insensitive). Throws Error(no_device) that
+  /// says why each device was not taken.
+  Context(const std::string& selector, const ContextOptions& options);
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  const DeviceInfo& info() const { return info_; }
+  const VkPhysicalDeviceLimits& limits() const { return limits_; }
+  bool is_cpu() const { return is_cpu_; }
+  VkDevice device() const { return device_; }
+  VkQueue queue() const { return queue_; }
+  std::uint32_t queue_family() const { return queue_family_; }
+  VkPipelineCache pipeline_cache() const { return pipeline_cache_.get(); }
+  /// One sentence: which device was taken and why.
+  const std::string& choice() const { return choice_; }
+  /// Index of a memory type allowed by `type_bits` with all of `required`, preferring `preferred`; throws Error(device_lost) if there is none.
+  std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
+
+ private:
+  void open_device();
+  void load_pipeline_cache();
+  void save_pipeline_cache() const;
+
+  std::shared_ptr<Instance> instance_;
+  DeviceInfo info_;
+  std::string choice_;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  VkPhysicalDeviceLimits limits_{};
+  VkPhysicalDeviceMemoryProperties memory_{};
+  bool is_cpu_ = false;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  std::uint32_t queue_family_ = 0;
+  Handle<VkPipelineCache, &vkDestroyPipelineCache> pipeline_cache_;
+};
+
+/// Validation messages seen by this process (warnings and errors).
+std::uint64_t validation_message_count();
+
+}  // namespace etendue::vulkan

@@ -1,0 +1,38 @@
+#pragma once
+/// Owning wrapper of a device-level Vulkan handle.
+
+#include <utility>
+
+#include <volk.h>
+
+namespace etendue::vulkan {
+
+/// Calls `*Destroy(device, handle, nullptr)` at the end of its life. `Destroy` points at volk's function pointer, which is only filled
+/// at run time.
+template <typename T, auto Destroy>
+class Handle {
+ public:
+  Handle() = default;
+  Handle(VkDevice device, T handle) : device_(device), handle_(handle) {}
+  Handle(Handle&& other) noexcept
+      : device_(other.device_), handle_(std::exchange(other.handle_, static_cast<T>(VK_NULL_HANDLE))) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() {
+    if (handle_ != VK_NULL_HANDLE) (*Destroy)(device_, handle_, nullptr);
+  }
+
+  T get() const { return handle_; }
+  explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
+
+ private:
+  VkDevice device_ = VK_NULL_HANDLE;
+  T handle_ = VK_NULL_HANDLE;
+};
+
+}  // namespace etendue::vulkan

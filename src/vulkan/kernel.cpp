@@ -1,0 +1,111 @@
+#include "vulkan/kernel.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/core.h>
+
+#include "vulkan/check.h"
+
+namespace etendue::vulkan {
+
+BindingLayout::BindingLayout(const Context& context, std::span<const Binding> bindings, std::uint32_t push_constant_bytes)
+    : bindings_(bindings.begin(), bindings.end()), push_constant_bytes_(push_constant_bytes) {
+  std::vector<VkDescriptorSetLayoutBinding> entries;
+  for (const Binding& b : bindings_) {
+    entries.push_back(
+        {.binding = b.number, .descriptorType = b.type, .descriptorCount = 1, .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT});
+  }
+  const VkDescriptorSetLayoutCreateInfo set_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                                 .bindingCount = static_cast<std::uint32_t>(entries.size()),
+                                                 .pBindings = entries.data()};
+  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+  check(vkCreateDescriptorSetLayout(context.device(), &set_info, nullptr, &set_layout), "create the descriptor layout");
+  set_layout_ = {context.device(), set_layout};
+
+  const VkPushConstantRange range{.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .offset = 0, .size = push_constant_bytes};
+  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                        .setLayoutCount = 1,
+                                        .pSetLayouts = &set_layout,
+                                        .pushConstantRangeCount = push_constant_bytes > 0 ? 1u : 0u,
+                                        .pPushConstantRanges = &range};
+  VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
+  check(vkCreatePipelineLayout(context.device(), &info, nullptr, &pipeline_layout), "create the pipeline layout");
+  pipeline_layout_ = {context.device(), pipeline_layout};
+}
+
+BindingSet::BindingSet(const Context& context, const BindingLayout& layout) : device_(context.device()), layout_(&layout) {
+  std::map<VkDescriptorType, std::uint32_t> counts;
+  for (const Binding& b : layout.bindings()) ++counts[b.type];
+  std::vector<VkDescriptorPoolSize> sizes;
+  for (const auto& [type, count] : counts) sizes.push_back({type, count});
+  const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                             .maxSets = 1,
+                                             .poolSizeCount = static_cast<std::uint32_t>(sizes.size()),
+                                             .pPoolSizes = sizes.data()};
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  check(vkCreateDescriptorPool(device_, &pool_info, nullptr, &pool), "create a descriptor pool");
+  pool_ = {device_, pool};
+  const VkDescriptorSetLayout set_layout = layout.set_layout();
+  const VkDescriptorSetAllocateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                         .descriptorPool = pool,
+                                         .descriptorSetCount = 1,
+                                         .pSetLayouts = &set_layout};
+  check(vkAllocateDescriptorSets(device_, &info, &set_), "allocate a descriptor set");
+}
+
+void BindingSet::write(std::uint32_t binding, const VkDescriptorBufferInfo* buffer, const VkBufferView* view) {
+  const auto& bindings = layout_->bindings();
+  const auto entry = std::ranges::find(bindings, binding, &Binding::number);
+  const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                   .dstSet = set_,
+                                   .dstBinding = binding,
+                                   .descriptorCount = 1,
+                                   .descriptorType = entry->type,
+                                   .pBufferInfo = buffer,
+                                   .pTexelBufferView = view};
+  vkUpdateDescriptorSets(device_, 1, &write, 0, nullptr);
+}
+
+void BindingSet::bind(std::uint32_t binding, const Buffer& buffer) {
+  const VkDescriptorBufferInfo info{.buffer = buffer.get(), .offset = 0, .range = VK_WHOLE_SIZE};
+  write(binding, &info, nullptr);
+}
+
+void BindingSet::bind(std::uint32_t binding, const TexelView& view) {
+  const VkBufferView handle = view.get();
+  write(binding, nullptr, &handle);
+}
+
+Kernel::Kernel(const Context& context, const BindingLayout& layout, std::span<const std::uint32_t> spirv,
+               std::span<const Specialization> constants, const char* name) {
+  const VkShaderModuleCreateInfo module_info{
+      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = spirv.size_bytes(), .pCode = spirv.data()};
+  VkShaderModule raw_module = VK_NULL_HANDLE;
+  check(vkCreateShaderModule(context.device(), &module_info, nullptr, &raw_module), fmt::format("load the kernel '{}'", name));
+  const Handle<VkShaderModule, &vkDestroyShaderModule> module(context.device(), raw_module);
+
+  std::vector<VkSpecializationMapEntry> entries;
+  std::vector<std::uint32_t> values;
+  for (const Specialization& c : constants) {
+    entries.push_back({c.id, static_cast<std::uint32_t>(values.size() * sizeof(std::uint32_t)), sizeof(std::uint32_t)});
+    values.push_back(c.value);
+  }
+  const VkSpecializationInfo specialization{.mapEntryCount = static_cast<std::uint32_t>(entries.size()),
+                                            .pMapEntries = entries.data(),
+                                            .dataSize = values.size() * sizeof(std::uint32_t),
+                                            .pData = values.data()};
+  const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                         .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                   .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                                                   .module = raw_module,
+                                                   .pName = "main",
+                                                   .pSpecializationInfo = &specialization},
+                                         .layout = layout.pipeline_layout()};
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  check(vkCreateComputePipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline),
+        fmt::format("compile the kernel '{}'", name));
+  pipeline_ = {context.device(), pipeline};
+}
+
+}  // namespace etendue::vulkan
