@@ -63,11 +63,13 @@ void AtomicFile::fail(const char* action, int error) const {
 AtomicFile::AtomicFile(const std::string& path) : path_(path) {
   namespace fs = std::filesystem;
   // Renaming over a link would replace the link, not the file the user meant.
-  std::error_code unresolved;
   fs::path target = fs::path(path);
-  if (fs::is_symlink(target, unresolved)) {
-    target = fs::weakly_canonical(target, unresolved);
-    if (unresolved) fail("cannot follow the symbolic link", unresolved.value());
+  std::error_code error;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(target, error)); ++links) {
+    if (links == 40) fail("cannot follow the symbolic link", ELOOP);
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) fail("cannot follow the symbolic link", error.value());
+    target = target.parent_path() / next;  // just `next` when that is absolute
   }
   name_ = target.filename().string();
   const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
