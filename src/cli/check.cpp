@@ -1,0 +1,62 @@
+#include "scene/check.h"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+
+namespace etendue::cli {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  SceneOptions scene;
+  bool json = false;
+};
+
+const char* severity_name(Severity severity) {
+  switch (severity) {
+    case Severity::error: return "error";
+    case Severity::warning: return "warning";
+    case Severity::note: return "note";
+  }
+  return "";
+}
+
+ExitCode check_files(const Options& options) {
+  ExitCode code = ExitCode::ok;
+  auto out = nlohmann::json::array();
+  for (const std::string& file : options.files) {
+    Diagnostics diagnostics;
+    ReadOptions read = options.scene.read_options();
+    read.strict = true;  // a check is strict by nature: an unknown property is a mistake until shown otherwise
+    if (const auto scene = read_scene_file(file, read, diagnostics)) check_scene_file(*scene, diagnostics);
+    for (const Diagnostic& d : diagnostics.list()) {
+      if (d.severity == Severity::error && code == ExitCode::ok) code = d.code;
+      if (options.json) {
+        out.push_back({{"severity", severity_name(d.severity)}, {"file", d.position.file}, {"line", d.position.line},
+                       {"column", d.position.column}, {"message", d.message}});
+      } else {
+        fmt::print("{}: {}\n", severity_name(d.severity), to_string(d));
+      }
+    }
+    if (options.json) continue;
+    if (diagnostics.dropped() > 0) fmt::print("{} more findings are not listed\n", diagnostics.dropped());
+    if (!diagnostics.has_errors()) fmt::print("{}: ok\n", file);
+  }
+  if (options.json) fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  return code;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("check", "read scenes strictly and list everything that is wrong or probably not meant; nothing is rendered");
+  const auto options = std::make_shared<Options>();
+  command->add_option("SCENE", options->files, "scene files")->required();
+  options->scene.add_to(*command);
+  command->add_flag("--json", options->json, "machine-readable output");
+  command->callback([&action, options] { action = [options] { return check_files(*options); }; });
+}
+
+}  // namespace etendue::cli

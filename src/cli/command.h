@@ -1,0 +1,43 @@
+#pragma once
+/// How main finds the commands: each file of this folder adds one.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "core/errors.h"
+#include "scene/xml_reader.h"
+#include "validate/renderer_factory.h"
+
+namespace etendue::cli {
+
+/// Set by the parsed subcommand; run by main after the options were read.
+using Action = std::function<ExitCode()>;
+
+void add_render_command(CLI::App& app, Action& action);
+void add_devices_command(CLI::App& app, Action& action);
+void add_check_command(CLI::App& app, Action& action);
+void add_ttest_command(CLI::App& app, Action& action);
+
+/// Options that several commands share.
+struct SceneOptions {
+  std::vector<std::string> overrides;  ///< "integrator.nee=false"
+  bool strict = false;
+
+  void add_to(CLI::App& command);
+  /// Throws Error(usage) for an override without '='.
+  ReadOptions read_options() const;
+};
+
+struct DeviceOption {
+  std::string selector = "auto";
+  unsigned threads = 0;  ///< of the reference and of scene compilation; 0: as many as there are cores
+
+  void add_to(CLI::App& command);
+  /// Renderers on the chosen device; "reference" is the CPU reference.
+  RendererFactory factory() const;
+};
+
+}  // namespace etendue::cli

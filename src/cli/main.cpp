@@ -1,0 +1,55 @@
+#include <cstdlib>
+#include <exception>
+#include <new>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "cli/command.h"
+#include "core/errors.h"
+#include "core/log.h"
+#include "core/version.h"
+#include "vulkan/context.h"
+
+namespace {
+
+using etendue::ExitCode;
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app("Etendue: a Vulkan path tracer that gives the same light on every device, and proves it.", "etendue");
+  app.set_version_flag("--version", std::string("etendue ") + etendue::version());
+  app.require_subcommand(1);
+  app.footer("Exit codes: 0 ok, 1 comparison or test failed, 2 usage, 3 scene error, 4 no suitable device, 5 device lost or out of memory, "
+             "6 file error, 77 skipped, 130 interrupted.");
+  etendue::cli::Action action;
+  etendue::cli::add_render_command(app, action);
+  etendue::cli::add_devices_command(app, action);
+  etendue::cli::add_check_command(app, action);
+  etendue::cli::add_ttest_command(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
+  }
+  const ExitCode code = action();
+  // A run under the validation layer is only good when the layer had nothing to say.
+  if (code == ExitCode::ok && etendue::vulkan::validation_message_count() > 0) {
+    etendue::log::error(fmt::format("The validation layer sent {} messages.", etendue::vulkan::validation_message_count()));
+    return ExitCode::test_failed;
+  }
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return static_cast<int>(run(argc, argv));
+  } catch (const etendue::Error& error) {
+    etendue::log::error(error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::bad_alloc&) {
+    etendue::log::error("The host ran out of memory; use a smaller image or mesh.");
+    return static_cast<int>(ExitCode::device_lost);
+  }
+}

@@ -1,0 +1,37 @@
+#include "cli/progress.h"
+
+#include <fmt/core.h>
+
+#include "core/log.h"
+
+namespace etendue::cli {
+
+std::string duration_text(double seconds) {
+  const auto s = static_cast<std::uint64_t>(seconds + 0.5);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+  return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+}
+
+ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), terminal_(log::stderr_is_terminal()) {}
+
+ProgressLine::~ProgressLine() {
+  if (shown_ && terminal_) fmt::print(stderr, "\n");
+}
+
+void ProgressLine::update(std::uint64_t done, std::uint64_t total) {
+  const Clock::time_point now = Clock::now();
+  const auto interval = terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(5000);
+  if (quiet_ || (now - last_ < interval && done < total) || (!terminal_ && !shown_ && done >= total)) return;
+  last_ = now;
+  shown_ = true;
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  const double rate = seconds > 0.0 ? static_cast<double>(done) / seconds : 0.0;
+  const double left = rate > 0.0 ? static_cast<double>(total - done) / rate : 0.0;
+  fmt::print(stderr, "{}{:3.0f} %  {}/{} samples  {:.2f} Msamples/s  {} left{}", terminal_ ? "\r" : "",
+             100.0 * static_cast<double>(done) / static_cast<double>(total), done, total, rate * 1e-6, duration_text(left),
+             terminal_ ? "   " : "\n");
+  std::fflush(stderr);
+}
+
+}  // namespace etendue::cli

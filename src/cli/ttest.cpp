@@ -1,0 +1,61 @@
+#include "validate/ttest.h"
+
+#include <fstream>
+
+#include <fmt/core.h>
+
+#include "cli/command.h"
+
+namespace etendue::cli {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  SceneOptions scene;
+  DeviceOption device;
+  TTestOptions test;
+  bool json = false;
+};
+
+ExitCode run_files(const Options& options) {
+  // All files are read before the first device is touched.
+  std::vector<TTest> tests;
+  for (const std::string& file : options.files) {
+    SceneFile read = read_scene_file(file, options.scene.read_options());
+    auto* test = std::get_if<TTest>(&read);
+    if (test == nullptr) {
+      throw Error(ExitCode::scene_error, fmt::format("{}: holds no <test type=\"ttest\">; use 'etendue render' for scenes.", file));
+    }
+    tests.push_back(std::move(*test));
+  }
+  bool passed = true;
+  auto out = nlohmann::json::array();
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    const TTestReport report = run_ttest(tests[i], options.files[i], options.device.factory(), options.test);
+    passed = passed && report.passed();
+    if (options.json) {
+      out.push_back(ttest_json(report));
+    } else {
+      fmt::print("{}\n", ttest_table(report));
+      std::fflush(stdout);
+    }
+  }
+  if (options.json) fmt::print("{}\n", out.dump(2));
+  return passed ? ExitCode::ok : ExitCode::test_failed;
+}
+
+}  // namespace
+
+void add_ttest_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("ttest", "test the mean luminance of scenes against known values");
+  const auto options = std::make_shared<Options>();
+  command->add_option("FILE", options->files, "files with a <test type=\"ttest\">")->required();
+  options->scene.add_to(*command);
+  options->device.add_to(*command);
+  command->add_option("--seed", options->test.seed, "seed of the first scene")->capture_default_str();
+  command->add_option("--samples", options->test.sample_count, "samples per scene instead of the file's sampleCount")->check(CLI::PositiveNumber);
+  command->add_flag("--json", options->json, "machine-readable output");
+  command->callback([&action, options] { action = [options] { return run_files(*options); }; });
+}
+
+}  // namespace etendue::cli
