@@ -6,6 +6,7 @@
 ///   their discrete probability as `pdf`; every random number is in [0,1).
 
 #include <cstdint>
+#include <variant>
 
 #include "reference/vec.h"
 #include "scene/scene.h"
@@ -15,7 +16,9 @@ namespace etendue::reference {
 /// Values are those of the path signature.
 enum class Lobe : std::uint32_t { none = 0, diffuse_reflection = 1, delta_reflection = 2, delta_transmission = 3 };
 
-inline bool is_delta(Lobe lobe) { return lobe == Lobe::delta_reflection || lobe == Lobe::delta_transmission; }
+inline bool is_delta(Lobe lobe) {
+  return lobe == Lobe::delta_reflection || lobe == Lobe::delta_transmission;
+}
 
 struct BsdfSample {
   Vec3 wi{0.0};
@@ -48,8 +51,12 @@ inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, double u_lobe, const 
 }
 
 /// True when nothing but delta lobes scatter: next-event estimation cannot find light then.
-inline bool is_delta(const Bsdf& bsdf) { return !std::holds_alternative<DiffuseBsdf>(bsdf); }
+inline bool is_delta(const Bsdf& bsdf) {
+  return !std::holds_alternative<DiffuseBsdf>(bsdf);
+}
 /// True when the side behind the normal is black.
-inline bool is_one_sided(const Bsdf& bsdf) { return !std::holds_alternative<DielectricBsdf>(bsdf); }
+inline bool is_one_sided(const Bsdf& bsdf) {
+  return !std::holds_alternative<DielectricBsdf>(bsdf);
+}
 
 }  // namespace etendue::reference

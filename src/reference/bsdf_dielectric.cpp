@@ -5,9 +5,13 @@
 
 namespace etendue::reference {
 
-Vec3 eval(const DielectricBsdf&, const Vec3&, const Vec3&) { return Vec3(0.0); }
+Vec3 eval(const DielectricBsdf&, const Vec3&, const Vec3&) {
+  return Vec3(0.0);
+}
 
-double pdf(const DielectricBsdf&, const Vec3&, const Vec3&) { return 0.0; }
+double pdf(const DielectricBsdf&, const Vec3&, const Vec3&) {
+  return 0.0;
+}
 
 BsdfSample sample(const DielectricBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2&) {
   if (wo.z == 0.0) return {};
@@ -16,10 +20,8 @@ BsdfSample sample(const DielectricBsdf& bsdf, const Vec3& wo, double u_lobe, con
   const double n_i = outside ? bsdf.int_ior : bsdf.ext_ior;
   const Fresnel fresnel = fresnel_dielectric(std::abs(wo.z), n_o, n_i);
   if (u_lobe < fresnel.reflectance) {
-    return {.wi = {-wo.x, -wo.y, wo.z},
-            .weight = Vec3(1.0),
-            .pdf = fresnel.reflectance,
-            .lobe = Lobe::delta_reflection};
+    return {
+        .wi = {-wo.x, -wo.y, wo.z}, .weight = Vec3(1.0), .pdf = fresnel.reflectance, .lobe = Lobe::delta_reflection};
   }
   // Snell: the tangential part shrinks by n_o/n_i. Radiance grows with the squared index of the medium it is in, and
   // what the path carries back to the camera is the radiance on the side of `wo` [Veach1997, §5.2].

@@ -4,9 +4,13 @@
 
 namespace etendue::reference {
 
-Vec3 eval(const MirrorBsdf&, const Vec3&, const Vec3&) { return Vec3(0.0); }
+Vec3 eval(const MirrorBsdf&, const Vec3&, const Vec3&) {
+  return Vec3(0.0);
+}
 
-double pdf(const MirrorBsdf&, const Vec3&, const Vec3&) { return 0.0; }
+double pdf(const MirrorBsdf&, const Vec3&, const Vec3&) {
+  return 0.0;
+}
 
 BsdfSample sample(const MirrorBsdf&, const Vec3& wo, double, const Vec2&) {
   if (wo.z <= 0.0) return {};

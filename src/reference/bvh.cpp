@@ -19,9 +19,7 @@ constexpr std::size_t kLeafSize = 4;
 struct Binning {
   int axis;
   double lo, scale;
-  int bin(const Vec3& center) const {
-    return std::clamp(static_cast<int>((center[axis] - lo) * scale), 0, kBins - 1);
-  }
+  int bin(const Vec3& center) const { return std::clamp(static_cast<int>((center[axis] - lo) * scale), 0, kBins - 1); }
 };
 
 /// Index of the first bin of the right side where the surface area heuristic is least, and its cost relative to one

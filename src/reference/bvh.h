@@ -40,8 +40,8 @@ class Bvh {
   /// Position → primitive: leaves are ranges of this order.
   const std::vector<std::uint32_t>& order() const { return order_; }
 
-  /// Calls `visit(position, t_max)` for the positions in `order()` whose boxes the ray meets before t_max, near boxes first.
-  /// `visit` may lower t_max; returning true ends the traversal. Returns whether it ended so.
+  /// Calls `visit(position, t_max)` for the positions in `order()` whose boxes the ray meets before t_max, near boxes
+  /// first. `visit` may lower t_max; returning true ends the traversal. Returns whether it ended so.
   template <class Visit>
   bool traverse(const Ray& ray, Visit&& visit) const;
 
@@ -62,8 +62,9 @@ class Bvh {
   std::vector<std::uint32_t> order_;
 };
 
-/// Slab test: entry distance, or infinity when missed. The far distance is widened by the rounding errors of this computation
-/// [Ize2013]; comparisons are written so that the NaN of 0 · ∞ (a ray in the plane of a face) counts as "inside".
+/// Slab test: entry distance, or infinity when missed. The far distance is widened by the rounding errors of this
+/// computation [Ize2013]; comparisons are written so that the NaN of 0 · ∞ (a ray in the plane of a face) counts as
+/// "inside".
 inline double enter_box(const Box& box, const Vec3& origin, const Vec3& inverse, double t_min, double t_max) {
   for (int axis = 0; axis < 3; ++axis) {
     const bool positive = inverse[axis] >= 0.0;

@@ -12,7 +12,9 @@
 namespace etendue::reference {
 namespace {
 
-double largest_coordinate(const Vec3& v) { return max_component(glm::abs(v)); }
+double largest_coordinate(const Vec3& v) {
+  return max_component(glm::abs(v));
+}
 
 /// A point of the sphere, uniform in the solid angle the sphere fills from outside.
 void sample_sphere(const Sphere& sphere, const AreaLight& light, double prob_shape, const Vec3& from,

@@ -71,20 +71,27 @@ std::vector<double> cell_ends(const ReconstructionFilter& filter) {
 
 double filter_radius(const ReconstructionFilter& filter) {
   switch (filter.type) {
-    case ReconstructionFilter::Type::box: return 0.5;
-    case ReconstructionFilter::Type::tent: return 1.0;
+    case ReconstructionFilter::Type::box:
+      return 0.5;
+    case ReconstructionFilter::Type::tent:
+      return 1.0;
     case ReconstructionFilter::Type::gaussian:
-    case ReconstructionFilter::Type::mitchell: return filter.radius;
+    case ReconstructionFilter::Type::mitchell:
+      return filter.radius;
   }
   return 0.0;
 }
 
 double filter_value(const ReconstructionFilter& filter, double x) {
   switch (filter.type) {
-    case ReconstructionFilter::Type::box: return std::abs(x) <= 0.5 ? 1.0 : 0.0;
-    case ReconstructionFilter::Type::tent: return std::max(0.0, 1.0 - std::abs(x));
-    case ReconstructionFilter::Type::gaussian: return gaussian(x, filter.radius, filter.stddev);
-    case ReconstructionFilter::Type::mitchell: return mitchell(2.0 * x / filter.radius, filter.b, filter.c);
+    case ReconstructionFilter::Type::box:
+      return std::abs(x) <= 0.5 ? 1.0 : 0.0;
+    case ReconstructionFilter::Type::tent:
+      return std::max(0.0, 1.0 - std::abs(x));
+    case ReconstructionFilter::Type::gaussian:
+      return gaussian(x, filter.radius, filter.stddev);
+    case ReconstructionFilter::Type::mitchell:
+      return mitchell(2.0 * x / filter.radius, filter.b, filter.c);
   }
   return 0.0;
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// Reconstruction filters, realised by sampling: each sample belongs to one pixel; docs/conventions.md, "Camera and filter".
+/// Reconstruction filters, realised by sampling: each sample belongs to one pixel; docs/conventions.md, "Camera and
+/// filter".
 
 #include <vector>
 

@@ -1,6 +1,7 @@
 #pragma once
 /// Reflection and refraction at a smooth boundary between two dielectrics.
 
+#include <algorithm>
 #include <cmath>
 
 #include "reference/vec.h"

@@ -13,8 +13,8 @@ double power_heuristic(double own, double other) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// A material at a point of the surface, in world space. Adds to the local contract of bsdf.h that a direction counts only if
-/// it lies on the same side of the geometric and the shading normal.
+/// A material at a point of the surface, in world space. Adds to the local contract of bsdf.h that a direction counts
+/// only if it lies on the same side of the geometric and the shading normal.
 class Scatterer {
  public:
   Scatterer(const Bsdf& bsdf, const Surface& surface, const Vec3& wo)
@@ -119,17 +119,16 @@ class Path {
     const LightSample light = world_.lights().sample(world_.scene(), surface.p, random);
     const Vec3 f = light.pdf_w > 0.0 ? scatterer.eval(light.wi) : Vec3(0.0);
     const Vec3 unshadowed = f * light.radiance;
-    const bool contributes =
-        !is_zero(unshadowed) &&
-        !world_.occluded(surface.offset_toward(light.wi), light.surface.offset_toward(-light.wi));
+    const bool contributes = !is_zero(unshadowed) &&
+                             !world_.occluded(surface.offset_toward(light.wi), light.surface.offset_toward(-light.wi));
     log_.light(light, contributes);
     if (!contributes) return Vec3(0.0);
     const double w_light = integrator_.mis ? power_heuristic(light.pdf_w_mis, scatterer.pdf(light.wi)) : 1.0;
     return unshadowed / light.pdf_w * w_light;
   }
 
-  /// Russian roulette. Paths inside a medium carry radiance scaled by its squared index; `eta_scale_` undoes this, so that
-  /// a path's chance does not depend on the medium it is in.
+  /// Russian roulette. Paths inside a medium carry radiance scaled by its squared index; `eta_scale_` undoes this, so
+  /// that a path's chance does not depend on the medium it is in.
   bool survives(std::uint32_t depth, double u) {
     if (integrator_.rr_depth == 0 || depth < integrator_.rr_depth) return true;
     const double q = std::min(max_component(beta_) * eta_scale_, 0.99);

@@ -8,8 +8,8 @@
 
 namespace etendue::reference {
 
-/// Twice the triangle's area is no larger than this share of its longest edge squared: all digits of its normal are rounding
-/// errors. Such a triangle is degenerate: never hit, never chosen as a light.
+/// Twice the triangle's area is no larger than this share of its longest edge squared: all digits of its normal are
+/// rounding errors. Such a triangle is degenerate: never hit, never chosen as a light.
 bool is_degenerate(const Vec3& p0, const Vec3& p1, const Vec3& p2);
 /// 0 for a degenerate triangle.
 double triangle_area(const Vec3& p0, const Vec3& p1, const Vec3& p2);
@@ -32,8 +32,8 @@ class TriangleTest {
   Vec3 shear_;               ///< shear and scale that make the direction (0, 0, 1)
 };
 
-/// Smallest t in (ray.t_min, t_max) where the ray meets the sphere. The discriminant comes from the distance between centre
-/// and line, so that small and far spheres keep their digits. Source: [Haines2019].
+/// Smallest t in (ray.t_min, t_max) where the ray meets the sphere. The discriminant comes from the distance between
+/// centre and line, so that small and far spheres keep their digits. Source: [Haines2019].
 std::optional<double> intersect_sphere(const Ray& ray, const Vec3& center, double radius, double t_max);
 
 }  // namespace etendue::reference

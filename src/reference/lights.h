@@ -1,5 +1,6 @@
 #pragma once
-/// Everything that emits from a surface, and the choice among it; docs/conventions.md, "Discrete choices" and "Emitters".
+/// Everything that emits from a surface, and the choice among it; docs/conventions.md, "Discrete choices" and
+/// "Emitters".
 
 #include <cstdint>
 #include <optional>
@@ -11,8 +12,8 @@
 
 namespace etendue::reference {
 
-/// Chooses an index in proportion to weights by comparing a whole 32-bit word with integer thresholds, so that every renderer
-/// chooses the same.
+/// Chooses an index in proportion to weights by comparing a whole 32-bit word with integer thresholds, so that every
+/// renderer chooses the same.
 class DiscreteChoice {
  public:
   /// Weights are finite and >= 0, fewer than 2^32. Empty when all of them are 0.
@@ -41,11 +42,11 @@ struct AreaLight {
 struct LightSample {
   std::uint32_t shape = 0;
   std::uint32_t primitive = 0;
-  Surface surface;          ///< the light's surface there
-  Vec3 wi{0.0};             ///< unit, from `from` toward it
-  double pdf_w = 0.0;       ///< solid-angle density of this sample, choice of the light included; 0: it sends nothing here
-  double pdf_w_mis = 0.0;   ///< the density that multiple-importance weights use
-  Vec3 radiance{0.0};       ///< toward `from`
+  Surface surface;     ///< the light's surface there
+  Vec3 wi{0.0};        ///< unit, from `from` toward it
+  double pdf_w = 0.0;  ///< solid-angle density of this sample, choice of the light included; 0: it sends nothing here
+  double pdf_w_mis = 0.0;  ///< the density that multiple-importance weights use
+  Vec3 radiance{0.0};      ///< toward `from`
 };
 
 class Lights {
@@ -56,7 +57,8 @@ class Lights {
   bool empty() const { return shape_choice_.empty(); }
   /// Chooses a light and a point on it. Not when empty.
   LightSample sample(const Scene& scene, const Vec3& from, const SampleRandom::Light& random) const;
-  /// The density with which `sample` from `from` finds `at`, for multiple-importance weights; 0 where there is no light.
+  /// The density with which `sample` from `from` finds `at`, for multiple-importance weights; 0 where there is no
+  /// light.
   double pdf_w_mis(const Scene& scene, const Vec3& from, const Surface& at) const;
 
  private:
@@ -64,7 +66,7 @@ class Lights {
                        const SampleRandom::Light& random, LightSample& sample) const;
 
   std::vector<AreaLight> lights_;
-  DiscreteChoice shape_choice_;                     ///< index into lights_
+  DiscreteChoice shape_choice_;                       ///< index into lights_
   std::vector<std::optional<std::size_t>> of_shape_;  ///< shape → index into lights_
 };
 

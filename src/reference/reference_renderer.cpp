@@ -27,8 +27,8 @@ struct Block {
   SampleRange samples;
 };
 
-/// Cuts width · height pixels × a sample range into blocks. Rows stay together; a film of few pixels is cut along its samples
-/// instead, so that a single pixel keeps all threads busy.
+/// Cuts width · height pixels × a sample range into blocks. Rows stay together; a film of few pixels is cut along its
+/// samples instead, so that a single pixel keeps all threads busy.
 class BlockGrid {
  public:
   BlockGrid(const Film& film, SampleRange range) : range_(range), pixels_(film.pixels().size()) {
@@ -44,7 +44,8 @@ class BlockGrid {
   Block block(std::uint64_t index) const {
     const std::uint64_t pixel = index % columns_ * block_pixels_;
     const std::uint64_t sample = range_.begin + index / columns_ * block_samples_;
-    return {pixel, std::min(pixel + block_pixels_, pixels_),
+    return {pixel,
+            std::min(pixel + block_pixels_, pixels_),
             {static_cast<std::uint32_t>(sample),
              static_cast<std::uint32_t>(std::min<std::uint64_t>(sample + block_samples_, range_.end))}};
   }
@@ -113,10 +114,10 @@ class ReferenceRenderer final : public Renderer {
 void ReferenceRenderer::check_size(const Film& film) const {
   const Camera& camera = world_.scene().camera;
   if (film.width() == camera.width && film.height() == camera.height) return;
-  throw Error(ExitCode::usage, fmt::format("the film is {}x{} pixels but the camera of scene \"{}\" has {}x{}; "
-                                           "give both the same size",
-                                           film.width(), film.height(), world_.scene().name, camera.width,
-                                           camera.height));
+  throw Error(ExitCode::usage,
+              fmt::format("the film is {}x{} pixels but the camera of scene \"{}\" has {}x{}; "
+                          "give both the same size",
+                          film.width(), film.height(), world_.scene().name, camera.width, camera.height));
 }
 
 CameraSample ReferenceRenderer::camera_sample(SampleId id, const SampleRandom& random) const {
@@ -130,8 +131,10 @@ CameraSample ReferenceRenderer::camera_sample(SampleId id, const SampleRandom& r
 
 Vec3 ReferenceRenderer::radiance(const Ray& ray, const SampleRandom& random, DecisionLog& log) const {
   switch (world_.scene().integrator.type) {
-    case Integrator::Type::normals: return normals_radiance(world_, ray, log);
-    case Integrator::Type::path: return path_radiance(world_, ray, random, log);
+    case Integrator::Type::normals:
+      return normals_radiance(world_, ray, log);
+    case Integrator::Type::path:
+      return path_radiance(world_, ray, random, log);
   }
   return Vec3(0.0);
 }
@@ -193,7 +196,8 @@ std::uint32_t ReferenceRenderer::render(SampleRange range, Film& film, const Pro
   }
   meter.report();
   const std::size_t room = kMaxListedRejections - std::min(kMaxListedRejections, rejected.size());
-  rejected.insert(rejected.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(std::min(room, found.size())));
+  rejected.insert(rejected.end(), found.begin(),
+                  found.begin() + static_cast<std::ptrdiff_t>(std::min(room, found.size())));
   return next;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-/// The CPU reference: double precision, plain on purpose, written from the papers. The device is compared with it sample by
-/// sample, so it follows docs/conventions.md to the letter and shares nothing with the device path but that page.
+/// The CPU reference: double precision, plain on purpose, written from the papers. The device is compared with it
+/// sample by sample, so it follows docs/conventions.md to the letter and shares nothing with the device path but that
+/// page.
 
 #include <memory>
 

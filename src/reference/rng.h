@@ -22,7 +22,9 @@ inline std::array<std::uint32_t, 4> pcg4d(std::array<std::uint32_t, 4> v) {
 }
 
 /// Float in [0,1) from the top 24 bits; never 1, exact in single and double precision.
-inline double unit_float(std::uint32_t word) { return static_cast<double>(word >> 8) * 0x1p-24; }
+inline double unit_float(std::uint32_t word) {
+  return static_cast<double>(word >> 8) * 0x1p-24;
+}
 
 /// The random words of one sample, block by block.
 class SampleRandom {

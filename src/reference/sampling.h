@@ -1,6 +1,7 @@
 #pragma once
 /// Warps: maps from the unit square to the shapes light is sampled on; docs/conventions.md, "Warps".
 
+#include <algorithm>
 #include <cmath>
 
 #include "reference/vec.h"

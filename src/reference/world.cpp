@@ -8,7 +8,9 @@
 namespace etendue::reference {
 namespace {
 
-double largest_coordinate(const Vec3& v) { return max_component(glm::abs(v)); }
+double largest_coordinate(const Vec3& v) {
+  return max_component(glm::abs(v));
+}
 
 }  // namespace
 

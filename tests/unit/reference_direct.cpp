@@ -14,7 +14,8 @@ struct DirectCase {
   double reference;
 };
 const std::array<DirectCase, 5> kDirect{{
-    {{{{-0.443432, 0.596366, 0.495985}, {-0.320397, 0.0677699, -0.229359}, {0.0341197, 0.11415, -0.343049}}}, 0.0898394},
+    {{{{-0.443432, 0.596366, 0.495985}, {-0.320397, 0.0677699, -0.229359}, {0.0341197, 0.11415, -0.343049}}},
+     0.0898394},
     {{{{0.461963, 0.397843, 0.412747}, {-0.0381582, 0.851323, -0.156872}, {0.195443, 0.891957, -0.260672}}}, 0.02292},
     {{{{0.100871, 0.289075, -0.422609}, {-0.308386, 0.629587, 0.423966}, {-0.373132, 0.237287, 0.351592}}}, 0.0534198},
     {{{{-0.17575, 0.639397, 0.151268}, {0.318604, 0.732996, 0.459771}, {0.139095, 0.294498, 0.478556}}}, 0.0205314},
@@ -30,8 +31,8 @@ TEST(ReferenceDirect, CourseScenes) {
       scene.shapes.push_back(shape(triangle(v[0], v[1], v[2]), diffuse(0.0), Vec3(1.0)));
       set_strategy(scene, strategy);
       const Estimate e = estimate(scene, 200000);
-      EXPECT_LT(e.t(test.reference), kMaxT) << strategy.name << ": " << e.mean << " ± " << e.standard_error
-                                            << ", expected " << test.reference;
+      EXPECT_LT(e.t(test.reference), kMaxT)
+          << strategy.name << ": " << e.mean << " ± " << e.standard_error << ", expected " << test.reference;
       EXPECT_EQ(e.rejected, 0u);
       EXPECT_LT(e.standard_error, 0.012 * test.reference) << "too noisy to tell";
     }

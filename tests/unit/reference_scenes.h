@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +17,8 @@ namespace etendue::reference::test {
 /// Unit of the films of these tests: samples up to 2^32 are accepted.
 inline constexpr int kExponent = 8;
 
-/// |t| that a correct estimator exceeds with probability 1.5e-6 in one test; with about 200 of them the whole file set fails by
-/// chance (for new seeds; these are fixed) with probability 3e-4.
+/// |t| that a correct estimator exceeds with probability 1.5e-6 in one test; with about 200 of them the whole file set
+/// fails by chance (for new seeds; these are fixed) with probability 3e-4.
 inline constexpr double kMaxT = 4.8;
 
 inline TriangleMesh triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -51,7 +51,9 @@ inline Shape shape(Geometry geometry, Bsdf bsdf, std::optional<Vec3> radiance = 
   if (radiance) result.emitter = AreaEmitter{*radiance};
   return result;
 }
-inline DiffuseBsdf diffuse(double albedo) { return {.albedo = Vec3(albedo)}; }
+inline DiffuseBsdf diffuse(double albedo) {
+  return {.albedo = Vec3(albedo)};
+}
 
 inline glm::dmat4 look_at(const Vec3& origin, const Vec3& target, const Vec3& up) {
   const Vec3 forward = glm::normalize(target - origin);
@@ -73,7 +75,8 @@ struct Strategy {
   const char* name;
   bool nee, mis;
 };
-inline constexpr std::array<Strategy, 3> kStrategies{{{"naive", false, false}, {"nee", true, false}, {"mis", true, true}}};
+inline constexpr std::array<Strategy, 3> kStrategies{
+    {{"naive", false, false}, {"nee", true, false}, {"mis", true, true}}};
 
 inline void set_strategy(Scene& scene, const Strategy& strategy) {
   scene.integrator.nee = strategy.nee;
@@ -99,8 +102,8 @@ inline Estimate estimate(const Scene& scene, std::uint32_t samples, std::uint32_
           film.rejected()};
 }
 
-/// Irradiance of a polygon of unit radiance at the origin, normal `n` [Lambert1760]; its winding makes the sign positive when
-/// the polygon faces the origin and lies wholly above the horizon.
+/// Irradiance of a polygon of unit radiance at the origin, normal `n` [Lambert1760]; its winding makes the sign
+/// positive when the polygon faces the origin and lies wholly above the horizon.
 inline double polygon_irradiance(const std::vector<Vec3>& vertices, const Vec3& n) {
   double sum = 0.0;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
