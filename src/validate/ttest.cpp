@@ -1,0 +1,210 @@
+#include "validate/ttest.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "image/film.h"
+
+namespace etendue {
+namespace {
+
+double luminance(const glm::vec3& rgb) {
+  return 0.212671 * static_cast<double>(rgb.x) + 0.715160 * static_cast<double>(rgb.y) +
+         0.072169 * static_cast<double>(rgb.z);
+}
+
+/// Samples of a pixel so that the film gets at least `count` in all, and at least the two a variance needs.
+std::uint32_t samples_per_pixel(const Scene& scene, std::uint64_t count) {
+  const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
+  const std::uint64_t wanted = std::max<std::uint64_t>(count, 2);
+  const std::uint64_t spp = (wanted + pixels - 1) / pixels;
+  if (spp > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ExitCode::usage,
+                fmt::format("sampleCount {} over {} pixel(s) is more than 2^32 − 1 samples a pixel", count, pixels));
+  }
+  return static_cast<std::uint32_t>(spp);
+}
+
+/// Luminance of at most `limit` of the film's samples, evenly over pixels and sample indices.
+std::vector<double> single_samples(Renderer& renderer, std::uint64_t pixels, std::uint64_t spp, std::uint64_t limit) {
+  const std::uint64_t n = std::min(limit, pixels * spp);
+  std::vector<SampleId> ids;
+  ids.reserve(n);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const std::uint64_t flat =
+        n == pixels * spp ? i
+                          : static_cast<std::uint64_t>(static_cast<double>(i) * static_cast<double>(pixels * spp) /
+                                                       static_cast<double>(n));
+    ids.push_back({static_cast<std::uint32_t>(flat / spp), static_cast<std::uint32_t>(flat % spp)});
+  }
+  std::vector<double> values;
+  values.reserve(n);
+  for (const SampleRecord& record : renderer.trace_samples(ids)) {
+    if (const double y = luminance(record.radiance); std::isfinite(y)) values.push_back(y);
+  }
+  return values;
+}
+
+SceneTTest test_scene(const Scene& scene, double reference, std::uint32_t seed, std::uint64_t sample_count,
+                      std::uint64_t tail_samples, const RendererFactory& make_renderer, TTestReport& report) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::unique_ptr<Renderer> renderer = make_renderer(scene, {seed, FilmQuantity::luminance});
+  report.device = renderer->device_name();
+  report.driver = renderer->driver_name();
+
+  SceneTTest result;
+  result.width = scene.camera.width;
+  result.height = scene.camera.height;
+  const std::uint32_t spp = samples_per_pixel(scene, sample_count);
+  result.samples_per_pixel = spp;
+  Film film(scene.camera.width, scene.camera.height, film_exponent(scene));
+  renderer->render({0, spp}, film, {}, result.located);
+  result.rejected = film.rejected();
+  const Moments m = film_moments(film, 0);
+  if (m.n >= 2) {
+    result.test = t_test(static_cast<double>(m.mean), static_cast<double>(m.variance), m.n, reference);
+  } else {
+    result.test.reference = reference;  // every sample was rejected: p stays 0
+    result.test.n = m.n;
+  }
+  if (tail_samples > 0) {
+    const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
+    result.tail = tail_report(single_samples(*renderer, pixels, spp, tail_samples));
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+std::string tail_note(const TailReport& tail) {
+  return fmt::format(
+      "heavy tail: the largest of {} samples ({:.4g}, mean {:.4g}) makes {:.1f} % of the variance, Hill index "
+      "{:.2f} ± {:.2f} (below 2 the variance is infinite); this p-value is not to be relied on",
+      tail.n, tail.largest, tail.mean, 100.0 * tail.largest_share, tail.hill_index, tail.hill_error);
+}
+
+std::string rejected_note(const SceneTTest& scene) {
+  std::string note = fmt::format("{} sample(s) were NaN, infinite or out of range", scene.rejected);
+  if (!scene.located.empty()) {
+    const RejectedSample& first = scene.located.front();
+    note += fmt::format(", the first at pixel ({}, {}), sample {}, segment {}", first.id.pixel % scene.width,
+                        first.id.pixel / scene.width, first.id.sample, first.segments);
+  }
+  return note;
+}
+
+}  // namespace
+
+bool TTestReport::passed() const {
+  return std::all_of(scenes.begin(), scenes.end(), [](const SceneTTest& s) { return s.passed; });
+}
+
+TTestReport run_ttest(const TTest& test, const std::string& file, const RendererFactory& make_renderer,
+                      const TTestOptions& options) {
+  if (test.references.size() != test.scenes.size() || test.scenes.empty()) {
+    throw Error(ExitCode::usage, fmt::format("{}: {} reference(s) for {} scene(s); each scene needs one reference",
+                                             file, test.references.size(), test.scenes.size()));
+  }
+  TTestReport report;
+  report.file = file;
+  report.seed = options.seed;
+  report.significance_level = options.significance_level.value_or(test.significance_level);
+  report.test_level = sidak_level(report.significance_level, test.scenes.size());
+  for (std::size_t i = 0; i < test.scenes.size(); ++i) {
+    const Scene& scene = test.scenes[i];
+    SceneTTest result =
+        test_scene(scene, test.references[i], options.seed + static_cast<std::uint32_t>(i),
+                   options.sample_count.value_or(test.sample_count), options.tail_samples, make_renderer, report);
+    result.name = fmt::format("scene {}", i + 1);
+    result.passed = result.rejected == 0 && result.test.p_value >= report.test_level;
+    report.scenes.push_back(std::move(result));
+  }
+  return report;
+}
+
+std::string ttest_table(const TTestReport& report) {
+  std::string out = fmt::format("{} on {} ({}), seed {}\n", report.file, report.device, report.driver, report.seed);
+  out += fmt::format("{:<10} {:>10} {:>12} {:>12} {:>11} {:>9} {:>10}  verdict\n", "scene", "samples", "mean",
+                     "reference", "std. error", "t", "p");
+  for (const SceneTTest& s : report.scenes) {
+    out += fmt::format(
+        "{:<10} {:>10} {:>12.7g} {:>12.7g} {:>11.3g} {:>9.4g} {:>10.4g}  {}{}\n", s.name, s.test.n, s.test.mean,
+        s.test.reference, s.test.standard_error, s.test.t, s.test.p_value, s.passed ? "passed" : "FAILED",
+        s.test.decision == Decision::numerical ? fmt::format(" (no variance: by tolerance {:.1g})", s.test.tolerance)
+                                               : "");
+  }
+  std::size_t passed = 0;
+  for (const SceneTTest& s : report.scenes) {
+    passed += s.passed;
+    if (s.rejected > 0) out += fmt::format("{}: {}\n", s.name, rejected_note(s));
+    if (s.tail.heavy()) out += fmt::format("{}: {}\n", s.name, tail_note(s.tail));
+  }
+  out += fmt::format("{}: {} of {} passed; false-alarm rate of the file {:.4g}, of one scene {:.4g} (Šidák)\n",
+                     report.passed() ? "passed" : "FAILED", passed, report.scenes.size(), report.significance_level,
+                     report.test_level);
+  return out;
+}
+
+nlohmann::json ttest_json(const TTestReport& report) {
+  nlohmann::json scenes = nlohmann::json::array();
+  for (const SceneTTest& s : report.scenes) {
+    scenes.push_back({{"name", s.name},
+                      {"width", s.width},
+                      {"height", s.height},
+                      {"samplesPerPixel", s.samples_per_pixel},
+                      {"samples", s.test.n},
+                      {"mean", s.test.mean},
+                      {"variance", s.test.variance},
+                      {"standardError", s.test.standard_error},
+                      {"reference", s.test.reference},
+                      {"t", s.test.t},
+                      {"degreesOfFreedom", s.test.dof},
+                      {"p", s.test.p_value},
+                      {"decidedBy", s.test.decision == Decision::numerical ? "tolerance" : "distribution"},
+                      {"tolerance", s.test.tolerance},
+                      {"rejected", s.rejected},
+                      {"tail",
+                       {{"samples", s.tail.n},
+                        {"largest", s.tail.largest},
+                        {"largestShare", s.tail.largest_share},
+                        {"hillIndex", s.tail.hill_index},
+                        {"hillError", s.tail.hill_error},
+                        {"heavy", s.tail.heavy()}}},
+                      {"seconds", s.seconds},
+                      {"passed", s.passed}});
+  }
+  return {{"file", report.file},
+          {"device", report.device},
+          {"driver", report.driver},
+          {"seed", report.seed},
+          {"significanceLevel", report.significance_level},
+          {"testLevel", report.test_level},
+          {"scenes", scenes},
+          {"passed", report.passed()}};
+}
+
+std::vector<JunitCase> ttest_junit(const TTestReport& report) {
+  std::vector<JunitCase> cases;
+  for (const SceneTTest& s : report.scenes) {
+    JunitCase c;
+    c.name = report.file + ": " + s.name;
+    c.seconds = s.seconds;
+    c.failed = !s.passed;
+    c.message =
+        s.rejected > 0
+            ? rejected_note(s)
+            : fmt::format("mean {:.7g} is {:.4g} standard errors from the reference {:.7g}, p = {:.3g} < {:.3g}",
+                          s.test.mean, s.test.t, s.test.reference, s.test.p_value, report.test_level);
+    c.details =
+        fmt::format("n = {}, mean = {:.9g}, reference = {:.9g}, t = {:.5g}, p = {:.5g}{}", s.test.n, s.test.mean,
+                    s.test.reference, s.test.t, s.test.p_value, s.tail.heavy() ? "\n" + tail_note(s.tail) : "");
+    cases.push_back(std::move(c));
+  }
+  return cases;
+}
+
+}  // namespace etendue
