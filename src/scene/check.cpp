@@ -197,7 +197,6 @@ void check_scene(const Scene& scene, Diagnostics& diagnostics) {
     all.add(boxes.back().min);
     all.add(boxes.back().max);
   }
-  if (scene.shapes.empty()) diagnostics.warning(scene.position, "the scene has no <mesh>: only the sky will be seen");
   all.add(glm::dvec3(scene.camera.world_from_camera[3]));
   if (scene.integrator.type == Integrator::Type::path) check_light(scene, diagnostics);
   check_camera_medium(scene, boxes, diagnostics);

@@ -34,7 +34,7 @@ struct ObjError {
 /// Splits a line at blanks.
 class Tokens {
  public:
-  explicit Tokens(std::string_view line) : line_(line) {}
+  explicit Tokens(std::string_view line, std::size_t at = 0) : line_(line), at_(at) {}
 
   /// The next token; empty at the end.
   std::string_view next() {
@@ -50,7 +50,7 @@ class Tokens {
   static bool is_separator(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 
   std::string_view line_;
-  std::size_t at_ = 0, begin_ = 0;
+  std::size_t at_, begin_ = 0;
 };
 
 /// What the faces refer to: as in the file, but in world space.
@@ -101,6 +101,8 @@ class ObjParser {
 
   void parse_line() {
     Tokens tokens(lines_.line());
+    if (std::exchange(first_line_, false) && lines_.line().starts_with("\xef\xbb\xbf"))
+      tokens = Tokens(lines_.line(), 3);
     const std::string_view keyword = tokens.next();
     if (keyword.empty() || keyword.front() == '#') return;
     if (keyword == "v") return parse_position(tokens);
@@ -109,12 +111,13 @@ class ObjParser {
     if (keyword == "vt") return parse_texture(tokens);
     static constexpr std::string_view kIgnored[] = {"g", "o", "s", "usemtl", "mtllib"};
     if (std::find(std::begin(kIgnored), std::end(kIgnored), keyword) != std::end(kIgnored)) return;
-    if (unknown_ == 0) {
-      diagnostics_.warning(
-          lines_.position(tokens.offset()),
-          fmt::format("lines that start with {} and other unknown keywords are ignored", text::quoted(keyword)));
+    if (keyword.find('\0') != std::string_view::npos) {
+      throw ObjError{tokens.offset(), "the line holds binary data; an OBJ file is plain ASCII or UTF-8 text"};
     }
-    ++unknown_;
+    if (std::exchange(unknown_, true)) return;
+    diagnostics_.warning(
+        lines_.position(tokens.offset()),
+        fmt::format("lines that start with {} are not known and ignored, here and further on", text::quoted(keyword)));
   }
 
   static double parse_number(std::string_view token, std::size_t offset) {
@@ -267,7 +270,8 @@ class ObjParser {
   Diagnostics& diagnostics_;
   RawMesh mesh_;
   std::size_t textures_ = 0;
-  std::size_t unknown_ = 0;
+  bool first_line_ = true;
+  bool unknown_ = false;
   std::size_t crossing_ = 0;
   SourcePosition first_crossing_;
   std::int64_t polygon_work_ = kMaxPolygonWork;
@@ -281,17 +285,19 @@ class VertexSplitter {
  public:
   explicit VertexSplitter(RawMesh& raw) : raw_(raw), first_(raw.positions.size(), Slot{}) {}
 
-  TriangleMesh split() {
+  /// Nothing if there would be more than kMaxVertices.
+  std::optional<TriangleMesh> split() {
     const bool with_normals = !raw_.normal_triangles.empty();
     mesh_.positions.reserve(raw_.positions.size());
     mesh_.triangles = std::move(raw_.position_triangles);
-    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    for (std::size_t i = 0; i < mesh_.triangles.size() && !full_; ++i) {
       glm::uvec3& triangle = mesh_.triangles[i];
       const glm::uvec3 normals = with_normals ? raw_.normal_triangles[i] : glm::uvec3(kNone);
       const glm::dvec3 ng = with_normals ? plane_normal(triangle) : glm::dvec3(0.0);
       for (int corner = 0; corner < 3; ++corner)
         triangle[corner] = vertex(triangle[corner], normals[corner], ng, with_normals);
     }
+    if (full_) return std::nullopt;
     return std::move(mesh_);
   }
 
@@ -318,6 +324,8 @@ class VertexSplitter {
   }
 
   std::uint32_t add(std::uint32_t position) {
+    full_ = full_ || mesh_.positions.size() == ObjLimits::kMaxVertices;
+    if (full_) return 0;
     mesh_.positions.push_back(raw_.positions[position]);
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
@@ -325,8 +333,9 @@ class VertexSplitter {
   std::uint32_t vertex(std::uint32_t position, std::uint32_t normal, const glm::dvec3& ng, bool with_normals) {
     const bool flat = with_normals && (normal == kNone || raw_.normals[normal] == glm::dvec3(0.0));
     if (flat) {
-      mesh_.normals.push_back(ng);
-      return add(position);
+      const std::uint32_t added = add(position);
+      if (!full_) mesh_.normals.push_back(ng);
+      return added;
     }
     // Nearly every vertex has one normal: the first one is kept in a flat array, only further ones in the hash table.
     Slot& slot = first_[position];
@@ -338,13 +347,15 @@ class VertexSplitter {
     } else {
       slot.normal = normal;
     }
-    if (with_normals) mesh_.normals.push_back(raw_.normals[normal]);
-    return *target = add(position);
+    *target = add(position);
+    if (with_normals && !full_) mesh_.normals.push_back(raw_.normals[normal]);
+    return *target;
   }
 
   RawMesh& raw_;
   TriangleMesh mesh_;
   std::vector<Slot> first_;
+  bool full_ = false;
   std::unordered_map<std::uint64_t, std::uint32_t, Mix> further_;
 };
 
@@ -367,8 +378,14 @@ std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string
                                      const glm::dmat4& world_from_object, Diagnostics& diagnostics) {
   ObjParser parser(source, file, world_from_object, diagnostics);
   if (!parser.parse()) return std::nullopt;
-  TriangleMesh mesh = VertexSplitter(parser.mesh()).split();
-  warn_degenerate(mesh, file, diagnostics);
+  std::optional<TriangleMesh> mesh = VertexSplitter(parser.mesh()).split();
+  if (mesh) {
+    warn_degenerate(*mesh, file, diagnostics);
+  } else {
+    diagnostics.error({file, 0, 0},
+                      fmt::format("the mesh has more than {} vertices with different normals; split the mesh",
+                                  ObjLimits::kMaxVertices));
+  }
   return mesh;
 }
 

@@ -92,6 +92,7 @@ std::string Object::heading() const {
 }
 
 void Object::read_child(const XmlElement& child, ReadContext& context) {
+  if (!context.diagnostics.wants_errors()) return;  // the file is refused anyhow, and nobody reads the rest
   static const std::vector<std::string> kOperations = {"translate", "scale", "rotate", "matrix", "lookat"};
   if (contains(property_tags(), child.name)) {
     read_property(child, context);
@@ -123,7 +124,7 @@ void Object::read_object_child(const XmlElement& child, ReadContext& context) {
     context.diagnostics.error(position, fmt::format("<{}> cannot stand inside {}; {}", child.name, heading(), remedy));
     return;
   }
-  if (children(child.name).size() == rule->max) {
+  if (++child_counts_[child.name] > rule->max) {
     context.diagnostics.error(position, fmt::format("{} has more than one <{}>; keep one", heading(), child.name));
     return;
   }
@@ -144,6 +145,7 @@ void Object::read_property(const XmlElement& element, ReadContext& context) {
   if (name == nullptr) return;
   const Parameter* parameter = plugin_->find(name->value);
   if (parameter == nullptr) {
+    if (!context.strict && !context.diagnostics.wants_warnings()) return;
     const std::vector<std::string> names = plugin_->parameter_names();
     const std::string known = names.empty() ? "it has none" : "it has: " + text::join(names);
     const std::string message = fmt::format("{} has no property {}{}; {}", heading(), text::quoted(name->value),
@@ -162,7 +164,7 @@ void Object::read_property(const XmlElement& element, ReadContext& context) {
   if (element.name != tag_of(parameter->type)) {
     context.diagnostics.error(
         context.document.position(element.offset),
-        fmt::format("property \"{}\" of {} is a {}, not a {}; write <{} name=\"{}\" …>", parameter->name, heading(),
+        fmt::format("property \"{}\" of {} is of type {}, not {}; write <{} name=\"{}\" …>", parameter->name, heading(),
                     tag_of(parameter->type), element.name, tag_of(parameter->type), parameter->name));
     return;
   }

@@ -78,6 +78,7 @@ class Object {
   std::set<std::string, std::less<>> seen_;  ///< names met, also with values that could not be read
   std::map<std::string, glm::dmat4, std::less<>> transforms_;
   std::vector<const XmlElement*> children_;
+  std::map<std::string, std::size_t, std::less<>> child_counts_;
 };
 
 /// Reports attributes of `element` that are missing or not in `names`; true if it has exactly those.

@@ -151,6 +151,7 @@ const Operation* find_operation(const XmlElement& element, ReadContext& context)
 glm::dmat4 read_transform(const XmlElement& element, ReadContext& context) {
   glm::dmat4 product(1.0);
   for (const XmlElement& child : element.children) {
+    if (!context.diagnostics.wants_errors()) break;
     const Operation* operation = find_operation(child, context);
     if (operation == nullptr) continue;
     if (!child.children.empty()) {

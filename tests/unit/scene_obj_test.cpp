@@ -1,0 +1,333 @@
+// OBJ files: what is understood, what is refused and where, polygons, and what becomes of normals.
+
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "scene/polygon.h"
+#include "scene_testing.h"
+
+namespace etendue::testing {
+namespace {
+
+TriangleMesh read(std::string_view text, const glm::dmat4& m = glm::dmat4(1.0),
+                  std::size_t chunk = std::string_view::npos) {
+  Diagnostics diagnostics;
+  std::optional<TriangleMesh> mesh = read_obj(memory_source(text, chunk), "m.obj", m, diagnostics);
+  EXPECT_TRUE(mesh.has_value()) << all_messages(diagnostics);
+  return mesh.value_or(TriangleMesh{});
+}
+
+const std::string kThree = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+TEST(Obj, AllForms) {
+  const TriangleMesh mesh = read("# comment\nmtllib a.mtl\no thing\ng group\ns off\nusemtl stone\n" + kThree +
+                                 "vt 0 0\nvt 1\nvt 0 1 0\nvn 0 0 1\nvn 0 0 2\n\n  \t\n"
+                                 "f 1 2 3\nf 1/1 2/2 3/3\nf 1//1 2//1 3//1\nf 1/1/1 2/2/1 3/3/1\nf -3 -2 -1\nf "
+                                 "-3/-3/-2 -2/-2/-2 -1/-1/-2 # end\nf\t1  2 \t3  \n");
+  EXPECT_EQ(mesh.triangles.size(), 7u);
+  ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    EXPECT_EQ(mesh.positions[t.x], glm::dvec3(0, 0, 0));
+    EXPECT_EQ(mesh.positions[t.y], glm::dvec3(1, 0, 0));
+    EXPECT_EQ(mesh.positions[t.z], glm::dvec3(0, 1, 0));
+    for (int i = 0; i < 3; ++i)
+      EXPECT_EQ(mesh.normals[t[i]], glm::dvec3(0, 0, 1)) << "given, or the plane's where none is";
+  }
+}
+
+TEST(Obj, NoNormalsStayNoNormalsAndVerticesAreShared) {
+  const TriangleMesh mesh = read(kThree + "v 1 1 0\nv 7 7 7\nf 1 2 3\nf 2 4 3\n");
+  EXPECT_TRUE(mesh.normals.empty());
+  EXPECT_EQ(mesh.positions.size(), 4u) << "the vertex no face uses is left out";
+  EXPECT_EQ(mesh.triangles[0], glm::uvec3(0, 1, 2));
+  EXPECT_EQ(mesh.triangles[1], glm::uvec3(1, 3, 2));
+}
+
+TEST(Obj, VerticesWithSeveralNormalsAreSplit) {
+  const TriangleMesh mesh = read(kThree +
+                                 "vn 0 0 1\nvn 1 0 0\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//2 2//2 3//2\nf 1//3 2//3 "
+                                 "3//3\nf 3//2 2//2 1//2\nf 1//1 2//2 3//3\n");
+  EXPECT_EQ(mesh.positions.size(), 9u);
+  EXPECT_EQ(mesh.triangles[3], glm::uvec3(mesh.triangles[1].z, mesh.triangles[1].y, mesh.triangles[1].x));
+  EXPECT_EQ(mesh.normals[mesh.triangles[4].x], glm::dvec3(0, 0, 1));
+  EXPECT_EQ(mesh.normals[mesh.triangles[4].y], glm::dvec3(1, 0, 0));
+  EXPECT_EQ(mesh.normals[mesh.triangles[4].z], glm::dvec3(0, 1, 0));
+}
+
+TEST(Obj, FacesWithoutNormalsAmongOthersGetTheirPlane) {
+  const TriangleMesh mesh = read(kThree + "v 0 0 1\nvn 0 0 1\nvn 0 0 0\nf 1 2 4\nf 1//1 2//1 3//1\nf 1//2 2//2 4//2\n");
+  for (const std::size_t flat : {0u, 2u}) {
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(mesh.normals[mesh.triangles[flat][i]], glm::dvec3(0, -1, 0));
+  }
+}
+
+TEST(Obj, LineEndsContinuationsAndMarks) {
+  const TriangleMesh unix_lines = read(kThree + "f 1 2 3\n");
+  for (const std::string& text :
+       {std::string("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n"), std::string("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3"),
+        std::string("\xef\xbb\xbfv 0 0 0\nv 1 \\\n 0 0\nv 0 1 0\nf 1 \\\r\n2\\\n3"), kThree + "f 1 2 3 \\"}) {
+    for (const std::size_t chunk : {std::size_t{1}, std::size_t{7}, std::string_view::npos}) {
+      const TriangleMesh mesh = read(text, glm::dmat4(1.0), chunk);
+      EXPECT_EQ(mesh.positions, unix_lines.positions) << text;
+      EXPECT_EQ(mesh.triangles, unix_lines.triangles) << text;
+    }
+  }
+}
+
+TEST(Obj, NumbersInAllSpellings) {
+  const TriangleMesh mesh = read("v +1 -1.5e+1 .5 1.0\nv 1. 1E-2 -0 0.1 0.2 0.3\nv 1e-400 5e-324 2\nf 1 2 3\n");
+  EXPECT_EQ(mesh.positions[0], glm::dvec3(1, -15, 0.5));
+  EXPECT_EQ(mesh.positions[1], glm::dvec3(1, 0.01, 0));
+  EXPECT_EQ(mesh.positions[2].x, 0.0);
+  EXPECT_EQ(mesh.positions[2].y, 5e-324);
+}
+
+TEST(Obj, NormalsFollowTheInverseTranspose) {
+  glm::dmat4 m = glm::scale(glm::dmat4(1.0), glm::dvec3(2, 1, 1));
+  m = glm::translate(glm::dmat4(1.0), glm::dvec3(5, 0, 0)) * m;
+  const TriangleMesh mesh = read("v 0 0 0\nv -1 1 0\nv 0 0 1\nvn 30 30 0\nf 1//1 2//1 3//1\n", m);
+  EXPECT_EQ(mesh.positions[1], glm::dvec3(3, 1, 0));
+  const glm::dvec3 expected = glm::normalize(glm::dvec3(0.5, 1, 0));
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(mesh.normals[0][i], expected[i], 1e-15);
+  const glm::dvec3 ng =
+      glm::normalize(glm::cross(mesh.positions[1] - mesh.positions[0], mesh.positions[2] - mesh.positions[0]));
+  EXPECT_NEAR(glm::dot(ng, mesh.normals[0]), 1.0, 1e-15);
+}
+
+struct BadObj {
+  const char* what;
+  std::string text;
+  int line;
+  int column;
+  const char* says;
+};
+void PrintTo(const BadObj& bad, std::ostream* out) {
+  *out << bad.what;
+}
+
+class BadMesh : public ::testing::TestWithParam<BadObj> {};
+
+TEST_P(BadMesh, IsRefusedAtItsPlace) {
+  const BadObj& bad = GetParam();
+  Diagnostics diagnostics;
+  EXPECT_FALSE(read_obj(memory_source(bad.text), "m.obj", glm::dmat4(1.0), diagnostics).has_value());
+  ASSERT_EQ(diagnostics.error_count(), 1u);
+  const Diagnostic& error = diagnostics.list().back();
+  EXPECT_EQ(error.position.line, bad.line) << to_string(error);
+  EXPECT_EQ(error.position.column, bad.column) << to_string(error);
+  EXPECT_NE(error.message.find(bad.says), std::string::npos) << to_string(error);
+}
+
+std::string name_of(const ::testing::TestParamInfo<BadObj>& info) {
+  return info.param.what;
+}
+
+const BadObj kBadMeshes[] = {
+    {"Empty", "", 0, 0, "no faces"},
+    {"NoFaces", kThree, 0, 0, "no faces"},
+    {"IndexTooLarge", kThree + "f 1 2 4\n", 4, 7, "index 4 of a vertex is out of range; the file has 3 so far"},
+    {"IndexTooNegative", kThree + "f 1 2 -4\n", 4, 7, "index -4 of a vertex is out of range; the file has 3 so far"},
+    {"ForwardReference", "v 0 0 0\nf 1 2 3\nv 1 0 0\nv 0 1 0\n", 2, 5, "the file has 1 so far"},
+    {"IndexZero", kThree + "f 0 1 2\n", 4, 3, "indices count from 1"},
+    {"IndexOverflow", kThree + "f 99999999999999999999 1 2\n", 4, 3, "too large"},
+    {"IndexMin", kThree + "f -9223372036854775808 1 2\n", 4, 3, "out of range"},
+    {"IndexJunk", kThree + "f 1 2 3x\n", 4, 7, "\"3x\" is not an index"},
+    {"IndexFloat", kThree + "f 1 2 3.0\n", 4, 7, "not an index"},
+    {"TextureIndex", kThree + "f 1/1 2/1 3/1\n", 4, 5,
+     "index 1 of a texture coordinate is out of range; the file has 0 so far"},
+    {"NormalIndex", kThree + "vn 0 0 1\nf 1//1 2//2 3//1\n", 5, 11,
+     "index 2 of a normal is out of range; the file has 1 so far"},
+    {"FourIndices", kThree + "f 1/1/1/1 2 3\n", 4, 3, "more than 3 indices"},
+    {"TrailingSlash", kThree + "f 1/ 2 3\n", 4, 3, "no corner of a face"},
+    {"TwoSlashes", kThree + "f 1// 2 3\n", 4, 3, "no corner of a face"},
+    {"LeadingSlash", kThree + "f /1 2 3\n", 4, 3, "no corner of a face"},
+    {"TwoCorners", kThree + "f 1 2\n", 4, 1, "a face has 2 corners"},
+    {"NoCorners", kThree + "f\n", 4, 1, "a face has 0 corners"},
+    {"CommentCorners", kThree + "f 1 2 # 3\n", 4, 1, "a face has 2 corners"},
+    {"TwoCoordinates", "v 1 2\n", 1, 1, "a vertex has 2 numbers; it needs 3"},
+    {"NineCoordinates", "v 1 2 3 4 5 6 7 8\n", 1, 17, "more than 7"},
+    {"NaN", "v 1 nan 3\n", 1, 5, "not a finite number"},
+    {"Infinity", "v 1 -inf 3\n", 1, 5, "not a finite number"},
+    {"Overflow", "v 1 2 1e400\n", 1, 7, "too large"},
+    {"Hex", "v 0x1 2 3\n", 1, 3, "not a number"},
+    {"DecimalComma", "v 1,5 2 3\n", 1, 3, "not a number"},
+    {"FarVertex", "v 1 2 1e30\n", 1, 1, "coordinates up to 1000000000"},
+    {"ShortNormal", "vn 0 1\n", 1, 1, "a normal has 2 numbers; it needs 3"},
+    {"BadTexture", "vt x\n", 1, 4, "not a number"},
+    {"Continued", kThree + "f 1 \\\n  2 \\\n  9\n", 6, 3, "index 9"},
+    {"Binary", std::string("glTF\0\0\0\2", 8), 1, 1, "binary data"},
+    {"LongLine", kThree + "f" + std::string(5 << 20, ' ') + "1 2 3", 4, 1, "more than 4194304 bytes"},
+    {"LongContinuedLine",
+     [] {
+       std::string text = "f ";
+       while (text.size() < (6u << 20)) text += "1 \\\n";
+       return kThree + text;
+     }(),
+     4, 1, "more than 4194304 bytes"},
+    {"TooManyCorners",
+     [] {
+       std::string text = kThree + "f";
+       for (int i = 0; i < 70000; ++i) text += " 1";
+       return text;
+     }(),
+     4, 131075, "more than 65536 corners"},
+};
+INSTANTIATE_TEST_SUITE_P(Obj, BadMesh, ::testing::ValuesIn(kBadMeshes), name_of);
+
+TEST(Obj, WarnsOnceAboutUnknownLinesAndCountsDegenerateTriangles) {
+  Diagnostics diagnostics;
+  const auto mesh = read_obj(memory_source("hello\nworld\nl 1 2\n" + kThree + "f 1 2 3\nf 1 1 2\nf 1 2 2\n"), "m.obj",
+                             glm::dmat4(1.0), diagnostics);
+  ASSERT_TRUE(mesh.has_value());
+  EXPECT_EQ(mesh->triangles.size(), 3u) << "triangles without area are kept";
+  ASSERT_EQ(diagnostics.list().size(), 2u) << all_messages(diagnostics);
+  EXPECT_EQ(to_string(diagnostics.list()[0]).substr(0, 10), "m.obj:1:1:");
+  EXPECT_NE(diagnostics.list()[0].message.find("\"hello\""), std::string::npos);
+  EXPECT_NE(diagnostics.list()[1].message.find("2 of 3 triangles have no area"), std::string::npos);
+}
+
+TEST(Obj, EmitterWithoutAreaIsAnError) {
+  TemporaryFolder folder;
+  folder.write("flat.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n");
+  const std::string scene = folder.write(
+      "s.xml", scene_around("<mesh type=\"obj\"><string name=\"filename\" value=\"flat.obj\"/>\n<emitter type=\"area\">"
+                            "<color name=\"radiance\" value=\"1 1 1\"/></emitter></mesh>"));
+  try {
+    read_scene(scene);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("s.xml:3:1: the emitter's mesh \"flat.obj\" has no area"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+// ---- Polygons
+
+double area2(const std::vector<glm::dvec3>& p) {
+  glm::dvec3 sum(0.0);
+  for (std::size_t i = 0; i < p.size(); ++i) sum += glm::cross(p[i], p[(i + 1) % p.size()]);
+  return glm::length(sum);
+}
+
+/// A triangulation is right if its triangles all have the polygon's orientation and their areas add up to the
+/// polygon's: then they can neither overlap nor leave it.
+void expect_triangulation(const std::vector<glm::dvec3>& polygon) {
+  std::vector<PolygonTriangle> triangles;
+  std::int64_t work = 1'000'000'000;
+  EXPECT_TRUE(triangulate(polygon, triangles, work));
+  ASSERT_EQ(triangles.size(), polygon.size() - 2);
+  glm::dvec3 normal(0.0);
+  for (std::size_t i = 0; i < polygon.size(); ++i) normal += glm::cross(polygon[i], polygon[(i + 1) % polygon.size()]);
+  normal = glm::normalize(normal);
+  double sum = 0.0;
+  for (const PolygonTriangle& t : triangles) {
+    const double area = glm::dot(glm::cross(polygon[t.y] - polygon[t.x], polygon[t.z] - polygon[t.x]), normal);
+    EXPECT_GE(area, -1e-9 * area2(polygon));
+    sum += area;
+  }
+  EXPECT_NEAR(sum, area2(polygon), 1e-9 * area2(polygon));
+}
+
+std::vector<glm::dvec3> lift(const std::vector<glm::dvec2>& flat, const glm::dmat4& m) {
+  std::vector<glm::dvec3> polygon;
+  for (const glm::dvec2& p : flat) polygon.emplace_back(m * glm::dvec4(p, 0.0, 1.0));
+  return polygon;
+}
+
+TEST(Polygon, ConcaveShapesInAnyPosition) {
+  const std::vector<std::vector<glm::dvec2>> shapes = {
+      {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
+      {{0, 0}, {2, 0}, {0.5, 0.5}, {0, 2}},                              // arrow: the fan from corner 0 works
+      {{2, 0}, {0.5, 0.5}, {0, 2}, {0, 0}},                              // the same, where a fan from corner 0 does not
+      {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 2}, {3, 2}, {3, 3}, {0, 3}},  // C
+      {{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}},  // U with collinear corners
+      // a square with a square hole, joined by a bridge that is walked twice
+      {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}},
+  };
+  const glm::dmat4 poses[] = {
+      glm::dmat4(1.0), glm::rotate(glm::dmat4(1.0), glm::pi<double>(), glm::dvec3(1, 0, 0)),
+      glm::rotate(glm::dmat4(1.0), 1.0, glm::dvec3(1, 2, 3)),
+      glm::translate(glm::dmat4(1.0), glm::dvec3(1e4)) * glm::rotate(glm::dmat4(1.0), 1.6, glm::dvec3(0, 1, 0)),
+      glm::scale(glm::dmat4(1.0), glm::dvec3(1e-3))};
+  for (const auto& shape : shapes) {
+    for (const glm::dmat4& pose : poses) {
+      expect_triangulation(lift(shape, pose));
+      expect_triangulation(lift({shape.rbegin(), shape.rend()}, pose));
+    }
+  }
+}
+
+TEST(Polygon, RandomStarShapes) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> radius(0.1, 1.0);
+  for (int n = 4; n < 200; n += 7) {
+    std::vector<glm::dvec2> flat;
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2.0 * glm::pi<double>() * i / n;
+      flat.push_back(radius(random) * glm::dvec2(std::cos(angle), std::sin(angle)));
+    }
+    expect_triangulation(lift(flat, glm::rotate(glm::dmat4(1.0), 0.3 * n, glm::dvec3(1, 1, 0))));
+  }
+}
+
+TEST(Polygon, SpiralThatDefeatsFans) {
+  std::vector<glm::dvec2> flat;
+  for (int i = 0; i <= 60; ++i) flat.push_back((1.0 + 0.1 * i) * glm::dvec2(std::cos(0.3 * i), std::sin(0.3 * i)));
+  for (int i = 60; i >= 0; --i) flat.push_back((1.5 + 0.1 * i) * glm::dvec2(std::cos(0.3 * i), std::sin(0.3 * i)));
+  expect_triangulation(lift(flat, glm::dmat4(1.0)));
+}
+
+TEST(Polygon, CrossingAndDegeneratePolygonsEnd) {
+  const std::vector<std::vector<glm::dvec3>> polygons = {
+      {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}},                                   // bow tie
+      std::vector<glm::dvec3>(50, glm::dvec3(1, 2, 3)),                               // one point
+      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {1.5, 0, 0}},                      // a line
+      {{0, 1, 0}, {0.6, -0.8, 0}, {-0.95, 0.3, 0}, {0.95, 0.3, 0}, {-0.6, -0.8, 0}},  // pentagram
+      {{0, 0, 0}, {1e-300, 0, 0}, {1e9, 1e9, 0}, {0, 1e-300, 0}},
+  };
+  for (const auto& polygon : polygons) {
+    std::vector<PolygonTriangle> triangles;
+    std::int64_t work = 1'000'000;
+    triangulate(polygon, triangles, work);
+    EXPECT_EQ(triangles.size(), polygon.size() - 2);
+    for (const PolygonTriangle& t : triangles) EXPECT_LT(std::max({t.x, t.y, t.z}), polygon.size());
+  }
+}
+
+TEST(Polygon, WorkIsBounded) {
+  std::vector<glm::dvec3> comb;
+  for (int i = 0; i < 2000; ++i) comb.emplace_back(i, i % 2 == 0 ? 1.0 : 100.0, 0.0);
+  comb.emplace_back(2000, 0, 0);
+  comb.emplace_back(0, 0, 0);
+  std::vector<PolygonTriangle> triangles;
+  std::int64_t work = 1000;
+  EXPECT_FALSE(triangulate(comb, triangles, work));
+  EXPECT_EQ(triangles.size(), comb.size() - 2);
+}
+
+TEST(Obj, ConcaveFaceOfAFile) {
+  const TriangleMesh mesh = read("v 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nv 0 0 0\nf 1 2 3 4\n");
+  ASSERT_EQ(mesh.triangles.size(), 2u);
+  double area = 0.0;
+  for (const glm::uvec3& t : mesh.triangles) area += triangle_area(mesh, t);
+  EXPECT_NEAR(area, 1.0, 1e-12);
+}
+
+TEST(Obj, ManyNormalsOfOneVertexStayLinear) {
+  // Every face names vertex 1 with a normal of its own: a list per vertex would take quadratic time.
+  std::string text = kThree;
+  constexpr int kCount = 200000;
+  for (int i = 0; i < kCount; ++i) text += "vn 0 0 1\nf 1//-1 2//-1 3//-1\n";
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(read(text).positions.size(), 3u * kCount);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+}
+
+}  // namespace
+}  // namespace etendue::testing
