@@ -14,41 +14,41 @@ namespace {
 
 constexpr double kLargestScore = 37.0;  // beyond it a double holds no normal tail
 
-/// Difference of two sums of independent means, gathered term by term.
+/// Difference of two sums of independent means, gathered term by term. The variance is that under the hypothesis
+/// tested: samples of both pictures spread around their common mean. A pixel that shows all of a light in one picture
+/// and nothing of it in the other has no variance of its own in either, but a large one around the common mean; its
+/// score stays what chance allows.
 class MeanDifference {
  public:
   void add(const Image& test, const Image& reference, std::size_t pixel, int channel) {
-    sum_test_ += static_cast<double>(test.pixels[pixel][channel]);
-    sum_reference_ += static_cast<double>(reference.pixels[pixel][channel]);
-    add_error(test.standard_error[pixel][channel], test.sample_count[pixel]);
-    add_error(reference.standard_error[pixel][channel], reference.sample_count[pixel]);
+    const double a = test.pixels[pixel][channel], b = reference.pixels[pixel][channel];
+    const double n_a = test.sample_count[pixel], n_b = reference.sample_count[pixel];
+    const double common = (n_a * a + n_b * b) / (n_a + n_b);
+    const double unbiased = (n_a + n_b) / (n_a + n_b - 1.0);
+    variance_ += unbiased * (variance(test.standard_error[pixel][channel], n_a, a - common) +
+                             variance(reference.standard_error[pixel][channel], n_b, b - common));
+    sum_test_ += a;
+    sum_reference_ += b;
+    has_spread_ |= test.standard_error[pixel][channel] > 0.0f || reference.standard_error[pixel][channel] > 0.0f;
     ++terms_;
   }
 
   double mean_test() const { return sum_test_ / static_cast<double>(terms_); }
   double mean_reference() const { return sum_reference_ / static_cast<double>(terms_); }
   double standard_error() const { return std::sqrt(variance_) / static_cast<double>(terms_); }
-
-  /// The z-test, with Student's tail where the degrees of freedom are few enough to matter.
-  ZTestResult test() const {
-    ZTestResult r = z_test(mean_test(), standard_error(), mean_reference(), 0.0);
-    constexpr double kManyDegrees = 1e5;
-    if (r.standard_error == 0.0 || !std::isfinite(r.z) || r.z == 0.0 || weight_ == 0.0) return r;
-    const double dof = variance_ * variance_ / weight_;
-    if (dof < kManyDegrees) r.p_value = student_two_sided(r.z, dof);
-    return r;
-  }
+  /// Some sample differs from another of its picture.
+  bool has_spread() const { return has_spread_; }
+  ZTestResult test() const { return z_test(mean_test(), standard_error(), mean_reference(), 0.0); }
 
  private:
-  void add_error(float standard_error, std::uint32_t samples) {
-    const double variance = static_cast<double>(standard_error) * static_cast<double>(standard_error);
-    variance_ += variance;
-    if (samples > 1) weight_ += variance * variance / (samples - 1.0);
+  /// Of a mean of n samples, around a common mean that lies `offset` away.
+  static double variance(double standard_error, double n, double offset) {
+    return standard_error * standard_error * (n - 1.0) / n + offset * offset / n;
   }
 
   double sum_test_ = 0, sum_reference_ = 0;
-  double variance_ = 0;  ///< of the sum
-  double weight_ = 0;    ///< Σ vᵢ²/(nᵢ − 1), for Satterthwaite's degrees of freedom
+  double variance_ = 0;  ///< of the difference of the sums
+  bool has_spread_ = false;
   std::uint64_t terms_ = 0;
 };
 
@@ -64,7 +64,8 @@ struct Cell {
 
 Cell make_cell(const MeanDifference& difference, std::uint32_t x, std::uint32_t y, int channel) {
   const ZTestResult r = difference.test();
-  Cell cell{x, y, channel, difference.mean_test(), difference.mean_reference(), r.p_value, 0.0, r.standard_error > 0.0};
+  Cell cell{
+      x, y, channel, difference.mean_test(), difference.mean_reference(), r.p_value, 0.0, difference.has_spread()};
   if (r.p_value >= 1.0) return cell;
   // Two-sided tails below 2·10⁻³⁰⁰ all score alike.
   const double score = r.p_value < 2e-300 ? kLargestScore : normal_quantile_upper(0.5 * r.p_value);

@@ -11,8 +11,7 @@
 
 namespace etendue {
 
-/// Samples a pixel needs in both pictures to be tested on its own. With fewer, a pixel on an edge can show "all" in one
-/// picture and "none" in the other by chance, both without variance: probability 4^-n, below 10⁻⁹ from 16 on.
+/// Samples a pixel needs in both pictures to be tested on its own: with fewer its score is far from normal.
 inline constexpr std::uint32_t kMinPixelSamples = 16;
 inline constexpr std::uint32_t kBlockSize = 8;
 
@@ -41,8 +40,11 @@ struct ImageTests {
   bool passed() const;
 };
 
-/// Welch's test per mean: the score's Student tail has the Satterthwaite degrees of freedom of all samples behind it; z
-/// is the normal score of the same p. Throws Error(usage) when a picture has no statistics or the sizes differ.
+/// A score test per mean: the variance is that of all samples around the mean common to both pictures, which keeps its
+/// false-alarm rate where samples are few and discrete (measured in the unit tests). The score of n samples against n
+/// is at most √(2n): with 16 samples a pixel of a large picture can hardly be rejected on its own; blocks and the image
+/// mean carry the power. Differences within kNumericalTolerance are never significant. Throws Error(usage) when a
+/// picture has no statistics or the sizes differ.
 ImageTests test_images(const Image& test, const Image& reference, double significance = 0.01);
 
 }  // namespace etendue

@@ -1,0 +1,195 @@
+// Comparing pictures: false-alarm rates by simulation, power, negative controls, limits and reports.
+
+#include "validate/compare.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+
+namespace etendue {
+namespace {
+
+using ::testing::HasSubstr;
+
+enum class Noise { exponential, coin };
+
+// A picture as a renderer makes it: `spp` samples per pixel of expectation `factor` · (1 + x/width).
+Image picture(std::uint32_t width, std::uint32_t height, std::uint32_t spp, unsigned seed, double factor = 1.0,
+              Noise noise = Noise::exponential) {
+  std::mt19937_64 rng(seed);
+  std::exponential_distribution<double> exponential(1.0);
+  std::bernoulli_distribution coin(0.5);
+  Image image;
+  image.width = width;
+  image.height = height;
+  for (std::uint32_t i = 0; i < width * height; ++i) {
+    const double expectation = factor * (1.0 + double(i % width) / width);
+    glm::vec3 mean, error;
+    for (int c = 0; c < 3; ++c) {
+      RunningMoments m;
+      for (std::uint32_t s = 0; s < spp; ++s) {
+        m.add(expectation * (noise == Noise::coin ? 2.0 * coin(rng) : exponential(rng)));
+      }
+      mean[c] = float(m.mean());
+      error[c] = float(m.standard_error());
+    }
+    image.pixels.push_back(mean);
+    image.standard_error.push_back(error);
+    image.sample_count.push_back(spp);
+  }
+  image.metadata = {{"seed", std::to_string(seed)}, {"samples", std::to_string(spp)}};
+  return image;
+}
+
+CompareOptions without_flip() {
+  CompareOptions options;
+  options.metrics.flip = false;
+  return options;
+}
+
+Comparison compare(const Image& a, const Image& b, const CompareOptions& options = without_flip()) {
+  return compare_images(a, "a.exr", b, "b.exr", options);
+}
+
+TEST(Compare, IndependentRendersAreStatisticallyEqual) {
+  const Comparison c = compare(picture(32, 24, 64, 1), picture(32, 24, 64, 2));
+  EXPECT_EQ(c.verdict, Verdict::statistically_equal) << comparison_text(c);
+  EXPECT_TRUE(c.passed());
+  ASSERT_EQ(c.tests->families.size(), 3u);
+  EXPECT_EQ(c.tests->families[0].tests, 32u * 24 * 3);
+  EXPECT_EQ(c.tests->families[1].tests, 4u * 3 * 3);
+  EXPECT_EQ(c.tests->families[2].tests, 3u);
+  EXPECT_NEAR(c.tests->families[0].z_mean, 0.0, 0.1);
+  EXPECT_NEAR(c.tests->families[0].z_deviation, 1.0, 0.05);
+  ASSERT_EQ(c.metadata.size(), 1u);
+  EXPECT_EQ(c.metadata[0].name, "seed");
+}
+
+// Family-wise rates over simulated pairs: at most what is stated, for skewed samples and for coins, whose variance
+// vanishes by chance.
+class CompareRate : public ::testing::TestWithParam<std::pair<Noise, std::uint32_t>> {};
+TEST_P(CompareRate, FalseAlarmsStayBelowTheStatedRate) {
+  const auto [noise, spp] = GetParam();
+  constexpr std::uint64_t kExperiments = 300;
+  std::uint64_t alarms = 0;
+  for (std::uint32_t i = 0; i < kExperiments; ++i) {
+    const Image a = picture(16, 16, spp, 2 * i, 1.0, noise), b = picture(16, 16, spp, 2 * i + 1, 1.0, noise);
+    alarms += !test_images(a, b, 0.05).passed();
+  }
+  EXPECT_GT(binomial_upper_tail(alarms, kExperiments, 0.05), 1e-3) << alarms << " of " << kExperiments;
+}
+INSTANTIATE_TEST_SUITE_P(Noise, CompareRate,
+                         ::testing::Values(std::pair{Noise::exponential, 16u}, std::pair{Noise::exponential, 4u},
+                                           std::pair{Noise::coin, 16u}, std::pair{Noise::coin, 3u}));
+
+TEST(Compare, ABiasIsFoundAtTheSizeItPromises) {
+  const Image reference = picture(32, 24, 64, 1);
+  const double detectable = compare(picture(32, 24, 64, 2), reference).tests->detectable_bias;
+  EXPECT_GT(detectable, 0.005);
+  EXPECT_LT(detectable, 0.05);
+  int found = 0;
+  for (unsigned i = 0; i < 20; ++i) {
+    found += compare(picture(32, 24, 64, 100 + i, 1.0 + detectable), reference).verdict == Verdict::different;
+  }
+  EXPECT_GE(found, 17);  // 0.99 each, but all share one noisy reference
+}
+
+TEST(Compare, OneWrongPixelAndOneWrongBlockAreFound) {
+  const Image reference = picture(32, 24, 64, 1);
+  Image pixel = picture(32, 24, 64, 2);
+  pixel.pixels[5 * 32 + 7].y *= 3.0f;
+  const Comparison c = compare(pixel, reference);
+  EXPECT_EQ(c.verdict, Verdict::different);
+  EXPECT_FALSE(c.tests->families[0].passed());
+  EXPECT_EQ(c.tests->families[0].worst_x, 7u);
+  EXPECT_EQ(c.tests->families[0].worst_y, 5u);
+  EXPECT_EQ(c.tests->families[0].worst_channel, 1);
+  EXPECT_GE(c.tests->families[0].rejected, 1u);
+  Image block = picture(32, 24, 64, 3);
+  for (std::uint32_t y = 8; y < 16; ++y) {
+    for (std::uint32_t x = 16; x < 24; ++x) block.pixels[y * 32 + x] *= 1.15f;
+  }
+  const Comparison d = compare(block, reference);
+  EXPECT_FALSE(d.tests->families[1].passed());
+  EXPECT_EQ(d.tests->families[1].worst_x, 16u);
+  EXPECT_EQ(d.tests->families[1].worst_y, 8u);
+}
+
+TEST(Compare, IdenticalAndUntestedAndNan) {
+  Image a = picture(8, 8, 16, 1);
+  EXPECT_EQ(compare(a, a).verdict, Verdict::identical);
+  Image bare = a;
+  bare.standard_error.clear();
+  bare.pixels[0].x += 1.0f;
+  EXPECT_EQ(compare(bare, a).verdict, Verdict::untested);
+  EXPECT_TRUE(compare(bare, a).passed());
+  a.pixels[0].x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(compare(a, a).verdict, Verdict::different);
+  EXPECT_FALSE(compare(a, a).passed());
+}
+
+TEST(Compare, SharedSeedIsNoted) {
+  Image a = picture(8, 8, 64, 1), b = picture(8, 8, 64, 1, 1.0001);
+  a.metadata["sceneHash"] = b.metadata["sceneHash"] = "17";
+  ASSERT_FALSE(compare(a, b).notes.empty());
+  EXPECT_THAT(compare(a, b).notes[0], HasSubstr("same seed"));
+}
+
+TEST(Compare, TooFewSamplesForPixelsAreLeftToTheBlocks) {
+  const Comparison c = compare(picture(16, 16, 4, 1), picture(16, 16, 4, 2));
+  EXPECT_EQ(c.tests->families[0].tests, 0u);
+  EXPECT_EQ(c.tests->families[0].skipped, 16u * 16 * 3);
+  EXPECT_GT(c.tests->families[1].tests, 0u);
+  EXPECT_THAT(comparison_text(c), HasSubstr("each needs 16 samples"));
+  EXPECT_EQ(compare(picture(16, 16, 4, 1, 1.2), picture(16, 16, 4, 2)).verdict, Verdict::different);
+}
+
+TEST(Limits, ParsedAndKept) {
+  const Image a = picture(8, 8, 16, 1), b = picture(8, 8, 16, 2);
+  CompareOptions options = without_flip();
+  options.limits = {parse_limit("rmse=1e3", true), parse_limit("mse=1e-9", true), parse_limit("psnr=1", false)};
+  const Comparison c = compare(a, b, options);
+  EXPECT_TRUE(c.limits[0].kept);
+  EXPECT_FALSE(c.limits[1].kept);
+  EXPECT_TRUE(c.limits[2].kept);
+  EXPECT_FALSE(c.passed());
+  // A limit on FLIP computes it although it was left out.
+  options.limits = {parse_limit("flip=1e-6", true)};
+  EXPECT_FALSE(compare(a, b, options).passed());
+}
+
+TEST(Limits, MistakesAreNamed) {
+  const auto message = [](const std::string& text, bool upper) -> std::string {
+    try {
+      parse_limit(text, upper);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::usage);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message("rsme=1", true), HasSubstr("metric out of mse, rmse"));
+  EXPECT_THAT(message("rmse", true), HasSubstr("METRIC=VALUE"));
+  EXPECT_THAT(message("rmse=1x", true), HasSubstr("'1x' is not a number"));
+  EXPECT_THAT(message("rmse=", true), HasSubstr("is not a number"));
+  EXPECT_THAT(message("rmse=nan", true), HasSubstr("is not a number"));
+  EXPECT_THAT(message("psnr=30", true), HasSubstr("use --fail-below"));
+  EXPECT_THAT(message("rmse=30", false), HasSubstr("use --fail-above"));
+}
+
+TEST(Compare, JsonSaysTheSame) {
+  const Comparison c = compare(picture(16, 16, 64, 1, 1.5), picture(16, 16, 64, 2));
+  const nlohmann::json json = nlohmann::json::parse(comparison_json(c).dump());
+  EXPECT_EQ(json["verdict"], "different");
+  EXPECT_DOUBLE_EQ(json["metrics"]["rmse"].get<double>(), c.metrics.rmse);
+  EXPECT_EQ(json["tests"]["families"].size(), 3u);
+  EXPECT_TRUE(json["metrics"]["flip"].is_null());
+}
+
+}  // namespace
+}  // namespace etendue
