@@ -1,0 +1,55 @@
+// etendue-sculpt: makes the large meshes of the scenes, so that the repository need not carry them and no scan has to
+// be licensed. The same command writes the same bytes on every machine.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "core/errors.h"
+#include "core/log.h"
+#include "sculpt/mesh.h"
+#include "sculpt/polygonise.h"
+
+using namespace etendue;
+
+namespace {
+
+sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
+  if (kind == "grid") return sculpt::grid(triangles);
+  if (kind == "soup") return sculpt::soup(triangles);
+  sculpt::Mesh mesh = sculpt::polygonise(kind == "bust" ? sculpt::bust() : sculpt::bumpy_sphere(), triangles);
+  sculpt::check_closed(mesh);
+  return mesh;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Makes triangle meshes for the scenes: the same bytes on every machine.", "etendue-sculpt");
+  std::string kind, output;
+  std::uint64_t triangles = 500000;
+  app.add_option(
+         "--kind", kind,
+         "bust: a head with curls, 1 high, standing on y = 0, facing +z; bumpy-sphere: around the origin, radius "
+         "about 0.5 (both closed, with normals); grid: a wavy square; soup: loose random triangles")
+      ->required()
+      ->check(CLI::IsMember({"bust", "bumpy-sphere", "grid", "soup"}));
+  app.add_option("--triangles", triangles, "at least so many; solids get usually up to 5 per cent more")
+      ->capture_default_str()
+      ->check(CLI::Range(2000, 50'000'000));
+  app.add_option("-o,--output", output, "OBJ file to write")->required();
+  try {
+    app.parse(argc, argv);
+    const sculpt::Mesh mesh = make(kind, triangles);
+    sculpt::write_obj(mesh, fmt::format("Made by etendue-sculpt --kind {} --triangles {}", kind, triangles), output);
+    return static_cast<int>(ExitCode::ok);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? static_cast<int>(ExitCode::ok) : static_cast<int>(ExitCode::usage);
+  } catch (const Error& error) {
+    log::error(error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    log::error(error.what());
+    return static_cast<int>(ExitCode::file_error);
+  }
+}
