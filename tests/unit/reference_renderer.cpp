@@ -150,6 +150,41 @@ TEST(ReferenceRenderer, TurnsDoNotDependOnStrategy) {
   EXPECT_EQ(turns[0], turns[2]);
 }
 
+/// Share of roulettes survived, and the check that they are played from vertex `rr_depth` − 1 on.
+double survival(const Scene& scene, std::uint32_t paths) {
+  const auto renderer = make_reference_renderer(scene, {.seed = 4});
+  double played = 0.0, survived = 0.0;
+  for (std::uint32_t i = 0; i < paths; ++i) {
+    const auto path = renderer->trace_path({0, i});
+    for (std::size_t v = 0; v < path.size(); ++v) {
+      const bool expected =
+          path[v].lobe != PathVertex::kNone && path[v].lobe != 0u && v + 1 >= scene.integrator.rr_depth;
+      EXPECT_EQ(path[v].survived != PathVertex::kNone, expected) << "path " << i << " vertex " << v;
+      if (!expected) continue;
+      played += 1.0, survived += path[v].survived;
+    }
+  }
+  EXPECT_GT(played, 10000.0);
+  return survived / played;
+}
+
+TEST(ReferenceRenderer, RouletteGoesByThroughputWhateverTheMedium) {
+  // Inside a diffuse box of albedo 0.6 throughput after a bounce is 0.6 (0.6² at the first roulette, of 2), and 1 after
+  // surviving: P(survive) is 0.36 first, 0.6 after that. In glass the squared index is taken out: always 0.99.
+  Scene scene;
+  scene.camera = pixel_camera({0.1, 0, 0}, {0, 0, 1}, 60, {0, 1, 0});
+  scene.integrator.rr_depth = 2;
+  scene.integrator.max_depth = 1000;
+  scene.shapes.push_back(shape(box(Vec3(-1.0), Vec3(1.0), true), diffuse(0.6)));
+  // Expected plays: 1 + 0.36/(1 − 0.6) = 1.9 a path; survivals: 0.36/(1 − 0.6) = 0.9.
+  EXPECT_NEAR(survival(scene, 20000), 0.9 / 1.9, 0.015);  // 5 standard deviations
+  scene.shapes[0] = shape(Sphere{Vec3(0.0), 1.0}, DielectricBsdf{.int_ior = 1.8, .ext_ior = 1.0});
+  scene.camera.world_from_camera = look_at({0, 0, -3}, {0, 0, 0}, {0, 1, 0});
+  scene.camera.fov = 36;
+  scene.integrator.rr_depth = 1;
+  EXPECT_NEAR(survival(scene, 20000), 0.99, 0.003);
+}
+
 TEST(ReferenceRenderer, LongPathsAreRecordedUpToTheLimit) {
   Scene scene;
   scene.camera = pixel_camera({0, 0, 0}, {0, 0, 1}, 1e-6, {0, 1, 0});
