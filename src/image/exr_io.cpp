@@ -110,6 +110,21 @@ class AttributeWalker {
   const std::string& path_;
 };
 
+/// How much a method can shrink at best, rounded up.
+std::uint64_t largest_ratio(Imf::Compression method) {
+  switch (method) {
+    case Imf::NO_COMPRESSION:
+      return 1;
+    case Imf::RLE_COMPRESSION:
+      return 64;  // two bytes for a run of at most 128
+    case Imf::DWAA_COMPRESSION:
+    case Imf::DWAB_COMPRESSION:
+      return 65536;  // run lengths, then deflate
+    default:
+      return 1040;  // deflate reaches 1032; PIZ, PXR24 and B44 less
+  }
+}
+
 }  // namespace
 
 void MemoryOStream::write(const char bytes[], int count) {
@@ -172,11 +187,7 @@ void check_exr_size(const Imf::Header& header, std::uint64_t file_size, const st
   const std::uint64_t width = static_cast<std::uint64_t>(window.max.x - window.min.x) + 1;
   const std::uint64_t height = static_cast<std::uint64_t>(window.max.y - window.min.y) + 1;
   const std::uint64_t raw = width * height * pixel_bytes(header.channels());
-  // Deflate, the strongest of the lossless methods, shrinks by at most 1032; DWA packs a block's zeros twice.
-  const auto method = header.compression();
-  const bool lossy = method == Imf::DWAA_COMPRESSION || method == Imf::DWAB_COMPRESSION;
-  const std::uint64_t ratio = method == Imf::NO_COMPRESSION ? 1 : lossy ? 65536 : 1040;
-  if (raw / ratio > file_size) {
+  if (raw / largest_ratio(header.compression()) > file_size) {
     fail(path,
          fmt::format("announces {} bytes of pixels but has only {} bytes: it is damaged or truncated", raw, file_size));
   }

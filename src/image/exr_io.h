@@ -12,13 +12,10 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 
+#include "image/decode.h"
 #include "image/image.h"
 
 namespace etendue {
-
-/// Largest width or height and largest number of pixels of a file.
-inline constexpr std::uint32_t kMaxImageSide = 65536;
-inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 28;
 
 /// Text attribute that only film files have; never part of the metadata.
 inline constexpr const char* kChecksumAttribute = "filmChecksum";
@@ -48,8 +45,6 @@ class MemoryIStream : public Imf::IStream {
   std::span<const std::byte> bytes_;
   std::uint64_t position_ = 0;
 };
-
-bool is_exr(std::span<const std::byte> bytes);
 
 /// Where an attribute's value lies in the file.
 struct ExrAttribute {
@@ -85,13 +80,5 @@ void add_slice(Imf::FrameBuffer& buffer, const std::string& name, Imf::PixelType
 std::vector<std::byte> encode_exr(Imf::Header header, const Imf::FrameBuffer& buffer, const std::string& path);
 /// Decodes the channels of `buffer`, all of them or none; throws Error(file_error) naming the path.
 void decode_exr(std::span<const std::byte> bytes, const Imf::FrameBuffer& buffer, const std::string& path);
-
-/// PNG counterparts of the EXR functions of image.h, on bytes.
-bool is_png(std::span<const std::byte> bytes);
-Image decode_png(std::span<const std::byte> bytes, const std::string& path);
-Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path);
-/// `path` is for messages only.
-/// `verify` is off only where a fuzzer must get past the checksum.
-FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, bool verify);
 
 }  // namespace etendue

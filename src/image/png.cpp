@@ -12,7 +12,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
-#include "image/exr_io.h"
+#include "image/decode.h"
 #include "image/files.h"
 
 namespace etendue {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "image/exr_io.h"
+#include "image/decode.h"
 #include "image/film_file.h"
 #include "image_testing.h"
 

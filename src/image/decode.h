@@ -1,0 +1,26 @@
+#pragma once
+/// The readers of image.h on bytes in memory; `path` is for messages only. Internal to src/image, its tests and its
+/// fuzzers.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "image/image.h"
+
+namespace etendue {
+
+/// Largest width or height and largest number of pixels of a file.
+inline constexpr std::uint32_t kMaxImageSide = 65536;
+inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 28;
+
+bool is_exr(std::span<const std::byte> bytes);
+bool is_png(std::span<const std::byte> bytes);
+
+Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path);
+Image decode_png(std::span<const std::byte> bytes, const std::string& path);
+/// `verify` is off only where a fuzzer must get past the checksum.
+FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, bool verify);
+
+}  // namespace etendue

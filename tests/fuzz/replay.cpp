@@ -1,0 +1,24 @@
+/// Runs a fuzz target once on each file named, for builds without libFuzzer: the corpus is a regression test
+/// everywhere.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+int main(int count, char** paths) {
+  for (int i = 1; i < count; ++i) {
+    std::ifstream file(paths[i], std::ios::binary);
+    if (!file) {
+      std::fprintf(stderr, "%s: cannot be opened\n", paths[i]);
+      return 6;
+    }
+    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  }
+  return 0;
+}
