@@ -1,0 +1,48 @@
+/// Any bytes as an OBJ file: the reader ends with a sound mesh or with an error, never with a fault.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "scene/obj_reader.h"
+
+namespace {
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+void require_sound(const etendue::TriangleMesh& mesh) {
+  require(!mesh.triangles.empty());
+  require(mesh.normals.empty() || mesh.normals.size() == mesh.positions.size());
+  for (const glm::uvec3& t : mesh.triangles) require(std::max({t.x, t.y, t.z}) < mesh.positions.size());
+  for (const glm::dvec3& p : mesh.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  for (const glm::dvec3& n : mesh.normals) require(std::abs(glm::length(n) - 1.0) < 1e-6);
+}
+
+}  // namespace
+
+/// The first byte chooses the transform and the size of the reads.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::size_t chunk = (*data & 3) == 0 ? 1 : std::size_t{1} << (2 * (*data & 3));
+  glm::dmat4 world_from_object(1.0);
+  if ((*data & 4) != 0) world_from_object = glm::scale(world_from_object, glm::dvec3(-1e-9, 2.0, 1e6));
+  if ((*data & 8) != 0) world_from_object = glm::rotate(world_from_object, 1.0, glm::dvec3(1.0, 2.0, 3.0));
+  std::size_t at = 1;
+  const etendue::ByteSource source = [&](char* buffer, std::size_t capacity) {
+    const std::size_t count = std::min({capacity, chunk, size - at});
+    std::memcpy(buffer, data + at, count);
+    at += count;
+    return count;
+  };
+  etendue::Diagnostics diagnostics;
+  const auto mesh = etendue::read_obj(source, "fuzz.obj", world_from_object, diagnostics);
+  require(mesh.has_value() != diagnostics.has_errors());
+  if (mesh) require_sound(*mesh);
+  return 0;
+}
