@@ -144,7 +144,7 @@ function drawNow() {
 }
 function fit() {
   state.zoom = Math.min(view.width / width, view.height / height);
-  if (state.zoom > 1) state.zoom = Math.floor(state.zoom);
+  if (state.zoom > 4) state.zoom = Math.floor(state.zoom);  // pixels of equal size, where that costs little room
   state.x = width / 2; state.y = height / 2; state.fitted = true;
   showZoom();
 }
@@ -256,7 +256,9 @@ view.addEventListener("wheel", (event) => { event.preventDefault(); zoomBy(Math.
 const handle = $("handle");
 const slide = (event) => { const box = view.getBoundingClientRect(); setSplit((event.clientX - box.left) / box.width); };
 handle.addEventListener("pointerdown", (event) => { handle.setPointerCapture(event.pointerId); slide(event); });
-handle.addEventListener("pointermove", (event) => { if (handle.hasPointerCapture(event.pointerId)) slide(event); });
+handle.addEventListener("pointermove", (event) => {
+  if (handle.hasPointerCapture(event.pointerId)) slide(event); else if (event.pointerType === "mouse") markAt(event);
+});
 handle.addEventListener("keydown", (event) => {
   const step = { ArrowLeft: -0.02, ArrowRight: 0.02 }[event.key];
   if (step) { setSplit(state.split + step); event.preventDefault(); event.stopPropagation(); }
@@ -406,6 +408,7 @@ if (data.comparison.tests) testsPanel(data.comparison.tests);
 metricsPanel(data.comparison);
 if (z) histogramPanel();
 metadataPanel(data.comparison.metadata);
+$("stage").style.setProperty("--shape", `${width} / ${height}`);
 new ResizeObserver(resize).observe($("stage"));
 resize();
 setMode("slider");
