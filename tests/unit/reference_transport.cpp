@@ -156,6 +156,29 @@ TEST(ReferenceTransport, ShadingNormalsLeakNoLight) {
   EXPECT_LT(e.t(0.5 * (1.0 + tilted.y)), kMaxT) << e.mean;
 }
 
+TEST(ReferenceTransport, ABlackSideEndsThePathBeforeAnyLightIsSampled) {
+  Scene scene = floor_scene();
+  scene.shapes.push_back(shape(Sphere{{0, -1, 0}, 0.2}, diffuse(0.0), Vec3(1.0)));
+  scene.camera = pixel_camera({0, -0.01, 0}, {0, 0, 0});  // the floor from below
+  const auto path = make_reference_renderer(scene, {})->trace_path({0, 0});
+  ASSERT_EQ(path.size(), 1u);
+  EXPECT_EQ(path[0].shape, 0u);
+  EXPECT_EQ(path[0].light_shape, PathVertex::kNone);
+  EXPECT_EQ(path[0].lobe, 0u);
+  EXPECT_EQ(path[0].radiance, glm::vec3(0.0f));
+}
+
+TEST(ReferenceTransport, SkyIsItsHorizonBelowIt) {
+  Scene scene;
+  scene.sky.top = Vec3(3.0);
+  scene.sky.horizon = Vec3(1.0);
+  for (const auto& [y, expected] :
+       {std::pair(-0.8, 1.0), std::pair(0.0, 1.0), std::pair(0.5, 2.0), std::pair(1.0, 3.0)}) {
+    scene.camera = pixel_camera(Vec3(0.0), {std::sqrt(1 - y * y), y, 0});
+    EXPECT_NEAR(estimate(scene, 10).mean, expected, 1e-6) << y;
+  }
+}
+
 TEST(ReferenceTransport, NormalsIntegrator) {
   Scene scene = floor_scene();
   scene.integrator.type = Integrator::Type::normals;
