@@ -276,4 +276,21 @@ nlohmann::json comparison_json(const Comparison& c) {
   return out;
 }
 
+JunitCase comparison_junit(const Comparison& c) {
+  JunitCase junit;
+  junit.name = c.test_name + " against " + c.reference_name;
+  junit.failed = !c.passed();
+  junit.message = fmt::format("verdict: {}", verdict_name(c.verdict));
+  for (const LimitOutcome& l : c.limits) {
+    if (!l.kept)
+      junit.message += fmt::format("; {} = {:.6g} breaks its limit {:.6g}", l.limit.metric, l.value, l.limit.value);
+  }
+  junit.details = comparison_text(c);
+  return junit;
+}
+
+std::string json_text(const nlohmann::json& json) {
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace etendue

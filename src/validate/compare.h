@@ -9,6 +9,7 @@
 
 #include "image/image.h"
 #include "validate/image_tests.h"
+#include "validate/junit.h"
 #include "validate/metrics.h"
 
 namespace etendue {
@@ -68,6 +69,9 @@ Comparison compare_images(const Image& test, const std::string& test_name, const
 
 std::string comparison_text(const Comparison& comparison);
 nlohmann::json comparison_json(const Comparison& comparison);
+JunitCase comparison_junit(const Comparison& comparison);
+/// Indented text of a JSON value; infinity and NaN become null, invalid UTF-8 U+FFFD.
+std::string json_text(const nlohmann::json& json);
 /// The parts shared with the validate report.
 std::string image_tests_text(const ImageTests& tests);
 nlohmann::json image_tests_json(const ImageTests& tests);

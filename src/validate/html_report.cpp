@@ -18,16 +18,25 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "float values are embedded as they lie in memory");
 static_assert(sizeof(glm::vec3) == 12);
 
-std::string encode(const std::vector<glm::vec3>& values) { return base64(values.data(), values.size() * sizeof(glm::vec3)); }
+std::string encode(const std::vector<glm::vec3>& values) {
+  return base64(values.data(), values.size() * sizeof(glm::vec3));
+}
 
 std::string escape_html(const std::string& text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -107,15 +116,16 @@ std::string script_json(const nlohmann::json& json) {
 
 std::string comparison_html(const Comparison& c, const Image& test, const Image& reference) {
   const std::string title = fmt::format("{} against {}", short_name(c.test_name), short_name(c.reference_name));
-  const nlohmann::json data = {{"title", title},
-                               {"subtitle", fmt::format("{} × {} pixels · etendue {} compare", c.width, c.height, version())},
-                               {"width", c.width},
-                               {"height", c.height},
-                               {"labelA", short_name(c.test_name)},
-                               {"labelB", short_name(c.reference_name)},
-                               {"verdict", verdict_name(c.verdict)},
-                               {"passed", c.passed()},
-                               {"comparison", comparison_json(c)}};
+  const nlohmann::json data = {
+      {"title", title},
+      {"subtitle", fmt::format("{} × {} pixels · etendue {} compare", c.width, c.height, version())},
+      {"width", c.width},
+      {"height", c.height},
+      {"labelA", short_name(c.test_name)},
+      {"labelB", short_name(c.reference_name)},
+      {"verdict", verdict_name(c.verdict)},
+      {"passed", c.passed()},
+      {"comparison", comparison_json(c)}};
   return page(data, title, test, reference, c.tests ? c.tests->z : std::vector<glm::vec3>{});
 }
 
@@ -127,9 +137,9 @@ std::string validation_html(const Validation& v, const MetricOptions& metrics) {
   const std::string title = fmt::format("{}: device against reference", short_name(v.scene));
   const nlohmann::json data = {
       {"title", title},
-      {"subtitle", fmt::format("{} ({}) against {} ({}) · {} samples per pixel, seeds {} and {} · etendue {} validate", v.device,
-                               v.device_driver, v.reference, v.reference_driver, v.samples_per_pixel, v.seed + 1, v.seed + 2,
-                               version())},
+      {"subtitle", fmt::format("{} ({}) against {} ({}) · {} samples per pixel, seeds {} and {} · etendue {} validate",
+                               v.device, v.device_driver, v.reference, v.reference_driver, v.samples_per_pixel,
+                               v.seed + 1, v.seed + 2, version())},
       {"width", v.device_image.width},
       {"height", v.device_image.height},
       {"labelA", "device"},

@@ -1,5 +1,6 @@
 #pragma once
-/// The HTML report of `compare` and `validate`: one file with everything in it, for any browser, without network or server.
+/// The HTML report of `compare` and `validate`: one file with everything in it, for any browser, without network or
+/// server.
 
 #include <string>
 

@@ -176,4 +176,13 @@ nlohmann::json validation_json(const Validation& v) {
           {"passed", v.passed()}};
 }
 
+JunitCase validation_junit(const Validation& v) {
+  JunitCase junit;
+  junit.name = v.scene + " on " + v.device;
+  junit.failed = !v.passed();
+  junit.message = fmt::format("verdict: {}", verdict_name(v.verdict));
+  junit.details = validation_text(v);
+  return junit;
+}
+
 }  // namespace etendue

@@ -46,5 +46,6 @@ Validation validate_scene(const Scene& scene, const RendererFactory& make_device
 
 std::string validation_text(const Validation& validation);
 nlohmann::json validation_json(const Validation& validation);
+JunitCase validation_junit(const Validation& validation);
 
 }  // namespace etendue

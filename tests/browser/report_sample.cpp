@@ -1,5 +1,5 @@
-// Writes pictures and reports for the browser test: report_sample FOLDER makes a.exr, b.exr, compare.html, plain.html (without
-// statistics) and values.json with the floats read back from the EXR files, which the report has to show.
+// Writes pictures and reports for the browser test: report_sample FOLDER makes a.exr, b.exr, compare.html, plain.html
+// (without statistics) and values.json with the floats read back from the EXR files, which the report has to show.
 
 #include <cmath>
 #include <cstdio>
@@ -27,7 +27,9 @@ Image picture(std::uint32_t width, std::uint32_t height, std::uint32_t spp, unsi
       const double disk = r < 0.22 ? (test ? 1.06 : 1.0) : 0.12;
       glm::vec3 value, error;
       for (int c = 0; c < 3; ++c) {
-        const double expectation = disk * (0.3 + 0.5 * (c == 0 ? double(x) / width : c == 1 ? double(y) / height : 0.6));
+        const double expectation = disk * (0.3 + 0.5 * (c == 0   ? double(x) / width
+                                                        : c == 1 ? double(y) / height
+                                                                 : 0.6));
         value[c] = float(expectation * mean_of_samples(rng));
         error[c] = float(expectation / std::sqrt(double(spp)));
       }
@@ -36,7 +38,10 @@ Image picture(std::uint32_t width, std::uint32_t height, std::uint32_t spp, unsi
       image.sample_count.push_back(spp);
     }
   }
-  image.metadata = {{"scene", "disk"}, {"seed", std::to_string(seed)}, {"samples", std::to_string(spp)}, {"note", test ? "<b>&" : ""}};
+  image.metadata = {{"scene", "disk"},
+                    {"seed", std::to_string(seed)},
+                    {"samples", std::to_string(spp)},
+                    {"note", test ? "<b>&" : ""}};
   return image;
 }
 
@@ -54,7 +59,9 @@ void make(const std::string& folder) {
   nlohmann::json values = nlohmann::json::array();
   for (const auto& [x, y] : {std::pair{0u, 0u}, {100u, 60u}, {199u, 119u}, {70u, 61u}, {3u, 117u}}) {
     const std::size_t i = y * a.width + x;
-    values.push_back({{"x", x}, {"y", y}, {"a", {a.pixels[i].x, a.pixels[i].y, a.pixels[i].z}},
+    values.push_back({{"x", x},
+                      {"y", y},
+                      {"a", {a.pixels[i].x, a.pixels[i].y, a.pixels[i].z}},
                       {"b", {b.pixels[i].x, b.pixels[i].y, b.pixels[i].z}}});
   }
   write(folder + "/values.json", values.dump());

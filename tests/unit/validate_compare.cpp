@@ -189,6 +189,9 @@ TEST(Compare, JsonSaysTheSame) {
   EXPECT_DOUBLE_EQ(json["metrics"]["rmse"].get<double>(), c.metrics.rmse);
   EXPECT_EQ(json["tests"]["families"].size(), 3u);
   EXPECT_TRUE(json["metrics"]["flip"].is_null());
+  EXPECT_TRUE(comparison_junit(c).failed);
+  EXPECT_FALSE(comparison_junit(compare(picture(8, 8, 64, 1), picture(8, 8, 64, 2))).failed);
+  EXPECT_EQ(json_text({{"x", "\xff"}}), "{\n  \"x\": \"\xef\xbf\xbd\"\n}\n");
 }
 
 }  // namespace

@@ -1,0 +1,19 @@
+#include "cli/result_files.h"
+
+#include <span>
+
+#include "image/files.h"
+
+namespace etendue::cli {
+
+void ResultFiles::add_to(CLI::App& command, bool with_html) {
+  command.add_option("--json", json, "write the results as JSON to this file");
+  command.add_option("--junit", junit, "write the results as JUnit XML to this file");
+  if (with_html) command.add_option("--html", html, "write a self-contained report for any browser to this file");
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  write_file_atomically(path, std::as_bytes(std::span(text)));
+}
+
+}  // namespace etendue::cli

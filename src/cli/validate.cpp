@@ -1,0 +1,77 @@
+#include "validate/validate.h"
+
+#include <cstdio>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "cli/command.h"
+#include "cli/result_files.h"
+#include "validate/html_report.h"
+
+namespace etendue::cli {
+namespace {
+
+struct Options {
+  std::string file;
+  SceneOptions scene;
+  DeviceOption device;
+  ValidateOptions validate;
+  std::string require = "statistical";
+  bool no_flip = false;
+  ResultFiles files;
+};
+
+ExitCode run_validate(const Options& options) {
+  SceneFile read = read_scene_file(options.file, options.scene.read_options());
+  const auto* scene = std::get_if<Scene>(&read);
+  if (scene == nullptr) {
+    throw Error(ExitCode::scene_error, fmt::format("{}: is a test, not a scene; use 'etendue ttest'.", options.file));
+  }
+  DeviceOption reference = options.device;
+  reference.selector = "reference";
+  ValidateOptions validate = options.validate;
+  validate.worst_accepted = options.require == "identical"  ? Verdict::identical
+                            : options.require == "rounding" ? Verdict::rounding_only
+                                                            : Verdict::statistically_equal;
+  const Validation validation = validate_scene(*scene, options.device.factory(), reference.factory(), validate);
+  fmt::print("{}", validation_text(validation));
+  if (!options.files.json.empty()) write_text(options.files.json, json_text(validation_json(validation)));
+  if (!options.files.junit.empty())
+    write_text(options.files.junit, junit_xml("validate", {validation_junit(validation)}));
+  if (!options.files.html.empty()) {
+    MetricOptions metrics;
+    metrics.flip = !options.no_flip;
+    write_text(options.files.html, validation_html(validation, metrics));
+  }
+  return validation.passed() ? ExitCode::ok : ExitCode::test_failed;
+}
+
+}  // namespace
+
+void add_validate_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("validate", "say whether a device renders the right image, and where not");
+  const auto options = std::make_shared<Options>();
+  command->add_option("SCENE", options->file, "scene file")->required();
+  options->scene.add_to(*command);
+  options->device.add_to(*command);
+  command
+      ->add_option("--spp", options->validate.samples_per_pixel,
+                   "samples per pixel with independent seeds (default: the scene's, 16 to 64)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seed", options->validate.seed, "seed")->capture_default_str();
+  command->add_option("--samples", options->validate.sample_budget, "samples compared one by one")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--significance", options->validate.significance, "false-alarm rate of the statistical tests")
+      ->check(CLI::Range(1e-12, 0.5))
+      ->capture_default_str();
+  command->add_option("--require", options->require, "worst verdict that exits 0: identical, rounding or statistical")
+      ->check(CLI::IsMember({"identical", "rounding", "statistical"}))
+      ->capture_default_str();
+  command->add_flag("--no-flip", options->no_flip, "leave FLIP out of the HTML report");
+  options->files.add_to(*command, true);
+  command->callback([&action, options] { action = [options] { return run_validate(*options); }; });
+}
+
+}  // namespace etendue::cli
