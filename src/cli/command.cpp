@@ -2,10 +2,12 @@
 
 #include <fmt/core.h>
 
+#include "cli/units.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "gpu/gpu_renderer.h"
 #include "reference/reference_renderer.h"
+#include "vulkan/context.h"
 
 namespace etendue::cli {
 
@@ -33,17 +35,56 @@ void DeviceOption::add_to(CLI::App& command) {
   command.add_option("--device", selector, "'auto', an index or a part of the name as 'etendue devices' lists them, or 'reference'")
       ->type_name("SEL")
       ->capture_default_str();
+  command.add_option("--device-timeout", timeout, "a dispatch that takes longer means that the device hangs (default and at most 5m)")->type_name("TIME");
   command.add_option("--threads", threads, "host threads; 0: as many as there are cores")->check(CLI::Range(0, 1024));
 }
+
+namespace {
+
+// The indices in "0,1,1"; empty when the text is anything else. Device names may hold commas, so only numbers make a list.
+std::vector<std::string> index_list(const std::string& selector) {
+  std::vector<std::string> indices;
+  std::size_t start = 0;
+  while (start <= selector.size()) {
+    const std::size_t comma = std::min(selector.find(',', start), selector.size());
+    indices.push_back(selector.substr(start, comma - start));
+    if (indices.back().empty() || indices.back().find_first_not_of("0123456789") != std::string::npos) return {};
+    start = comma + 1;
+  }
+  return indices;
+}
+
+std::vector<std::string> all_devices() {
+  std::vector<std::string> gpus, cpus;
+  for (const vulkan::DeviceInfo& info : vulkan::list_devices(vulkan::ContextOptions::from_environment())) {
+    if (info.missing.empty()) (info.type == "CPU" ? cpus : gpus).push_back(std::to_string(info.index));
+  }
+  return gpus.empty() ? cpus : gpus;
+}
+
+RendererFactory device_factory(const std::string& selector, const std::string& timeout) {
+  GpuOptions options;
+  options.device = selector;
+  if (!timeout.empty()) options.context.max_wait_seconds = parse_duration("--device-timeout", timeout);
+  return [options](const Scene& scene, const RenderSettings& settings) { return make_gpu_renderer(scene, settings, options); };
+}
+
+}  // namespace
 
 RendererFactory DeviceOption::factory() const {
   set_thread_count(threads);
   if (selector == "reference") return make_reference_renderer;
-  return [device = selector](const Scene& scene, const RenderSettings& settings) {
-    GpuOptions options;
-    options.device = device;
-    return make_gpu_renderer(scene, settings, options);
-  };
+  return device_factory(selector, timeout);
+}
+
+std::vector<RendererFactory> DeviceOption::factories() const {
+  const std::vector<std::string> list = selector == "all" ? all_devices() : index_list(selector);
+  if (list.size() < 2 && selector != "all") return {factory()};
+  if (list.empty()) throw Error(ExitCode::no_device, "No suitable Vulkan device for '--device all'; see 'etendue devices', or use --device reference.");
+  set_thread_count(threads);
+  std::vector<RendererFactory> factories;
+  for (const std::string& index : list) factories.push_back(device_factory(index, timeout));
+  return factories;
 }
 
 }  // namespace etendue::cli

@@ -20,6 +20,9 @@ void add_render_command(CLI::App& app, Action& action);
 void add_devices_command(CLI::App& app, Action& action);
 void add_check_command(CLI::App& app, Action& action);
 void add_ttest_command(CLI::App& app, Action& action);
+void add_merge_command(CLI::App& app, Action& action);
+void add_compare_command(CLI::App& app, Action& action);
+void add_validate_command(CLI::App& app, Action& action);
 
 /// Options that several commands share.
 struct SceneOptions {
@@ -33,11 +36,15 @@ struct SceneOptions {
 
 struct DeviceOption {
   std::string selector = "auto";
+  std::string timeout;   ///< of one dispatch, "30s"; empty: the default of vulkan::ContextOptions
   unsigned threads = 0;  ///< of the reference and of scene compilation; 0: as many as there are cores
 
   void add_to(CLI::App& command);
   /// Renderers on the chosen device; "reference" is the CPU reference.
   RendererFactory factory() const;
+  /// One for each device where the selector names several: indices with commas between them, or "all", which leaves drivers that run on the CPU out
+  /// when there is anything else. Throws Error(usage, no_device).
+  std::vector<RendererFactory> factories() const;
 };
 
 }  // namespace etendue::cli

@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <new>
@@ -26,6 +27,9 @@ ExitCode run(int argc, char** argv) {
   etendue::cli::add_devices_command(app, action);
   etendue::cli::add_check_command(app, action);
   etendue::cli::add_ttest_command(app, action);
+  etendue::cli::add_merge_command(app, action);
+  etendue::cli::add_compare_command(app, action);
+  etendue::cli::add_validate_command(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -40,16 +44,27 @@ ExitCode run(int argc, char** argv) {
   return code;
 }
 
+// Runs the command; an error becomes a sentence on stderr and an exit code.
+ExitCode guarded_run(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const etendue::Error& error) {
+    etendue::log::error(error.what());
+    return error.code();
+  } catch (const std::bad_alloc&) {
+    etendue::log::error("The host ran out of memory; use a smaller image or mesh.");
+    return ExitCode::device_lost;
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return static_cast<int>(run(argc, argv));
-  } catch (const etendue::Error& error) {
-    etendue::log::error(error.what());
-    return static_cast<int>(error.code());
-  } catch (const std::bad_alloc&) {
-    etendue::log::error("The host ran out of memory; use a smaller image or mesh.");
-    return static_cast<int>(ExitCode::device_lost);
+  const int code = static_cast<int>(guarded_run(argc, argv));
+  if (etendue::vulkan::any_abandoned()) {
+    // The driver's threads may never end, and its exit handlers wait for them.
+    std::fflush(nullptr);
+    std::_Exit(code);
   }
+  return code;
 }

@@ -1,5 +1,7 @@
 #include "cli/progress.h"
 
+#include <algorithm>
+
 #include <fmt/core.h>
 
 #include "core/log.h"
@@ -13,23 +15,27 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
 }
 
-ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), terminal_(log::stderr_is_terminal()) {}
+ProgressLine::ProgressLine(bool quiet, std::uint64_t before, std::uint64_t total)
+    : quiet_(quiet), terminal_(log::stderr_is_terminal()), before_(before), total_(total) {}
 
-ProgressLine::~ProgressLine() {
+ProgressLine::~ProgressLine() { finish(); }
+
+void ProgressLine::finish() {
   if (shown_ && terminal_) fmt::print(stderr, "\n");
+  shown_ = false;
 }
 
-void ProgressLine::update(std::uint64_t done, std::uint64_t total) {
+void ProgressLine::update(std::uint64_t done) {
   const Clock::time_point now = Clock::now();
   const auto interval = terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(5000);
-  if (quiet_ || (now - last_ < interval && done < total) || (!terminal_ && !shown_ && done >= total)) return;
+  if (quiet_ || (now - last_ < interval && done < total_) || (!terminal_ && !shown_ && done >= total_)) return;
   last_ = now;
   shown_ = true;
   const double seconds = std::chrono::duration<double>(now - start_).count();
-  const double rate = seconds > 0.0 ? static_cast<double>(done) / seconds : 0.0;
-  const double left = rate > 0.0 ? static_cast<double>(total - done) / rate : 0.0;
+  const double rate = seconds > 0.0 ? static_cast<double>(done - std::min(before_, done)) / seconds : 0.0;
+  const double left = rate > 0.0 ? static_cast<double>(total_ - done) / rate : 0.0;
   fmt::print(stderr, "{}{:3.0f} %  {}/{} samples  {:.2f} Msamples/s  {} left{}", terminal_ ? "\r" : "",
-             100.0 * static_cast<double>(done) / static_cast<double>(total), done, total, rate * 1e-6, duration_text(left),
+             100.0 * static_cast<double>(done) / static_cast<double>(total_), done, total_, rate * 1e-6, duration_text(left),
              terminal_ ? "   " : "\n");
   std::fflush(stderr);
 }

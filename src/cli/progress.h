@@ -10,16 +10,20 @@ namespace etendue::cli {
 /// One rewritten line when stderr is a terminal, else a line every few seconds; nothing when quiet.
 class ProgressLine {
  public:
-  explicit ProgressLine(bool quiet);
+  /// `total` pixel samples make the job; `before` of them were done by earlier runs and do not count for the speed.
+  ProgressLine(bool quiet, std::uint64_t before, std::uint64_t total);
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
-  /// `done` of `total` pixel samples.
-  void update(std::uint64_t done, std::uint64_t total);
+  /// `done` pixel samples of the job, those of earlier runs included.
+  void update(std::uint64_t done);
+  /// Ends the line, so that something else can be written.
+  void finish();
 
  private:
   using Clock = std::chrono::steady_clock;
   bool quiet_, terminal_, shown_ = false;
+  std::uint64_t before_, total_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_ = Clock::now();
 };

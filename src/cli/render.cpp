@@ -1,4 +1,3 @@
-#include <charconv>
 #include <chrono>
 
 #include <fmt/core.h>
@@ -6,65 +5,87 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
-#include "cli/progress.h"
+#include "cli/render_session.h"
+#include "cli/units.h"
 #include "core/log.h"
 #include "core/version.h"
 #include "gpu/gpu_renderer.h"
-#include "image/image.h"
 
 namespace etendue::cli {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 struct Options {
   std::string scene_file;
   SceneOptions scene;
   DeviceOption device;
   std::vector<std::string> outputs;
-  std::uint32_t spp = 0;
+  std::uint32_t spp = 0;  ///< 0: what the scene says
   std::uint32_t seed = 0;
   std::string size;
+  std::string samples;
+  std::string checkpoint, checkpoint_every, resume;
+  std::string time, until_error;
+  bool film = false;
   bool quiet = false;
   bool json = false;
 };
 
-void apply_size(const std::string& text, Camera& camera) {
-  const std::size_t x = text.find('x');
-  std::uint32_t size[2] = {0, 0};
-  const std::string parts[2] = {text.substr(0, x), x == std::string::npos ? "" : text.substr(x + 1)};
-  for (int i = 0; i < 2; ++i) {
-    const char* end = parts[i].data() + parts[i].size();
-    const auto [stop, error] = std::from_chars(parts[i].data(), end, size[i]);
-    if (error != std::errc{} || stop != end || size[i] == 0 || size[i] > 65536) {
-      throw Error(ExitCode::usage, fmt::format("'--size {}' is not WIDTHxHEIGHT in pixels from 1 to 65536; write for example --size 800x600.", text));
-    }
-  }
-  camera.width = size[0];
-  camera.height = size[1];
-}
+bool uses_gpu(const Options& options) { return options.device.selector != "reference"; }
 
 std::string integrator_text(const Integrator& integrator) {
   if (integrator.type == Integrator::Type::normals) return "normals";
   return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}", integrator.max_depth, integrator.nee, integrator.mis, integrator.rr_depth);
 }
 
-Metadata make_metadata(const Scene& scene, const Renderer& renderer, const Options& options, SampleRange range, std::uint64_t rejected) {
-  return {{"software", "Etendue"},
-          {"version", version()},
-          {"scene", scene.name},
-          {"sceneHash", fmt::format("{:016x}", scene_hash(scene))},
-          {"device", renderer.device_name()},
-          {"driver", renderer.driver_name()},
-          {"seed", std::to_string(options.seed)},
-          {"samples", fmt::format("{}:{}", range.begin, range.end)},
-          {"integrator", integrator_text(scene.integrator)},
-          {"rejected", std::to_string(rejected)}};
+// What every film of this render agrees on. Nothing in a file depends on the time or the place of the run.
+FilmHeader identity(const Scene& scene, std::uint32_t seed) {
+  return {.width = scene.camera.width,
+          .height = scene.camera.height,
+          .exponent = film_exponent(scene),
+          .metadata = {{"software", "Etendue"},
+                       {"version", version()},
+                       {"scene", scene.name},
+                       {"sceneHash", fmt::format("{:016x}", scene_hash(scene))},
+                       {"seed", std::to_string(seed)},
+                       {"integrator", integrator_text(scene.integrator)}}};
 }
 
-void report_rejected(const std::vector<RejectedSample>& rejected, std::uint64_t count, std::uint32_t width, bool strict) {
+SampleRange wanted_samples(const Options& options, const Scene& scene) {
+  if (options.samples.empty()) return {0, options.spp > 0 ? options.spp : scene.sampler.sample_count};
+  const SampleRange range = parse_samples(options.samples);
+  if (options.spp > 0 && range.end > options.spp) {
+    throw Error(ExitCode::usage, fmt::format("'--samples {}' ends beyond the {} samples of '--spp'; a range of an N spp render lies inside 0:N.",
+                                             options.samples, options.spp));
+  }
+  return range;
+}
+
+std::vector<std::string> output_paths(const Options& options, const Scene& scene) {
+  if (options.outputs.empty()) return {scene.name + ".exr", scene.name + ".png"};
+  return options.outputs;
+}
+
+SessionOptions session_options(const Options& options, Clock::time_point start) {
+  if (!options.checkpoint_every.empty() && options.checkpoint.empty()) {
+    throw Error(ExitCode::usage, "'--checkpoint-every' needs the file to write: add --checkpoint FILE.");
+  }
+  for (const std::string& path : options.outputs) check_output_name(path);
+  SessionOptions session{.film = options.film || !options.samples.empty(), .checkpoint = options.checkpoint, .start = start, .quiet = options.quiet};
+  if (!options.checkpoint_every.empty()) session.checkpoint_seconds = parse_duration("--checkpoint-every", options.checkpoint_every);
+  if (!options.time.empty()) session.time_seconds = parse_duration("--time", options.time);
+  if (!options.until_error.empty()) session.max_error = parse_fraction("--until-error", options.until_error);
+  return session;
+}
+
+void report_rejected(const RenderJob& job, bool strict) {
+  const std::uint64_t count = job.state().film.rejected();
   if (count == 0) return;
+  const std::uint32_t width = job.state().film.width();
   std::string places;
-  for (std::size_t i = 0; i < std::min<std::size_t>(rejected.size(), 4); ++i) {
-    const RejectedSample& r = rejected[i];
+  for (std::size_t i = 0; i < std::min<std::size_t>(job.rejected().size(), 4); ++i) {
+    const RejectedSample& r = job.rejected()[i];
     places += fmt::format("{} pixel ({}, {}) sample {} segment {}", i == 0 ? ":" : ";", r.id.pixel % width, r.id.pixel / width, r.id.sample, r.segments);
   }
   const std::string text = fmt::format("{} samples were not finite or too large for the film and were left out{}", count, places);
@@ -72,63 +93,114 @@ void report_rejected(const std::vector<RejectedSample>& rejected, std::uint64_t 
   log::warning(text);
 }
 
-void write_outputs(const Film& film, const Metadata& metadata, const std::vector<std::string>& outputs) {
-  const Image image = image_from_film(film, metadata);
-  for (const std::string& path : outputs) {
-    if (path.ends_with(".png")) {
-      write_png(path, image);
-    } else {
-      write_exr(path, image);
+/// What one run did, for the report.
+struct Outcome {
+  SessionEnd end;
+  std::uint64_t samples = 0;  ///< sample indices rendered by this run
+  double render_seconds = 0, seconds = 0;
+};
+
+std::string reason_text(const Outcome& outcome, const RenderJob& job, const Options& options) {
+  switch (outcome.end) {
+    case SessionEnd::complete: return "";
+    case SessionEnd::time: return fmt::format(" of {}, stopped by --time {}", job.total(), options.time);
+    case SessionEnd::error: return fmt::format(" of at most {}, good enough for --until-error {}", job.total(), options.until_error);
+    case SessionEnd::interrupted: return fmt::format(" of {}, interrupted", job.total());
+  }
+  return "";
+}
+
+nlohmann::json to_json(const Outcome& outcome, const RenderJob& job, const SessionOptions& session, const DeviceTeam& team, bool gpu) {
+  const double pixel_samples = static_cast<double>(outcome.samples * job.pixels());
+  nlohmann::json out = {{"outputs", session.outputs},
+                        {"film", session.film},
+                        {"checkpoint", session.checkpoint},
+                        {"end", to_text(outcome.end)},
+                        {"metadata", film_metadata(job.state())},
+                        {"seconds", outcome.seconds},
+                        {"render_seconds", outcome.render_seconds},
+                        {"samples_per_second", outcome.render_seconds > 0 ? pixel_samples / outcome.render_seconds : 0.0},
+                        {"rejected", job.state().film.rejected()},
+                        {"devices", nlohmann::json::array()}};
+  for (const Renderer* renderer : team.renderers()) {
+    nlohmann::json device = {{"device", renderer->device_name()}, {"driver", renderer->driver_name()}};
+    if (gpu) {
+      const GpuTimings t = gpu_timings(*renderer);
+      device["timings"] = {{"compile", t.compile}, {"upload", t.upload}, {"pipeline", t.pipeline}, {"render", t.render}};
+      if (!out.contains("timings")) out["timings"] = device["timings"];
     }
+    out["devices"].push_back(device);
+  }
+  return out;
+}
+
+void report(const Outcome& outcome, const RenderJob& job, const Options& options, const SessionOptions& session, const DeviceTeam& team) {
+  if (options.json) {
+    fmt::print("{}\n", to_json(outcome, job, session, team, uses_gpu(options)).dump(2));
+  } else if (!options.quiet) {
+    const Film& film = job.state().film;
+    const double rate = static_cast<double>(outcome.samples * job.pixels()) / std::max(outcome.render_seconds, 1e-9);
+    log::info(fmt::format("Rendered {}x{} at {} spp{} in {} ({:.2f} Msamples/s); wrote {}.", film.width(), film.height(), job.done(),
+                          reason_text(outcome, job, options), duration_text(outcome.render_seconds), rate * 1e-6, fmt::join(session.outputs, " and ")));
   }
 }
 
-std::vector<std::string> output_paths(const Options& options, const Scene& scene) {
-  if (options.outputs.empty()) return {scene.name + ".exr", scene.name + ".png"};
-  for (const std::string& path : options.outputs) {
-    if (!path.ends_with(".exr") && !path.ends_with(".png")) {
-      throw Error(ExitCode::usage, fmt::format("'-o {}' ends neither in .exr nor in .png, the two formats that are written.", path));
-    }
+ExitCode run_job(RenderJob& job, DeviceTeam& team, const Options& options, const SessionOptions& session) {
+  const std::uint64_t before = job.done();
+  const auto render_start = Clock::now();
+  Session run(job, session);
+  Outcome outcome{.end = run.run(team)};
+  outcome.render_seconds = std::chrono::duration<double>(Clock::now() - render_start).count();
+  outcome.samples = job.done() - before;
+  if (job.done() == 0) {
+    log::warning("Interrupted before the first pass was finished; nothing was written.");
+    return ExitCode::interrupted;
   }
-  return options.outputs;
+  run.save_checkpoint();
+  report_rejected(job, options.scene.strict);
+  run.write_outputs();
+  outcome.seconds = std::chrono::duration<double>(Clock::now() - session.start).count();
+  report(outcome, job, options, session, team);
+  return outcome.end == SessionEnd::interrupted ? ExitCode::interrupted : ExitCode::ok;
 }
 
 ExitCode render(const Options& options) {
+  SessionOptions session = session_options(options, Clock::now());
   Scene scene = read_scene(options.scene_file, options.scene.read_options());
-  if (!options.size.empty()) apply_size(options.size, scene.camera);
-  const SampleRange range{0, options.spp > 0 ? options.spp : scene.sampler.sample_count};
-  const std::vector<std::string> outputs = output_paths(options, scene);
-
-  const auto start = std::chrono::steady_clock::now();
-  const auto renderer = options.device.factory()(scene, {.seed = options.seed});
-  if (!options.quiet && options.device.selector != "reference") log::info(gpu_device_choice(*renderer));
-  Film film(scene.camera.width, scene.camera.height, film_exponent(scene));
-  std::vector<RejectedSample> rejected;
-  const auto render_start = std::chrono::steady_clock::now();
-  {
-    ProgressLine line(options.quiet);
-    renderer->render(range, film, [&](std::uint64_t done, std::uint64_t total) { line.update(done, total); return true; }, rejected);
+  if (!options.size.empty()) {
+    const Size size = parse_size(options.size);
+    scene.camera.width = size.width;
+    scene.camera.height = size.height;
   }
-  const auto end = std::chrono::steady_clock::now();
-  report_rejected(rejected, film.rejected(), film.width(), options.scene.strict);
-  const Metadata metadata = make_metadata(scene, *renderer, options, range, film.rejected());
-  write_outputs(film, metadata, outputs);
+  session.outputs = output_paths(options, scene);
+  const SampleRange wanted = wanted_samples(options, scene);
+  RenderJob job(identity(scene, options.seed), {{wanted.begin, wanted.end}});
+  if (!options.resume.empty()) job.resume(read_film(options.resume), options.resume);
+  for (const std::string& path : session.outputs) check_writable(path);
+  if (!session.checkpoint.empty()) check_writable(session.checkpoint);
 
-  const double render_seconds = std::chrono::duration<double>(end - render_start).count();
-  const double samples = static_cast<double>(range.count()) * film.width() * film.height();
-  if (options.json) {
-    nlohmann::json out = {{"outputs", outputs}, {"metadata", metadata}, {"seconds", std::chrono::duration<double>(end - start).count()},
-                          {"render_seconds", render_seconds}, {"samples_per_second", samples / render_seconds}, {"rejected", film.rejected()}};
-    if (options.device.selector != "reference") {
-      const GpuTimings t = gpu_timings(*renderer);
-      out["timings"] = {{"compile", t.compile}, {"upload", t.upload}, {"pipeline", t.pipeline}, {"render", t.render}};
-    }
-    fmt::print("{}\n", out.dump(2));
-  } else if (!options.quiet) {
-    log::info(fmt::format("Rendered {}x{} at {} spp in {} ({:.2f} Msamples/s); wrote {}.", film.width(), film.height(), range.count(),
-                          duration_text(render_seconds), samples / render_seconds * 1e-6, fmt::join(outputs, " and ")));
+  std::vector<OpenRenderer> open;
+  for (const RendererFactory& factory : options.device.factories()) {
+    open.push_back([factory, &scene, settings = RenderSettings{.seed = options.seed}] { return factory(scene, settings); });
   }
-  return ExitCode::ok;
+  DeviceTeam team(std::move(open));
+  if (!options.quiet && uses_gpu(options)) {
+    for (const Renderer* renderer : team.renderers()) log::info(gpu_device_choice(*renderer));
+  }
+  return run_job(job, team, options, session);
+}
+
+void add_job_options(CLI::App& command, Options& options) {
+  command.add_option("--samples", options.samples, "render only the samples A to B - 1 and write films that 'etendue merge' adds up")->type_name("A:B");
+  command.add_flag("--film", options.film, "write .exr files as films, which can be merged and resumed, instead of pictures");
+  command.add_option("--checkpoint", options.checkpoint, "film file that keeps what is done, written from time to time and at the end")->type_name("FILE");
+  command.add_option("--checkpoint-every", options.checkpoint_every, "time between checkpoints (default: 60s)")->type_name("TIME");
+  command.add_option("--resume", options.resume, "go on from a checkpoint or another film of the same render")->type_name("FILE");
+  command.add_option("--time", options.time, "stop in time, for example 10m; scene reading counts, writing the image does not")->type_name("TIME");
+  command
+      .add_option("--until-error", options.until_error,
+                  "stop when the relative standard error of the image is at most this, for example 1%; looked at after 16, 24, 32, 48, 64 … samples")
+      ->type_name("FRACTION");
 }
 
 }  // namespace
@@ -142,10 +214,12 @@ void add_render_command(CLI::App& app, Action& action) {
   command->add_option("--spp", options->spp, "samples per pixel instead of the scene's sampleCount")->check(CLI::Range(1u, 0xffffffffu));
   command->add_option("--seed", options->seed, "seed of the random numbers")->capture_default_str();
   command->add_option("--size", options->size, "film size instead of the scene's, WxH");
+  add_job_options(*command, *options);
   options->scene.add_to(*command);
   options->device.add_to(*command);
   command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--json", options->json, "print what was done as JSON");
+  command->footer("SIGINT or SIGTERM: finish the pass, write image and checkpoint, end with code 130; a second one aborts. SIGUSR1: write the current image.");
   command->callback([&action, options] { action = [options] { return render(*options); }; });
 }
 

@@ -1,10 +1,9 @@
 #include "validate/ttest.h"
 
-#include <fstream>
-
 #include <fmt/core.h>
 
 #include "cli/command.h"
+#include "cli/result_files.h"
 
 namespace etendue::cli {
 namespace {
@@ -15,6 +14,7 @@ struct Options {
   DeviceOption device;
   TTestOptions test;
   bool json = false;
+  std::string junit;  ///< path; empty: not wanted
 };
 
 ExitCode run_files(const Options& options) {
@@ -30,9 +30,11 @@ ExitCode run_files(const Options& options) {
   }
   bool passed = true;
   auto out = nlohmann::json::array();
+  std::vector<JunitCase> cases;
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const TTestReport report = run_ttest(tests[i], options.files[i], options.device.factory(), options.test);
     passed = passed && report.passed();
+    for (JunitCase& junit : ttest_junit(report)) cases.push_back(std::move(junit));
     if (options.json) {
       out.push_back(ttest_json(report));
     } else {
@@ -41,6 +43,7 @@ ExitCode run_files(const Options& options) {
     }
   }
   if (options.json) fmt::print("{}\n", out.dump(2));
+  if (!options.junit.empty()) write_text(options.junit, junit_xml("ttest", cases));
   return passed ? ExitCode::ok : ExitCode::test_failed;
 }
 
@@ -55,6 +58,7 @@ void add_ttest_command(CLI::App& app, Action& action) {
   command->add_option("--seed", options->test.seed, "seed of the first scene")->capture_default_str();
   command->add_option("--samples", options->test.sample_count, "samples per scene instead of the file's sampleCount")->check(CLI::PositiveNumber);
   command->add_flag("--json", options->json, "machine-readable output");
+  command->add_option("--junit", options->junit, "write the results as JUnit XML to this file");
   command->callback([&action, options] { action = [options] { return run_files(*options); }; });
 }
 

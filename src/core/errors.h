@@ -30,4 +30,17 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
+/// The driver gave the device up. The same work may well succeed on a freshly opened one.
+class DeviceLost : public Error {
+ public:
+  explicit DeviceLost(const std::string& sentence) : Error(ExitCode::device_lost, sentence) {}
+};
+
+/// The device did not finish in time. It may be at work for ever, so it was left as it is: the process must end without
+/// closing it.
+class DeviceHung : public Error {
+ public:
+  explicit DeviceHung(const std::string& sentence) : Error(ExitCode::device_lost, sentence) {}
+};
+
 }  // namespace etendue

@@ -38,7 +38,7 @@ std::string value_of(const Metadata& metadata, const std::string& key) {
 
 [[noreturn]] void refuse(const std::string& a_name, const std::string& b_name, const char* what,
                          const std::string& a_value, const std::string& b_value) {
-  throw Error(ExitCode::file_error, fmt::format("{}: cannot be merged with {}: different {}, {} here and {} there",
+  throw Error(ExitCode::file_error, fmt::format("{}: is not of the same render as {}: different {}, {} here and {} there",
                                                 b_name, a_name, what, b_value, a_value));
 }
 
@@ -137,6 +137,15 @@ SampleRanges join_ranges(const std::vector<Shard>& shards) {
   return canonical(all);
 }
 
+/// Films without samples come last; they add nothing and name no device.
+void sort_by_samples(std::vector<Shard>& shards) {
+  std::stable_sort(shards.begin(), shards.end(), [](const Shard& a, const Shard& b) {
+    if (a.header.samples.empty() || b.header.samples.empty())
+      return !a.header.samples.empty() && b.header.samples.empty();
+    return a.header.samples < b.header.samples;
+  });
+}
+
 /// Headers of all files, in the order of their samples, checked against each other.
 std::vector<Shard> read_headers(const std::vector<std::string>& paths) {
   std::vector<Shard> shards;
@@ -144,12 +153,7 @@ std::vector<Shard> read_headers(const std::vector<std::string>& paths) {
     shards.push_back({path, read_film_header(path)});
     check_same_render(shards.front().header, shards.front().path, shards.back().header, path);
   }
-  // Films without samples come last; they add nothing and name no device.
-  std::stable_sort(shards.begin(), shards.end(), [](const Shard& a, const Shard& b) {
-    if (a.header.samples.empty() || b.header.samples.empty())
-      return !a.header.samples.empty() && b.header.samples.empty();
-    return a.header.samples < b.header.samples;
-  });
+  sort_by_samples(shards);
   return shards;
 }
 
@@ -166,6 +170,16 @@ void check_same_render(const FilmHeader& a, const std::string& a_name, const Fil
   if (a.exponent != b.exponent) {
     refuse(a_name, b_name, "film exponents", std::to_string(a.exponent), std::to_string(b.exponent));
   }
+}
+
+FilmHeader merge_headers(const FilmHeader& a, const FilmHeader& b) {
+  std::vector<Shard> shards = {{"one film", a}, {"the other film", b}};
+  check_same_render(a, shards[0].path, b, shards[1].path);
+  sort_by_samples(shards);
+  FilmHeader result = shards.front().header;
+  result.samples = join_ranges(shards);
+  result.metadata = merge_metadata(shards);
+  return result;
 }
 
 FilmFile merge_films(const std::vector<std::string>& paths) {

@@ -13,6 +13,10 @@ namespace etendue {
 /// "sceneHash", "seed" and "integrator". The sentence names the difference and both values.
 void check_same_render(const FilmHeader& a, const std::string& a_name, const FilmHeader& b, const std::string& b_name);
 
+/// The header of two films of one render put together: samples and metadata as merge_films gives them, "samples" and
+/// "rejected" as film_metadata will set them. Throws like merge_films.
+FilmHeader merge_headers(const FilmHeader& a, const FilmHeader& b);
+
 /// The film of all samples of the files, in whatever order they are given; equal to one render of these samples. Gaps
 /// in the sample ranges are allowed and recorded. Holds one file at a time besides the result. Metadata:
 /// - "samples" and "rejected" are those of the result; "scene" is that of the file with the lowest sample index;

@@ -30,23 +30,20 @@ const char* result_name(VkResult result) {
 
 void check(VkResult result, std::string_view action) {
   if (result == VK_SUCCESS) return;
+  if (result == VK_ERROR_DEVICE_LOST) {
+    throw DeviceLost(fmt::format("Vulkan could not {}: {} ({}); the driver gave the device up (a crash or a watchdog), try again or choose "
+                                 "another --device.",
+                                 action, result_name(result), static_cast<int>(result)));
+  }
   ExitCode code = ExitCode::no_device;
   const char* remedy = "";
   switch (result) {
-    case VK_ERROR_DEVICE_LOST:
-      code = ExitCode::device_lost;
-      remedy = "; the driver gave the device up (a crash or a watchdog), try again or choose another --device";
-      break;
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
     case VK_ERROR_OUT_OF_HOST_MEMORY:
     case VK_ERROR_MEMORY_MAP_FAILED:
     case VK_ERROR_TOO_MANY_OBJECTS:
       code = ExitCode::device_lost;
       remedy = "; use a smaller image or mesh, or a --device with more memory";
-      break;
-    case VK_TIMEOUT:
-      code = ExitCode::device_lost;
-      remedy = "; the device did not finish in time";
       break;
     default: break;
   }

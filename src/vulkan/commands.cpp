@@ -4,6 +4,9 @@
 #include <chrono>
 #include <cstring>
 
+#include <fmt/core.h>
+
+#include "core/errors.h"
 #include "vulkan/check.h"
 
 namespace etendue::vulkan {
@@ -56,7 +59,15 @@ void Commands::submit_and_wait(const char* action, double timeout_seconds) {
   const VkSubmitInfo submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &buffer_};
   const VkFence fence = fence_.get();
   check(vkQueueSubmit(context_->queue(), 1, &submit, fence), action);
-  check(vkWaitForFences(context_->device(), 1, &fence, VK_TRUE, static_cast<std::uint64_t>(timeout_seconds * 1e9)), action);
+  timeout_seconds = std::min(timeout_seconds, context_->options().max_wait_seconds);
+  const VkResult waited = vkWaitForFences(context_->device(), 1, &fence, VK_TRUE, static_cast<std::uint64_t>(timeout_seconds * 1e9));
+  if (waited == VK_TIMEOUT) {
+    abandon(context_->device());
+    throw DeviceHung(fmt::format("Vulkan could not {}: '{}' did not finish within {:g} s; it hangs or is far too busy, choose another "
+                                 "--device.",
+                                 action, context_->info().name, timeout_seconds));
+  }
+  check(waited, action);
   check(vkResetFences(context_->device(), 1, &fence), "reset a fence");
 }
 

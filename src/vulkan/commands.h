@@ -12,8 +12,8 @@ class Commands {
  public:
   explicit Commands(const Context& context);
 
-  /// Runs `kernel` over `groups` workgroups and waits; returns the seconds from submission to completion. Throws Error(device_lost) when the
-  /// device does not finish within `timeout_seconds` or is lost.
+  /// Runs `kernel` over `groups` workgroups and waits; returns the seconds from submission to completion. Throws DeviceLost, or DeviceHung
+  /// when the device does not finish within `timeout_seconds`; it is abandoned then.
   double dispatch(const BindingLayout& layout, const Kernel& kernel, const BindingSet& set, std::span<const std::byte> push_constants,
                   std::uint32_t groups, double timeout_seconds);
 

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 
 #include <fmt/core.h>
 
@@ -203,6 +204,25 @@ class Instance {
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
 };
 
+namespace {
+
+// All open devices share one instance: volk keeps its function pointers in globals, and a second instance would write them while other
+// threads call through them.
+std::shared_ptr<Instance> shared_instance(const ContextOptions& options) {
+  static std::mutex mutex;
+  static std::weak_ptr<Instance> current;
+  static ContextOptions current_options;
+  const std::lock_guard lock(mutex);
+  std::shared_ptr<Instance> instance = current.lock();
+  if (instance && options.validation == current_options.validation && options.validation_extra == current_options.validation_extra) return instance;
+  instance = std::make_shared<Instance>(options);
+  current = instance;
+  current_options = options;
+  return instance;
+}
+
+}  // namespace
+
 ContextOptions ContextOptions::from_environment() {
   const char* value = std::getenv("ETENDUE_VALIDATION");
   const std::string_view text = value != nullptr ? value : "";
@@ -212,15 +232,16 @@ ContextOptions ContextOptions::from_environment() {
 std::uint64_t validation_message_count() { return g_validation_messages; }
 
 std::vector<DeviceInfo> list_devices(const ContextOptions& options) {
-  const Instance instance(options);
+  const auto instance = shared_instance(options);
   std::vector<DeviceInfo> infos;
-  for (const VkPhysicalDevice device : instance.physical_devices()) {
+  for (const VkPhysicalDevice device : instance->physical_devices()) {
     infos.push_back(describe(device, static_cast<std::uint32_t>(infos.size())));
   }
   return infos;
 }
 
-Context::Context(const std::string& selector, const ContextOptions& options) : instance_(std::make_shared<Instance>(options)) {
+Context::Context(const std::string& selector, const ContextOptions& options) 
+    : options_(options), instance_(shared_instance(options)) {
   const std::vector<VkPhysicalDevice> devices = instance_->physical_devices();
   std::string others;
   int best_rank = 100;
@@ -263,6 +284,10 @@ Context::Context(const std::string& selector, const ContextOptions& options) : i
 }
 
 Context::~Context() {
+  if (is_abandoned(device_)) {
+    new std::shared_ptr<Instance>(instance_);  // an instance must outlive its devices, and this one stays open
+    return;
+  }
   save_pipeline_cache();
   pipeline_cache_ = {};
   vkDestroyDevice(device_, nullptr);

@@ -28,6 +28,8 @@ struct ContextOptions {
   bool validation = false;
   /// Adds synchronization and GPU-assisted validation.
   bool validation_extra = false;
+  /// Upper bound of the time any submission may take.
+  double max_wait_seconds = 300.0;
   /// True when the environment variable ETENDUE_VALIDATION is "1", or "2" for the extra kinds.
   static ContextOptions from_environment();
 };
@@ -37,7 +39,7 @@ class Instance;
 /// Every physical device, usable or not. Throws Error(no_device) when there is no Vulkan loader.
 std::vector<DeviceInfo> list_devices(const ContextOptions& options);
 
-/// An open device. Not thread-safe: one thread submits at a time.
+/// An open device. Not thread-safe: one thread submits at a time. Several may be open, each used by a thread of its own.
 class Context {
  public:
   /// `selector`: "auto" (discrete > integrated > virtual > CPU), an index, or a part of the name (case-insensitive). Throws Error(no_device) that
@@ -49,6 +51,7 @@ class Context {
 
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
+  const ContextOptions& options() const { return options_; }
   bool is_cpu() const { return is_cpu_; }
   VkDevice device() const { return device_; }
   VkQueue queue() const { return queue_; }
@@ -64,6 +67,7 @@ class Context {
   void load_pipeline_cache();
   void save_pipeline_cache() const;
 
+  ContextOptions options_;
   std::shared_ptr<Instance> instance_;
   DeviceInfo info_;
   std::string choice_;

@@ -1,0 +1,65 @@
+#pragma once
+/// One or several devices that render one job together and survive the loss of a device.
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "render/renderer.h"
+#include "render/sample_queue.h"
+
+namespace etendue {
+
+/// Opens a renderer of the job's scene on one device; called again when that device was lost.
+using OpenRenderer = std::function<std::unique_ptr<Renderer>()>;
+
+/// Samples that one device has finished.
+struct FinishedSamples {
+  SampleRange range;
+  const Film* film = nullptr;  ///< exactly these samples of every pixel
+  const Renderer* renderer = nullptr;
+  const std::vector<RejectedSample>* rejected = nullptr;
+};
+
+class DeviceTeam {
+ public:
+  /// Fresh devices that are tried, one after the other, before a lost device is given up. The count starts anew when samples are finished.
+  static constexpr int kRetries = 3;
+
+  /// Opens every device.
+  explicit DeviceTeam(std::vector<OpenRenderer> open);
+
+  /// Renders the queue empty, or until `go_on` returns false; what was taken and not rendered is back in the queue then. Both functions are
+  /// called under one lock: `deliver` for samples that are finished, `go_on` after every pass with the pixel samples done by this call.
+  ///
+  /// A lost device (DeviceLost) loses what it had not delivered; it is opened afresh and the samples are rendered again. When one is lost for
+  /// good, the others take over its work; DeviceLost is thrown when none is left. Any other error ends the work of all devices after
+  /// their pass and is thrown.
+  void render(SampleQueue& queue, std::uint32_t width, std::uint32_t height, int film_exponent,
+              const std::function<void(const FinishedSamples&)>& deliver, const std::function<bool(std::uint64_t done)>& go_on);
+
+  /// One renderer per device that works.
+  std::vector<const Renderer*> renderers() const;
+
+ private:
+  struct Member {
+    OpenRenderer open;
+    std::unique_ptr<Renderer> renderer;  ///< null: lost for good
+    Film film;                           ///< what it renders into; delivered and cleared
+    double samples_per_second = 0;       ///< sample indices, 0 before the first measurement
+    int failures = 0;                    ///< since samples were finished last
+    std::uint64_t in_flight = 0;         ///< pixel samples done and not delivered
+  };
+  struct Run;
+
+  void open_afresh(Member& member, std::string reason);
+  void work(Member& member, Run& run);
+  SampleRange render_chunk(Member& member, Run& run, SampleRange chunk);
+  std::uint32_t chunk_size(const Member& member, const SampleQueue& queue) const;
+
+  std::vector<Member> members_;
+};
+
+}  // namespace etendue

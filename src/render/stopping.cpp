@@ -1,0 +1,37 @@
+#include "render/stopping.h"
+
+#include <cmath>
+#include <limits>
+
+#include "image/image.h"
+
+namespace etendue {
+
+double relative_standard_error(const Film& film) {
+  const Image image = image_from_film(film, {});
+  double squares = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const double error = image.standard_error[i][c];
+      if (!std::isfinite(error)) return std::numeric_limits<double>::infinity();
+      squares += error * error;
+      sum += image.pixels[i][c];
+    }
+  }
+  if (squares == 0.0) return 0.0;
+  const double n = 3.0 * static_cast<double>(image.pixels.size());
+  return std::sqrt(squares / n) / std::abs(sum / n);
+}
+
+std::uint64_t next_error_check(std::uint64_t count) {
+  std::uint64_t check = 16;
+  // 16 · 2^k and 24 · 2^k in turn.
+  while (check <= count) check = (check & (check - 1)) == 0 ? check / 2 * 3 : check / 3 * 4;
+  return check;
+}
+
+bool is_error_check(std::uint64_t count) {
+  return count >= 16 && next_error_check(count - 1) == count;
+}
+
+}  // namespace etendue
