@@ -20,8 +20,8 @@ using uvec4 = glm::uvec4;
 
 // Bindings of set 0. Kernels leave out what they do not use.
 const uint kBindingFrame = 0u;
-const uint kBindingNodes = 1u;
-const uint kBindingPrimitives = 2u;
+const uint kBindingRecords = 1u;       // uniform texel buffer
+const uint kBindingRays = 2u;
 const uint kBindingShapes = 3u;
 const uint kBindingTriangles = 4u;
 const uint kBindingNormals = 5u;
@@ -32,7 +32,7 @@ const uint kBindingFilm = 9u;
 const uint kBindingProgress = 10u;
 const uint kBindingReport = 11u;
 const uint kBindingRequests = 12u;
-const uint kBindingRecords = 13u;
+const uint kBindingResults = 13u;
 const uint kBindingVertices = 14u;
 const uint kBindingCount = 15u;
 
@@ -60,17 +60,19 @@ const uint kFilterSteps = 1024u;  // intervals of the tabulated inverse CDF
 const uint kPrimitiveTriangle = 0u;
 const uint kPrimitiveSphere = 1u;
 
-// A node of the binary BVH. Leaf: `count` primitives from `first`. Inner node (count 0): children at `first` and `first + 1`.
-struct BvhNode {
-  vec3 lower;
-  uint first;
-  vec3 upper;
-  uint count;
+// The tree: nodes and primitives are records of the same size in one array, so that a traversal step is one fetch whatever it finds.
+//
+// A node has up to 4 children in neighbouring records from b.w, which is even. Their boxes are quantised to 8 bits: along axis k
+// child i spans origin + scale · [byte i of b[k], byte i of c[k]], origin = a[k] as a float, scale = 2^(byte k of a.w − 127); missing children
+// have an empty box. A primitive record is a Primitive; its a.w has kRecordNode clear because shapes number fewer than 2^31.
+struct Record {
+  uvec4 a, b, c;
 };
-const uint kBvhMaxDepth = 62u;  // inner levels; the traversal stack has two entries more
-const uint kBvhMaxLeaf = 4u;
+const uint kRecordNode = 0x80000000u;
+const uint kRecordChildCountShift = 28u;  // 3 bits
+const uint kMaxTreeDepth = 64u;           // the builder's bound on wide levels
 
-// One analytic primitive in leaf order, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in
+// One analytic primitive, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in
 // p0 and its radius in p1.x.
 struct Primitive {
   vec3 p0;
@@ -104,7 +106,7 @@ struct LightShape {
 // A primitive of an emitting shape.
 struct LightPrimitive {
   uint threshold;
-  uint slot;   // into the primitives
+  uint slot;   // its record
   float prob;  // probability within its shape
   uint pad0;
 };
@@ -185,6 +187,19 @@ struct SampleResult {
   uint pad0;
   uint pad1;
 };
+// trace_rays: rays with a direction of unit length, in normalised coordinates.
+struct RayRequest {
+  vec3 o;
+  float t_min;
+  vec3 d;
+  float t_max;
+};
+struct RayResult {
+  float t;
+  uint shape;      // kNone: no hit
+  uint primitive;
+  uint steps;
+};
 const uint kMaxTracedVertices = 256u;
 struct TracedVertex {
   vec3 radiance;
@@ -200,7 +215,7 @@ struct TracedVertex {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(BvhNode) == 32);
+static_assert(sizeof(Record) == 48);
 static_assert(sizeof(Primitive) == 48);
 static_assert(sizeof(Shape) == 48);
 static_assert(sizeof(LightShape) == 16);

@@ -6,9 +6,11 @@
 #include "ray.glsl"
 #include "scene.glsl"
 
+layout(constant_id = 9) const bool kHasSpheres = true;
+
 struct Hit {
   float t;
-  uint slot;   // into the primitives; kNone for no hit
+  uint slot;   // record of the primitive; kNone for no hit
   float b1;    // barycentric weights of p1 and p2; unused for a sphere
   float b2;
 };
@@ -65,13 +67,16 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
   return discriminant >= 0.0 && t > ray.t_min && t < t_max;
 }
 
-// Tests one primitive and shortens `hit` when it is nearer.
-bool intersect_primitive(RayFrame rf, uint slot, inout Hit hit) {
-  const Primitive prim = fetch_primitive(slot);
-  float t, b1 = 0.0, b2 = 0.0;
-  const bool found = prim.kind == kPrimitiveSphere ? intersect_sphere(rf.ray, prim.p0, prim.p1.x, hit.t, t)
-                                                   : intersect_triangle(rf, prim, hit.t, t, b1, b2);
-  if (found) hit = Hit(t, slot, b1, b2);
+// Tests a primitive record and shortens `hit` when it is nearer.
+bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
+  const Primitive prim = to_primitive(record);
+  float t, b1, b2;
+  bool found = intersect_triangle(rf, prim, hit.t, t, b1, b2);
+  if (kHasSpheres && prim.kind == kPrimitiveSphere) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, hit.t, t);
+  hit.t = found ? t : hit.t;
+  hit.slot = found ? slot : hit.slot;
+  hit.b1 = found ? b1 : hit.b1;
+  hit.b2 = found ? b2 : hit.b2;
   return found;
 }
 

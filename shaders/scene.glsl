@@ -5,8 +5,9 @@
 #include "gpu_types.h"
 
 layout(set = 0, binding = kBindingFrame, std140) uniform FrameBlock { Frame frame; };
-layout(set = 0, binding = kBindingNodes, std430) readonly buffer NodeBuffer { BvhNode nodes[]; };
-layout(set = 0, binding = kBindingPrimitives, std430) readonly buffer PrimitiveBuffer { Primitive primitives[]; };
+// Records come through a texel buffer: one 128-bit load a texel where storage buffers are loaded word by word (lavapipe), the texture
+// cache on GPUs, and up to 2^27 texels where a storage buffer may end at 128 MiB.
+layout(set = 0, binding = kBindingRecords) uniform usamplerBuffer record_texels;
 layout(set = 0, binding = kBindingShapes, std430) readonly buffer ShapeBuffer { Shape shapes[]; };
 layout(set = 0, binding = kBindingTriangles, std430) readonly buffer TriangleBuffer { uvec4 triangles[]; };
 layout(set = 0, binding = kBindingNormals, std430) readonly buffer NormalBuffer { vec4 normals[]; };
@@ -14,8 +15,14 @@ layout(set = 0, binding = kBindingLightShapes, std430) readonly buffer LightShap
 layout(set = 0, binding = kBindingLightPrimitives, std430) readonly buffer LightPrimitiveBuffer { LightPrimitive light_primitives[]; };
 layout(set = 0, binding = kBindingFilter, std430) readonly buffer FilterBuffer { float filter_knots[]; };
 
-BvhNode fetch_node(uint i) { return nodes[i]; }
-Primitive fetch_primitive(uint slot) { return primitives[slot]; }
+Record fetch_record(uint i) {
+  const int texel = int(3u * i);
+  return Record(texelFetch(record_texels, texel), texelFetch(record_texels, texel + 1), texelFetch(record_texels, texel + 2));
+}
+Primitive to_primitive(Record r) {
+  return Primitive(uintBitsToFloat(r.a.xyz), r.a.w, uintBitsToFloat(r.b.xyz), r.b.w, uintBitsToFloat(r.c.xyz), r.c.w);
+}
+Primitive fetch_primitive(uint slot) { return to_primitive(fetch_record(slot)); }
 Shape fetch_shape(uint i) { return shapes[i]; }
 LightShape fetch_light_shape(uint i) { return light_shapes[i]; }
 LightPrimitive fetch_light_primitive(uint i) { return light_primitives[i]; }

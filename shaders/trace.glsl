@@ -1,20 +1,25 @@
-// BVH traversal: one function for closest and any hit.
+// Tree traversal: one resumable walk for closest and any hit.
 #ifndef TRACE_GLSL
 #define TRACE_GLSL
 
 #include "intersect.glsl"
 
-// Entry distance of the ray into a box, or +infinity when it misses it before t_max. The far distance is widened by the rounding of
-// the products [Ize2013], so that a box never misses what it contains.
-float intersect_box(vec3 lower, vec3 upper, vec3 o, vec3 inv_d, float t_max) {
-  const vec3 t0 = (lower - o) * inv_d;
-  const vec3 t1 = (upper - o) * inv_d;
-  const vec3 near3 = min(t0, t1);
-  const vec3 far3 = max(t0, t1);
-  const float near = max(max(near3.x, near3.y), max(near3.z, 0.0));
-  const float far = min(min(far3.x, far3.y), min(far3.z, t_max)) * (1.0 + 4e-7);
-  return near <= far ? near : kInfinity;
-}
+layout(constant_id = 8) const uint kStackSize = 16u;  // levels of the tree, so that the stack cannot overflow
+
+// A ray on its way through the tree. `current` is the record visited next, kNone when the walk has ended.
+//
+// A stack entry is one node's children still to be visited: its child base / 2 in the upper 24 bits, their number in bits 6–7 and
+// their indices, nearest first, two bits each from bit 0. The top is walk_stack[0]; pushing shifts the whole array, which keeps it
+// in registers: cheaper by far on lavapipe than an indexed array.
+struct Walk {
+  RayFrame rf;
+  vec3 inv_d;
+  Hit hit;
+  uint current;
+  bool any_hit;
+};
+// The one walk of this invocation keeps its stack here: arrays sized by specialization constants cannot be copied with a struct.
+uint walk_stack[kStackSize];
 
 // 1/d without infinities: a direction component of 0 becomes tiny, so that 0 · inf never makes a NaN in the slab test.
 vec3 safe_inverse(vec3 d) {
@@ -22,52 +27,93 @@ vec3 safe_inverse(vec3 d) {
   return 1.0 / mix(d, mix(-tiny, tiny, greaterThanEqual(d, vec3(0.0))), lessThan(abs(d), tiny));
 }
 
-// Finds the nearest hit in (t_min, t_max), or with any_hit the first one met. `steps` counts the nodes visited; the walk is cut off (and
-// `steps` left above the budget) when it exceeds it, because some drivers end long loops silently.
+Walk begin_walk(Ray ray, bool any_hit) {
+  Walk walk;
+  walk.rf = make_ray_frame(ray);
+  walk.inv_d = safe_inverse(ray.d);
+  walk.hit = Hit(ray.t_max, kNone, 0.0, 0.0);
+  walk.current = 0u;
+  walk.any_hit = any_hit;
+  for (uint i = 0u; i < kStackSize; ++i) walk_stack[i] = 0u;
+  return walk;
+}
+
+const uint kMissKey = 0xffffffffu;
+
+vec4 unpack_bytes(uint v) { return vec4(v & 0xffu, (v >> 8u) & 0xffu, (v >> 16u) & 0xffu, v >> 24u); }
+
+// Sort keys of a node's children: the bits of the entry distance (non-negative floats order like integers) with the child's index in the
+// lowest two, or kMissKey.
+uvec4 child_keys(Walk walk, Record node) {
+  const vec3 scale = uintBitsToFloat(uvec3(node.a.w << 23u, (node.a.w << 15u) & 0x7f800000u, (node.a.w << 7u) & 0x7f800000u) & 0x7f800000u);
+  const vec3 a = scale * walk.inv_d;
+  const vec3 b = (uintBitsToFloat(node.a.xyz) - walk.rf.ray.o) * walk.inv_d;
+  // Rounding must not lose a box: near planes move back and far planes forward by more than the error of b, and the far distance
+  // is scaled by more than that of the sum below [Ize2013].
+  const vec3 margin = abs(b) * 3e-7;
+  const vec3 b_near = b - margin;
+  const vec3 b_far = b + margin;
+  const bvec3 forward = greaterThanEqual(walk.inv_d, vec3(0.0));
+  const uvec3 q_near = mix(node.c.xyz, node.b.xyz, forward);
+  const uvec3 q_far = mix(node.b.xyz, node.c.xyz, forward);
+  const vec4 near = max(max(unpack_bytes(q_near.x) * a.x + b_near.x, unpack_bytes(q_near.y) * a.y + b_near.y),
+                        max(unpack_bytes(q_near.z) * a.z + b_near.z, vec4(0.0)));
+  const vec4 far = min(min(unpack_bytes(q_far.x) * a.x + b_far.x, unpack_bytes(q_far.y) * a.y + b_far.y),
+                       min(unpack_bytes(q_far.z) * a.z + b_far.z, vec4(walk.hit.t))) *
+                   (1.0 + 1e-6);
+  const uint count = (node.a.w >> kRecordChildCountShift) & 7u;
+  const uvec4 index = uvec4(0u, 1u, 2u, 3u);
+  const uvec4 keys = (floatBitsToUint(near) & 0xfffffffcu) | index;
+  // Children 2 and 3 may be missing; their boxes are empty, but a flat node could still let a ray through.
+  return uvec4(near.x <= far.x ? keys.x : kMissKey, near.y <= far.y ? keys.y : kMissKey,
+               near.z <= far.z && count > 2u ? keys.z : kMissKey, near.w <= far.w && count > 3u ? keys.w : kMissKey);
+}
+
+// Ascending, five comparators.
+uvec4 sort_keys(uvec4 k) {
+  k = uvec4(min(k.x, k.y), max(k.x, k.y), min(k.z, k.w), max(k.z, k.w));
+  k = uvec4(min(k.x, k.z), min(k.y, k.w), max(k.x, k.z), max(k.y, k.w));
+  return uvec4(k.x, min(k.y, k.z), max(k.y, k.z), k.w);
+}
+
+// Visits one record: a node sends the walk to its nearest child and stacks the others, a primitive is intersected.
+void walk_step(inout Walk walk) {
+  const Record record = fetch_record(walk.current);
+  const bool node = (record.a.w & kRecordNode) != 0u;
+
+  const uvec4 keys = sort_keys(child_keys(walk, record));
+  const uint hits = node ? uint(keys.x != kMissKey) + uint(keys.y != kMissKey) + uint(keys.z != kMissKey) + uint(keys.w != kMissKey) : 0u;
+  const bool found = !node && intersect_primitive(walk.rf, record, walk.current, walk.hit);
+
+  const bool push = hits > 1u;
+  const bool pop = hits == 0u;
+  const uint top = walk_stack[0];
+  const uint left = (top >> 6u) & 3u;
+  // The entry below the new top: the rest of the node's children, or the top without the child that is taken now.
+  const uint pushed = (record.b.w << 7u) | ((hits - 1u) << 6u) | (keys.y & 3u) | ((keys.z & 3u) << 2u) | ((keys.w & 3u) << 4u);
+  const uint taken = (top & 0xffffff00u) | ((left - 1u) << 6u) | ((top & 0x3fu) >> 2u);
+  const bool drop = pop && left <= 1u;
+  const uint next = pop ? ((top >> 7u) & 0x1fffffeu) + (top & 3u) : record.b.w + (keys.x & 3u);
+  uint below = 0u;
+  for (uint i = kStackSize - 1u; i > 0u; --i) {
+    const uint here = walk_stack[i];
+    walk_stack[i] = push ? walk_stack[i - 1u] : drop ? below : here;
+    below = here;
+  }
+  walk_stack[0] = push ? pushed : drop ? below : pop ? taken : top;
+  walk.current = (pop && left == 0u) || (found && walk.any_hit) ? kNone : next;
+}
+
+// Walks to the end, or until `steps` exceeds the budget: some drivers end long loops silently.
 Hit trace(Ray ray, bool any_hit, uint step_budget, inout uint steps) {
-  Hit hit = Hit(ray.t_max, kNone, 0.0, 0.0);
-  const RayFrame rf = make_ray_frame(ray);
-  const vec3 inv_d = safe_inverse(ray.d);
-  uint stack[kBvhMaxDepth + 2u];
-  uint top = 0u;
-  uint node_index = 0u;
-  bool walking = true;
+  Walk walk = begin_walk(ray, any_hit);
   // The exit is tested at the top as well: a loop that can only leave at its bottom loses lanes on some drivers.
-  while (walking) {
+  while (walk.current != kNone) {
     if (steps > step_budget) break;
     ++steps;
-    const BvhNode node = fetch_node(node_index);
-    bool descend = false;
-    if (node.count > 0u) {
-      for (uint i = 0u; i < node.count; ++i) {
-        const bool found = intersect_primitive(rf, node.first + i, hit);
-        if (found && any_hit) {
-          walking = false;
-          break;
-        }
-      }
-    } else {
-      const BvhNode left = fetch_node(node.first);
-      const BvhNode right = fetch_node(node.first + 1u);
-      const float t_left = intersect_box(left.lower, left.upper, ray.o, inv_d, hit.t);
-      const float t_right = intersect_box(right.lower, right.upper, ray.o, inv_d, hit.t);
-      const bool left_first = t_left <= t_right;
-      const float t_near = min(t_left, t_right);
-      if (t_near < kInfinity) {
-        descend = true;
-        node_index = left_first ? node.first : node.first + 1u;
-        if (max(t_left, t_right) < kInfinity) stack[top++] = left_first ? node.first + 1u : node.first;
-      }
-    }
-    if (walking && !descend) {
-      if (top == 0u) {
-        walking = false;
-      } else {
-        node_index = stack[--top];
-      }
-    }
+    walk_step(walk);
   }
-  return hit;
+  return walk.hit;
 }
 
 #endif

@@ -7,7 +7,7 @@
 
 layout(push_constant) uniform PassBlock { Pass pass; };
 layout(set = 0, binding = kBindingRequests, std430) readonly buffer RequestBuffer { SampleRequest requests[]; };
-layout(set = 0, binding = kBindingRecords, std430) writeonly buffer RecordBuffer { SampleResult records[]; };
+layout(set = 0, binding = kBindingResults, std430) writeonly buffer RecordBuffer { SampleResult records[]; };
 
 void trace_sample(uint i) {
   if (i >= pass.request_count) return;

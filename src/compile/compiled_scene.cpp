@@ -7,6 +7,7 @@
 #include "compile/discrete.h"
 #include "compile/filter_table.h"
 #include "compile/normalization.h"
+#include "compile/wide_bvh.h"
 
 namespace etendue {
 namespace {
@@ -86,6 +87,7 @@ class Compiler {
         p.p1.x = static_cast<float>(sphere->radius * normalization_.scale);
         p.shape = index;
         p.kind = gpu::kPrimitiveSphere;
+        out_.has_spheres = true;
         flat_primitives_.push_back(p);
       } else {
         flatten_mesh(std::get<TriangleMesh>(shape.geometry), index, flat);
@@ -118,14 +120,10 @@ class Compiler {
     std::vector<Box> boxes;
     boxes.reserve(flat_primitives_.size());
     for (const gpu::Primitive& p : flat_primitives_) boxes.push_back(primitive_box(p));
-    const Bvh bvh = build_bvh(boxes, {.max_leaf = gpu::kBvhMaxLeaf});
-    out_.bvh_depth = bvh.depth;
-    for (const BvhBuildNode& n : bvh.nodes) out_.nodes.push_back({n.box.lower, n.first, n.box.upper, n.count});
-    slot_of_.resize(flat_primitives_.size());
-    for (const std::uint32_t i : bvh.order) {
-      slot_of_[i] = static_cast<gpu::uint>(out_.primitives.size());
-      out_.primitives.push_back(flat_primitives_[i]);
-    }
+    WideBvh tree = make_wide_bvh(build_bvh(boxes, {.max_leaf = 1}), flat_primitives_);
+    out_.records = std::move(tree.records);
+    out_.tree_depth = tree.depth;
+    slot_of_ = std::move(tree.slot_of);
   }
 
   void make_lights() {
@@ -196,7 +194,7 @@ class Compiler {
   CompiledScene out_;
   std::vector<gpu::Primitive> flat_primitives_;  // shape by shape, before the tree orders them
   std::vector<std::size_t> first_primitive_;     // of each shape, into flat_primitives_
-  std::vector<gpu::uint> slot_of_;               // flat primitive to leaf slot
+  std::vector<gpu::uint> slot_of_;               // flat primitive to its record
 };
 
 }  // namespace

@@ -13,15 +13,15 @@ namespace etendue {
 /// power of two, so that single precision serves scenes of any size and place alike.
 struct CompiledScene {
   gpu::Frame frame{};
-  std::vector<gpu::BvhNode> nodes;
-  std::vector<gpu::Primitive> primitives;
+  std::vector<gpu::Record> records;   ///< the tree: nodes and primitives
   std::vector<gpu::Shape> shapes;
   std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
   std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
   std::vector<gpu::LightShape> light_shapes;
   std::vector<gpu::LightPrimitive> light_primitives;
   std::vector<float> filter_knots;    ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
-  std::uint32_t bvh_depth = 0;
+  std::uint32_t tree_depth = 0;       ///< levels of nodes
+  bool has_spheres = false;
 };
 
 CompiledScene compile_scene(const Scene& scene);

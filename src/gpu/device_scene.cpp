@@ -23,6 +23,7 @@ std::vector<vulkan::Binding> kernel_bindings() {
   std::vector<vulkan::Binding> bindings;
   for (std::uint32_t i = 0; i < gpu::kBindingCount; ++i) bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   bindings[gpu::kBindingFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  bindings[gpu::kBindingRecords].type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   return bindings;
 }
 
@@ -37,17 +38,32 @@ DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& comma
     entries_.push_back({binding, std::move(buffer)});
   };
   add(gpu::kBindingFrame, std::span(&scene.frame, 1), "frame constants");
-  add(gpu::kBindingNodes, std::span(scene.nodes), "BVH nodes");
-  add(gpu::kBindingPrimitives, std::span(scene.primitives), "primitives");
   add(gpu::kBindingShapes, std::span(scene.shapes), "shapes");
   add(gpu::kBindingTriangles, std::span(scene.triangles), "triangle indices");
   add(gpu::kBindingNormals, std::span(scene.normals), "vertex normals");
   add(gpu::kBindingLightShapes, std::span(scene.light_shapes), "emitters");
   add(gpu::kBindingLightPrimitives, std::span(scene.light_primitives), "emitting primitives");
   add(gpu::kBindingFilter, std::span(scene.filter_knots), "reconstruction filter");
+  upload_records(context, commands, scene.records);
+}
+
+void DeviceScene::upload_records(const vulkan::Context& context, vulkan::Commands& commands, const std::vector<gpu::Record>& records) {
+  const auto bytes = std::as_bytes(std::span(records));
+  const std::uint64_t texels = bytes.size() / sizeof(gpu::uvec4);
+  const std::uint64_t available = context.limits().maxTexelBufferElements;
+  if (texels > available) {
+    throw Error(ExitCode::device_lost,
+                fmt::format("The tree and the primitives need {} texels, but '{}' reads at most {} (maxTexelBufferElements); use a smaller mesh "
+                            "or another --device.",
+                            texels, context.info().name, available));
+  }
+  records_ = vulkan::Buffer(context, bytes.size(), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, vulkan::Buffer::Memory::device, "tree");
+  commands.upload(records_, 0, bytes);
+  record_view_ = vulkan::make_texel_view(context, records_, VK_FORMAT_R32G32B32A32_UINT);
 }
 
 void DeviceScene::bind(vulkan::BindingSet& set) const {
+  set.bind(gpu::kBindingRecords, record_view_);
   for (const Entry& entry : entries_) set.bind(entry.binding, entry.buffer);
 }
 

@@ -20,7 +20,11 @@ class DeviceScene {
     std::uint32_t binding;
     vulkan::Buffer buffer;
   };
+  void upload_records(const vulkan::Context& context, vulkan::Commands& commands, const std::vector<gpu::Record>& records);
+
   std::vector<Entry> entries_;
+  vulkan::Buffer records_;
+  vulkan::TexelView record_view_;
 };
 
 }  // namespace etendue

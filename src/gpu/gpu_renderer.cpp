@@ -78,7 +78,9 @@ class GpuRenderer final : public Renderer {
                   {1, scene.integrator.type == Integrator::Type::path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
                   {2, scene.integrator.nee ? 1u : 0u},
                   {3, scene.integrator.mis ? 1u : 0u},
-                  {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u}};
+                  {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
+                  {8, std::max(1u, compiled.tree_depth)},
+                  {9, compiled.has_spheres ? 1u : 0u}};
     step_budget_ = context_.is_cpu() ? kCpuStepBudget : kGpuStepBudget;
   }
 
@@ -101,7 +103,10 @@ class GpuRenderer final : public Renderer {
   // A set with the scene bound and a placeholder everywhere else.
   vulkan::BindingSet make_set() {
     vulkan::BindingSet set(context_, layout_);
-    for (std::uint32_t b = gpu::kBindingFilm; b < gpu::kBindingCount; ++b) set.bind(b, unused_);
+    for (const std::uint32_t b : {gpu::kBindingRays, gpu::kBindingFilm, gpu::kBindingProgress, gpu::kBindingReport, gpu::kBindingRequests,
+                                  gpu::kBindingResults, gpu::kBindingVertices}) {
+      set.bind(b, unused_);
+    }
     scene_->bind(set);
     return set;
   }
@@ -230,7 +235,7 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
                                vulkan::Buffer::Memory::device, "sample records");
   vulkan::BindingSet set = make_set();
   set.bind(gpu::kBindingRequests, requests);
-  set.bind(gpu::kBindingRecords, records);
+  set.bind(gpu::kBindingResults, records);
   std::vector<SampleRecord> out;
   out.reserve(ids.size());
   for (std::size_t first = 0; first < ids.size(); first += kChunk) {
