@@ -24,7 +24,8 @@ ExitCode run_files(const Options& options) {
     SceneFile read = read_scene_file(file, options.scene.read_options());
     auto* test = std::get_if<TTest>(&read);
     if (test == nullptr) {
-      throw Error(ExitCode::scene_error, fmt::format("{}: holds no <test type=\"ttest\">; use 'etendue render' for scenes.", file));
+      throw Error(ExitCode::scene_error,
+                  fmt::format("{}: holds no <test type=\"ttest\">; use 'etendue render' for scenes.", file));
     }
     tests.push_back(std::move(*test));
   }
@@ -56,7 +57,8 @@ void add_ttest_command(CLI::App& app, Action& action) {
   options->scene.add_to(*command);
   options->device.add_to(*command);
   command->add_option("--seed", options->test.seed, "seed of the first scene")->capture_default_str();
-  command->add_option("--samples", options->test.sample_count, "samples per scene instead of the file's sampleCount")->check(CLI::PositiveNumber);
+  command->add_option("--samples", options->test.sample_count, "samples per scene instead of the file's sampleCount")
+      ->check(CLI::PositiveNumber);
   command->add_flag("--json", options->json, "machine-readable output");
   command->add_option("--junit", options->junit, "write the results as JUnit XML to this file");
   command->callback([&action, options] { action = [options] { return run_files(*options); }; });
