@@ -130,7 +130,8 @@ void check_normals(const Shape& shape, Diagnostics& diagnostics) {
     const glm::dvec3 ng = glm::cross(mesh->positions[t.y] - p, mesh->positions[t.z] - p);
     return glm::dot(ng, mesh->normals[t.x] + mesh->normals[t.y] + mesh->normals[t.z]) < 0.0;
   });
-  if (against == 0) return;
+  // Simplified and sculpted meshes have a few such slivers; one in a thousand is an error of export.
+  if (against * 1000 < static_cast<std::ptrdiff_t>(mesh->triangles.size()) || against == 0) return;
   diagnostics.warning(
       shape.position,
       fmt::format(

@@ -60,8 +60,18 @@ bool LineReader::next_physical(std::string_view& physical) {
   }
 }
 
+void LineReader::skip_empty_lines() {
+  while (begin_ < end_) {
+    const bool crlf = buffer_[begin_] == '\r' && begin_ + 1 < end_ && buffer_[begin_ + 1] == '\n';
+    if (!crlf && buffer_[begin_] != '\n') return;
+    begin_ += crlf ? 2 : 1;
+    ++number_;
+  }
+}
+
 bool LineReader::next() {
   joins_.clear();
+  skip_empty_lines();
   std::string_view physical;
   if (!next_physical(physical)) return false;
   joins_.push_back({0, number_});

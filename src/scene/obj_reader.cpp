@@ -24,7 +24,7 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// Point tests of ear clipping allowed per file: some ten seconds. A hostile file of huge comb-shaped polygons ends
 /// there.
-constexpr std::int64_t kMaxPolygonWork = 10'000'000'000;
+constexpr std::int64_t kMaxPolygonWork = 3'000'000'000;
 
 struct ObjError {
   std::size_t offset;  ///< in the current line

@@ -179,8 +179,9 @@ class Parser {
       if (at_ == before) fail(at_, "expected a blank before the next attribute");
       XmlAttribute attribute = parse_attribute();
       if (element.find(attribute.name) != nullptr) {
-        diagnostics_.error(document_.position(attribute.offset),
-                           fmt::format("attribute {} is given twice; keep one", text::quoted(attribute.name)));
+        if (diagnostics_.wants_errors())
+          diagnostics_.error(document_.position(attribute.offset),
+                             fmt::format("attribute {} is given twice; keep one", text::quoted(attribute.name)));
       } else if (element.attributes.size() == XmlDocument::kMaxAttributes) {
         fail(attribute.offset,
              fmt::format("more than {} attributes; no element has more than 3", XmlDocument::kMaxAttributes));
@@ -204,16 +205,12 @@ class Parser {
     }
     const char quote = text_[at_++];
     attribute.value_offset = at_;
-    const std::size_t close = text_.find(quote, at_);
-    const std::size_t angle = text_.find('<', at_);
-    if (angle < close) {
+    const char stops[] = {quote, '<', '\0'};
+    const std::size_t close = text_.find_first_of(stops, at_);
+    if (close == std::string_view::npos || text_[close] == '<') {
       fail(attribute.offset,
-           fmt::format("the value of attribute {} has no closing quote before the next '<' (written &lt; in a value)",
-                       text::quoted(attribute.name)));
-    }
-    if (close == std::string_view::npos) {
-      fail(attribute.offset,
-           fmt::format("the value of attribute {} has no closing quote", text::quoted(attribute.name)));
+           fmt::format("the value of attribute {} has no closing quote{}", text::quoted(attribute.name),
+                       close == std::string_view::npos ? "" : " before the next '<' (written &lt; in a value)"));
     }
     attribute.value = decode(close, attribute.verbatim);
     at_ = close + 1;
@@ -283,7 +280,7 @@ class Parser {
   void report_stray_text(const XmlElement& element) {
     const std::size_t stop = std::min(text_.find('<', at_), text_.size());
     skip_blanks();
-    if (at_ < stop) {
+    if (at_ < stop && diagnostics_.wants_errors()) {
       const std::string_view stray = text::trim(text_.substr(at_, stop - at_));
       diagnostics_.error(document_.position(at_),
                          fmt::format("stray text {} inside <{}>; put values into attributes or into a comment",

@@ -285,7 +285,7 @@ class SceneReader {
     std::error_code error;
     const fs::path folder = fs::weakly_canonical(fs::absolute(fs::path(path_), error).parent_path(), error);
     if (error) return;
-    const fs::path target = fs::weakly_canonical(path, error);
+    const fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
     if (error) return;
     const fs::path relative = target.lexically_relative(folder);
     const bool outside = relative.empty() || *relative.begin() == "..";

@@ -1,5 +1,7 @@
 // Every kind of bad scene file: where the first error is reported and what it says.
 
+#include <chrono>
+
 #include <fmt/format.h>
 
 #include "scene_testing.h"
@@ -336,6 +338,14 @@ TEST(SceneErrors, MillionsOfProblemsStayQuickAndSmall) {
   const Parsed parsed = parse(text);
   EXPECT_FALSE(parsed.file.has_value());
   EXPECT_LE(parsed.diagnostics.list().size(), Diagnostics::kMaxListed + 1);
+}
+
+TEST(SceneErrors, MillionsOfAttributesStayLinear) {
+  std::string text = "<scene><mesh type=\"obj\"";
+  while (text.size() < (12u << 20)) text += " a=\"1\"";
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_FALSE(parse(text + "/></scene>").file.has_value());
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
 }
 
 TEST(SceneErrors, SizeLimitOfTheFile) {

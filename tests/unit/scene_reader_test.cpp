@@ -329,6 +329,19 @@ TEST(SceneReader, FilesOutsideTheFolderAreNoted) {
   EXPECT_EQ(diagnostics.list()[0].position.line, 4);
 }
 
+TEST(SceneReader, FoldersAreComparedAlsoForRelativePaths) {
+  TemporaryFolder folder;
+  folder.write("s.xml", scene_around("<mesh type=\"obj\"><string name=\"filename\" value=\"none.obj\"/></mesh>"));
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path(""));
+  Diagnostics diagnostics;
+  read_scene_file("s.xml", {}, diagnostics);
+  std::filesystem::current_path(before);
+  ASSERT_EQ(diagnostics.list().size(), 1u) << all_messages(diagnostics);
+  EXPECT_EQ(to_string(diagnostics.list()[0]),
+            "s.xml:2:49: mesh none.obj: cannot open the file: No such file or directory");
+}
+
 TEST(SceneHash, ChangesWithEverythingThatChangesTheImage) {
   const auto text = [](const char* albedo, const char* radiance, const char* ior, const char* radius, const char* fov,
                        const char* sky, const char* translate, const char* filter) {
@@ -401,11 +414,13 @@ TEST(EveryShippedScene, ReadsWithoutAWarning) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(SCENES_DIR)) {
     if (entry.path().extension() != ".xml") continue;
-    // The busts are made by the build, beside the scenes of the build tree.
-    if (entry.path().stem() == "cbox-ajax") continue;
     Diagnostics diagnostics;
     const auto file = read_scene_file(entry.path().string(), {{}, true}, diagnostics);
-    ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+    // Large meshes are made by the build's target `scenes`, which need not have run.
+    const std::string messages = all_messages(diagnostics);
+    if (messages.find("meshes/generated/") != std::string::npos && messages.find("No such file") != std::string::npos)
+      continue;
+    ASSERT_TRUE(file.has_value()) << messages;
     check_scene_file(*file, diagnostics);
     EXPECT_TRUE(diagnostics.list().empty()) << all_messages(diagnostics);
     ++count;
