@@ -75,6 +75,11 @@ std::vector<Plugin> scene_plugins() {
        alias_parameters(),
        {}},
       {"integrator", "normals", "The shading normal of the first hit as a colour, (n + 1)/2.", {}, {}},
+  };
+}
+
+std::vector<Plugin> view_plugins() {
+  return {
       {"camera",
        "perspective",
        "A pinhole camera: +Z forward, +Y up, +X to the left of the image.",
@@ -163,6 +168,7 @@ std::vector<Plugin> object_plugins() {
 
 std::vector<Plugin> make_plugins() {
   std::vector<Plugin> rows = scene_plugins();
+  for (Plugin& row : view_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : object_plugins()) rows.push_back(std::move(row));
   return rows;
 }
