@@ -18,7 +18,7 @@ struct Walk {
   uint current;
   bool any_hit;
 };
-// The one walk of this invocation keeps its stack here: arrays sized by specialization constants cannot be copied with a struct.
+// The one walk an invocation has at a time keeps its stack here: arrays sized by specialization constants cannot be copied with a struct.
 uint walk_stack[kStackSize];
 
 // 1/d without infinities: a direction component of 0 becomes tiny, so that 0 · inf never makes a NaN in the slab test.
@@ -34,7 +34,7 @@ Walk begin_walk(Ray ray, bool any_hit) {
   walk.hit = Hit(ray.t_max, kNone, 0.0, 0.0);
   walk.current = 0u;
   walk.any_hit = any_hit;
-  for (uint i = 0u; i < kStackSize; ++i) walk_stack[i] = 0u;
+  walk_stack[0] = 0u;  // an entry without children ends the walk; what lies below is never reached
   return walk;
 }
 

@@ -1,4 +1,6 @@
-// The path estimator of docs/conventions.md, "Path estimator", one segment at a time.
+// The path estimator of docs/conventions.md, "Path estimator", as steps between rays: arrive() shades the end of a path segment and says which
+// rays come next, settle_light() takes the answer of a shadow ray. Who traces the rays, and when, is up to the caller, so that one
+// traversal site can serve both kinds.
 #ifndef PATH_GLSL
 #define PATH_GLSL
 
@@ -22,8 +24,12 @@ struct Path {
   bool full_emission;  // emission at the ray's end counts in full: camera ray, after a delta lobe, or no light sampling
   uint pixel;
   uint sample_index;
-  uint steps;          // traversal steps spent
   float filter_weight;
+  bool alive;          // `ray` is still to be traced
+  // The light sample of the last vertex: counts if `shadow_ray` meets nothing.
+  bool shadow_pending;
+  Ray shadow_ray;
+  vec3 shadow_value;
 };
 
 // Decisions taken at the end of a segment; kNone where nothing was decided. Folded into signatures or written out by the kernels that
@@ -39,7 +45,7 @@ Path begin_path(uint pixel, uint sample_index) {
   const uvec2 xy = uvec2(pixel % frame.width, pixel / frame.width);
   float weight;
   const Ray ray = sample_camera_ray(xy, to_unit(words.xy), weight);
-  return Path(ray, vec3(1.0), 0.0, vec3(0.0), 1.0, 1u, true, pixel, sample_index, 0u, weight);
+  return Path(ray, vec3(1.0), 0.0, vec3(0.0), 1.0, 1u, true, pixel, sample_index, weight, true, false, ray, vec3(0.0));
 }
 
 // The value of a finished path's sample.
@@ -63,20 +69,24 @@ vec3 gather_emission(Path path, Surface s, Shape shape, uint slot) {
   return path.beta * le * power_heuristic(path.bsdf_pdf, light_pdf(path.ray.o, path.ray.d, s, shape, slot));
 }
 
-// Step 4: one sampled light, one shadow ray.
-vec3 gather_light(inout Path path, Surface s, Shape shape, vec3 wo, uint step_budget, inout Decisions decisions) {
+// Step 4: one sampled light, left pending until its shadow ray has been traced.
+void sample_direct_light(inout Path path, Surface s, Shape shape, vec3 wo, inout Decisions decisions) {
   const LightSample light = sample_light(s.p, random_words(frame.seed, path.pixel, path.sample_index, block_light(path.segment - 1u)));
   decisions.light_shape = light.shape;
   decisions.light_primitive = light.primitive;
   decisions.light_contributed = 0u;
   const vec3 wi = to_local(s.frame, light.wi);
   const vec3 reflected = bsdf_eval(shape, wo, wi) * light.radiance;
-  if (light.pdf_w <= 0.0 || max_component(reflected) == 0.0 || !consistent_side(s, light.wi)) return vec3(0.0);
-  const Ray shadow = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
-  if (trace(shadow, true, step_budget, path.steps).slot != kNone) return vec3(0.0);
-  decisions.light_contributed = 1u;
+  path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0 && consistent_side(s, light.wi);
+  path.shadow_ray = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
   const float w_light = kMis ? power_heuristic(light.mis_pdf, bsdf_pdf(shape, wo, wi)) : 1.0;
-  return path.beta * reflected * (w_light / light.pdf_w);
+  path.shadow_value = path.beta * reflected * (w_light / light.pdf_w);
+}
+
+// The shadow ray has been traced.
+void settle_light(inout Path path, bool occluded) {
+  if (!occluded) path.radiance += path.shadow_value;
+  path.shadow_pending = false;
 }
 
 // Step 6: ends the path or makes up for the paths that ended.
@@ -87,42 +97,15 @@ bool survive_roulette(inout Path path, float u) {
   return true;
 }
 
-// Traces path.ray, gathers what its end sends back and prepares the next ray; false when the path has ended. When path.steps exceeds
-// the budget the result is void.
-bool path_segment(inout Path path, uint step_budget, out Decisions decisions) {
-  decisions = Decisions(kNone, kNone, kNone, kNone, kNone, kNone, kNone);
-  const Hit hit = trace(path.ray, false, step_budget, path.steps);
-  if (hit.slot == kNone) {
-    if (kIntegrator == kIntegratorPath) path.radiance += path.beta * sky_radiance(path.ray.d);
-    return false;
-  }
-  Shape shape;
-  const Surface s = make_surface(path.ray, hit, shape);
-  decisions.shape = s.shape;
-  decisions.primitive = s.primitive;
-  if (kIntegrator == kIntegratorNormals) {
-    path.radiance += path.beta * (0.5 * s.frame.n + 0.5);
-    return false;
-  }
-  path.radiance += gather_emission(path, s, shape, hit.slot);
-  if (path.segment >= frame.max_depth) return false;
-
-  const vec3 wo = to_local(s.frame, -path.ray.d);
-  if (!consistent_side(s, -path.ray.d) || (bsdf_is_one_sided(shape) && wo.z <= 0.0)) {
-    decisions.lobe = kLobeNone;
-    return false;
-  }
-  if (kNee && !bsdf_is_delta(shape) && frame.light_shape_count > 0u) {
-    path.radiance += gather_light(path, s, shape, wo, step_budget, decisions);
-  }
-
+// Step 5 and 6: the next direction. Leaves path.alive false when the path ends here.
+void scatter(inout Path path, Surface s, Shape shape, vec3 wo, inout Decisions decisions) {
   const uvec4 words = random_words(frame.seed, path.pixel, path.sample_index, block_bsdf(path.segment - 1u));
   const BsdfSample bs = bsdf_sample(shape, wo, to_unit(words.x), to_unit(words.yz));
   const vec3 wi = to_world(s.frame, bs.wi);
   // A transmitted direction changes sides of both normals together; a mismatch means light would leak through.
   if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0 || !consistent_side(s, wi)) {
     decisions.lobe = kLobeNone;
-    return false;
+    return;
   }
   decisions.lobe = bs.lobe;
   path.beta *= bs.weight;
@@ -130,13 +113,50 @@ bool path_segment(inout Path path, uint step_budget, out Decisions decisions) {
   path.full_emission = is_delta(bs.lobe) || !kNee;
   path.bsdf_pdf = bs.pdf;
   path.ray = spawn_ray(s.p, s.ng, s.error, wi);
+  path.alive = true;
   if (frame.rr_depth > 0u && path.segment >= frame.rr_depth) {
-    const bool survived = survive_roulette(path, to_unit(words.w));
-    decisions.survived = survived ? 1u : 0u;
-    if (!survived) return false;
+    path.alive = survive_roulette(path, to_unit(words.w));
+    decisions.survived = path.alive ? 1u : 0u;
   }
-  ++path.segment;
-  return true;
+  if (path.alive) ++path.segment;
+}
+
+// Shades the end of path.ray: gathers emission, prepares the shadow ray (path.shadow_pending) and the next segment (path.alive).
+void arrive(inout Path path, Hit hit, out Decisions decisions) {
+  decisions = Decisions(kNone, kNone, kNone, kNone, kNone, kNone, kNone);
+  path.alive = false;
+  path.shadow_pending = false;
+  if (hit.slot == kNone) {
+    if (kIntegrator == kIntegratorPath) path.radiance += path.beta * sky_radiance(path.ray.d);
+    return;
+  }
+  Shape shape;
+  const Surface s = make_surface(path.ray, hit, shape);
+  decisions.shape = s.shape;
+  decisions.primitive = s.primitive;
+  if (kIntegrator == kIntegratorNormals) {
+    path.radiance += path.beta * (0.5 * s.frame.n + 0.5);
+    return;
+  }
+  path.radiance += gather_emission(path, s, shape, hit.slot);
+  if (path.segment >= frame.max_depth) return;
+  const vec3 wo = to_local(s.frame, -path.ray.d);
+  if (!consistent_side(s, -path.ray.d) || (bsdf_is_one_sided(shape) && wo.z <= 0.0)) {
+    decisions.lobe = kLobeNone;
+    return;
+  }
+  if (kNee && !bsdf_is_delta(shape) && frame.light_shape_count > 0u) sample_direct_light(path, s, shape, wo, decisions);
+  scatter(path, s, shape, wo, decisions);
+}
+
+// One whole segment, for the kernels that look at single paths. `steps` counts traversal rounds; beyond the budget the result is void.
+void path_segment(inout Path path, uint step_budget, inout uint steps, out Decisions decisions) {
+  const Hit hit = trace(path.ray, false, step_budget, steps);
+  arrive(path, hit, decisions);
+  if (!path.shadow_pending) return;
+  const bool occluded = trace(path.shadow_ray, true, step_budget, steps).slot != kNone;
+  decisions.light_contributed = occluded ? 0u : 1u;
+  settle_light(path, occluded);
 }
 
 #endif

@@ -6,6 +6,8 @@
 #include "path.glsl"
 
 layout(constant_id = 4) const bool kLuminance = false;
+layout(constant_id = 5) const uint kStepsPerRound = 4u;
+layout(constant_id = 6) const uint kIterationsPerRound = 8u;  // upper bound of all loops' iterations in a round
 
 layout(push_constant) uniform PassBlock { Pass pass; };
 layout(set = 0, binding = kBindingProgress, std430) buffer ProgressBuffer { uint next_sample[]; };
@@ -26,36 +28,57 @@ uint slot_pixel(uint group, uint lane) {
   return xy.x < frame.width && xy.y < frame.height ? xy.y * frame.width + xy.x : kNone;
 }
 
-// A sample that does not fit into the step budget is handed back untouched: next_sample remembers where to go on, and the host
-// dispatches again. So the budget changes when a sample is computed, never its value.
+void finish_sample(Path path, inout FilmSlot sums) {
+  const vec3 value = kLuminance ? vec3(luminance(path_value(path))) : path_value(path);
+  if (!film_add(sums, value, frame.film_exponent)) report_rejected(path);
+}
+
+// The lane's samples one after the other, with a single traversal site: every round of the loop takes up to kStepsPerRound traversal steps,
+// then shades the lanes whose ray has arrived, whatever kind of ray it was. A lane never waits for another lane's path or ray to end.
+//
+// Loops are bounded: the iterations of a round are counted alike by all lanes of a group. A sample that does not fit into the
+// budget is handed back untouched: next_sample remembers where to go on, and the host dispatches again. So the budget changes when a
+// sample is computed, never its value.
 void render_slot(uint group, uint lane) {
   const uint pixel = slot_pixel(group, lane);
   if (pixel == kNone) return;
   const uint slot = group * kWorkgroupSize + lane - pass.slot_base;
   FilmSlot sums = film[slot];
-  uint sample_index = next_sample[slot];
-  uint steps = 0u;
-  while (sample_index < pass.sample_end) {
-    Path path = begin_path(pixel, sample_index);
-    path.steps = steps;
-    bool alive = true;
-    while (alive) {
-      if (path.steps > pass.step_budget) break;
+  const uint first_sample = next_sample[slot];
+  if (first_sample >= pass.sample_end) return;
+  Path path = begin_path(pixel, first_sample);
+  Walk walk = begin_walk(path.ray, false);
+  uint iterations = 0u;
+  while (path.sample_index < pass.sample_end) {
+    if (iterations > pass.step_budget) break;
+    iterations += kIterationsPerRound;
+    for (uint i = 0u; i < kStepsPerRound; ++i) {
+      if (walk.current == kNone) break;
+      walk_step(walk);
+    }
+    if (walk.current != kNone) continue;
+    if (path.shadow_pending) {
+      settle_light(path, walk.hit.slot != kNone);
+    } else {
       Decisions decisions;
-      alive = path_segment(path, pass.step_budget, decisions);
+      arrive(path, walk.hit, decisions);
     }
-    if (path.steps > pass.step_budget) {
-      atomicAdd(report.unfinished, 1u);
-      if (steps == 0u) atomicAdd(report.stuck, 1u);
-      break;
+    if (!path.alive && !path.shadow_pending) {
+      finish_sample(path, sums);
+      path = begin_path(pixel, path.sample_index + pass.lanes_per_pixel);
     }
-    steps = path.steps;
-    const vec3 value = kLuminance ? vec3(luminance(path_value(path))) : path_value(path);
-    if (!film_add(sums, value, frame.film_exponent)) report_rejected(path);
-    sample_index += pass.lanes_per_pixel;
+    if (path.shadow_pending) {
+      walk = begin_walk(path.shadow_ray, true);
+    } else {
+      walk = begin_walk(path.ray, false);
+    }
+  }
+  if (path.sample_index < pass.sample_end) {
+    atomicAdd(report.unfinished, 1u);
+    if (path.sample_index == first_sample) atomicAdd(report.stuck, 1u);
   }
   film[slot] = sums;
-  next_sample[slot] = sample_index;
+  next_sample[slot] = path.sample_index;
 }
 
 #endif

@@ -15,11 +15,11 @@ layout(set = 0, binding = kBindingVertices, std430) writeonly buffer VertexBuffe
 void trace_requested_path() {
   Path path = begin_path(requests[0].pixel, requests[0].sample_index);
   uint count = 0u;
-  bool alive = true;
-  while (alive) {
-    if (path.steps > pass.step_budget || count >= kMaxTracedVertices) break;
+  uint steps = 0u;
+  while (path.alive) {
+    if (steps > pass.step_budget || count >= kMaxTracedVertices) break;
     Decisions d;
-    alive = path_segment(path, pass.step_budget, d);
+    path_segment(path, pass.step_budget, steps, d);
     vertices[count++] = TracedVertex(path_value(path), d.shape, d.primitive, d.light_shape, d.light_primitive, d.light_contributed, d.lobe,
                                      d.survived, 0u, 0u);
   }

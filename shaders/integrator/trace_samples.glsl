@@ -7,21 +7,21 @@
 
 layout(push_constant) uniform PassBlock { Pass pass; };
 layout(set = 0, binding = kBindingRequests, std430) readonly buffer RequestBuffer { SampleRequest requests[]; };
-layout(set = 0, binding = kBindingResults, std430) writeonly buffer RecordBuffer { SampleResult records[]; };
+layout(set = 0, binding = kBindingResults, std430) writeonly buffer ResultBuffer { SampleResult results[]; };
 
 void trace_sample(uint i) {
   if (i >= pass.request_count) return;
   const SampleRequest request = requests[i];
   Path path = begin_path(request.pixel, request.sample_index);
   uint signature = kSignatureStart;
-  bool alive = true;
-  while (alive) {
-    if (path.steps > pass.step_budget) break;
+  uint steps = 0u;
+  while (path.alive) {
+    if (steps > pass.step_budget) break;
     Decisions decisions;
-    alive = path_segment(path, pass.step_budget, decisions);
+    path_segment(path, pass.step_budget, steps, decisions);
     signature = fold_decisions(signature, decisions);
   }
-  records[i] = SampleResult(path_value(path), signature, path.segment, path.steps > pass.step_budget ? 1u : 0u, 0u, 0u);
+  results[i] = SampleResult(path_value(path), signature, path.segment, steps > pass.step_budget ? 1u : 0u, 0u, 0u);
 }
 
 #endif

@@ -1,6 +1,7 @@
 #include "gpu/gpu_renderer.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cstring>
 
@@ -15,11 +16,14 @@
 namespace etendue {
 namespace {
 
-// A lane's budget of traversal steps per dispatch. lavapipe ends loops silently after 65 535 rounds per SIMD group, and a group takes
-// as many rounds as its lanes' walks laid end to end at worst.
-constexpr std::uint32_t kCpuStepBudget = 4000;
-constexpr std::uint32_t kGpuStepBudget = 1u << 20;
-constexpr std::uint32_t kMaxStepBudgetOnCpu = 30000;
+// Loop iterations per dispatch. lavapipe ends loops silently after 65 535 iterations per SIMD group, all loops of the kernel together; other
+// devices get a bound that keeps a dispatch finite.
+constexpr std::uint32_t kCpuIterations = 60000;
+constexpr std::uint32_t kGpuIterations = 1u << 22;
+// Where lanes count for themselves, their walks may be laid end to end: a group of 8 takes as many rounds as all of them.
+constexpr std::uint32_t kCpuIterationsDivergent = kCpuIterations / 8;
+constexpr std::uint32_t kStepsPerRound = 4;
+constexpr double kCpuPassSeconds = 0.5;    // no watchdog there, and fewer dispatches waste less
 constexpr double kDispatchTimeout = 300.0;  // seconds; passes are sized to a fraction of one
 
 // Lanes that keep a device busy.
@@ -32,6 +36,13 @@ class Timer {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+// Iterations of the two bisections that choose a light.
+std::uint32_t light_iterations(const CompiledScene& scene) {
+  std::uint32_t most = 0;
+  for (const gpu::LightShape& light : scene.light_shapes) most = std::max(most, light.primitive_count);
+  return static_cast<std::uint32_t>(std::bit_width(scene.light_shapes.size()) + std::bit_width(most)) + 2;
+}
 
 // Sizes dispatches by the rate measured so far. It decides when samples are computed, never their values.
 class PassSizer {
@@ -72,6 +83,7 @@ class GpuRenderer final : public Renderer {
     scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled);
     report_ = vulkan::Buffer(context_, sizeof(gpu::ReportHead) + gpu::kRejectedListed * sizeof(gpu::RejectedEntry),
                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::host, "report");
+    std::memset(report_.mapped().data(), 0, report_.mapped().size());
     unused_ = vulkan::Buffer(context_, 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "placeholder");
     timings_.upload = timer.seconds();
     constants_ = {{0, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
@@ -79,9 +91,11 @@ class GpuRenderer final : public Renderer {
                   {2, scene.integrator.nee ? 1u : 0u},
                   {3, scene.integrator.mis ? 1u : 0u},
                   {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
+                  {5, kStepsPerRound},
+                  {6, kStepsPerRound + 1 + light_iterations(compiled)},
                   {8, std::max(1u, compiled.tree_depth)},
                   {9, compiled.has_spheres ? 1u : 0u}};
-    step_budget_ = context_.is_cpu() ? kCpuStepBudget : kGpuStepBudget;
+    step_budget_ = context_.is_cpu() ? kCpuIterations : kGpuIterations;
   }
 
   std::string device_name() const override { return context_.info().name; }
@@ -94,6 +108,7 @@ class GpuRenderer final : public Renderer {
   std::vector<PathVertex> trace_path(SampleId id) override;
 
  private:
+  class SampleTracer;
   vulkan::Kernel make_kernel(std::span<const std::uint32_t> spirv, const char* name) {
     const Timer timer;
     vulkan::Kernel kernel(context_, layout_, spirv, constants_, name);
@@ -134,6 +149,41 @@ class GpuRenderer final : public Renderer {
   GpuTimings timings_;
 };
 
+// The trace_samples kernel with its buffers.
+class GpuRenderer::SampleTracer {
+ public:
+  SampleTracer(GpuRenderer& renderer, std::size_t capacity)
+      : renderer_(renderer),
+        kernel_(renderer.make_kernel(kernels::trace_samples, "trace_samples")),
+        requests_(renderer.context_, capacity * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
+                  "sample requests"),
+        results_(renderer.context_, capacity * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
+                 "sample results"),
+        set_(renderer.make_set()) {
+    set_.bind(gpu::kBindingRequests, requests_);
+    set_.bind(gpu::kBindingResults, results_);
+  }
+
+  std::vector<gpu::SampleResult> trace(std::span<const SampleId> ids, std::uint32_t budget) const {
+    std::vector<gpu::SampleRequest> asked;
+    for (const SampleId& id : ids) asked.push_back({id.pixel, id.sample, 0, 0});
+    renderer_.commands_.upload(requests_, 0, std::as_bytes(std::span(asked)));
+    gpu::Pass pass{};
+    pass.request_count = static_cast<gpu::uint>(ids.size());
+    pass.step_budget = budget;
+    renderer_.dispatch(kernel_, set_, pass, (pass.request_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
+    std::vector<gpu::SampleResult> out(ids.size());
+    renderer_.commands_.download(results_, 0, std::as_writable_bytes(std::span(out)));
+    return out;
+  }
+
+ private:
+  GpuRenderer& renderer_;
+  vulkan::Kernel kernel_;
+  vulkan::Buffer requests_, results_;
+  vulkan::BindingSet set_;
+};
+
 std::vector<FilmBand> GpuRenderer::make_bands(const SlotLayout& slots, SampleRange range) {
   std::vector<FilmBand> bands;
   const std::uint32_t per_band = max_groups_per_band(context_);
@@ -172,13 +222,10 @@ void GpuRenderer::run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std:
     }
     if (head.unfinished == 0) return;
     if (head.stuck > 0) {
-      if (context_.is_cpu() && pass.step_budget >= kMaxStepBudgetOnCpu) {
-        throw Error(ExitCode::device_lost,
-                    fmt::format("{} paths need more than {} traversal steps each, the most '{}' can loop in one dispatch; lower maxDepth or let roulette "
-                                "begin earlier (rrDepth).",
-                                head.stuck, pass.step_budget, context_.info().name));
-      }
-      pass.step_budget = context_.is_cpu() ? std::min(pass.step_budget * 2, kMaxStepBudgetOnCpu) : pass.step_budget * 2;
+      throw Error(ExitCode::device_lost,
+                  fmt::format("{} paths need more than {} loop iterations each, the most a dispatch may take on '{}'; lower maxDepth or let roulette "
+                              "begin earlier (rrDepth).",
+                              head.stuck, pass.step_budget, context_.info().name));
     }
   }
 }
@@ -200,7 +247,7 @@ void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, 
 
 std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress, std::vector<RejectedSample>& rejected) {
   if (!render_kernel_.get()) render_kernel_ = make_kernel(kernels::render, "render");
-  if (!sizer_) sizer_ = std::make_unique<PassSizer>(options_.pass_seconds, options_.fixed_samples, options_.fixed_groups);
+  if (!sizer_) sizer_ = std::make_unique<PassSizer>(context_.is_cpu() ? kCpuPassSeconds : options_.pass_seconds, options_.fixed_samples, options_.fixed_groups);
   rejected_.clear();
   const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context_));
   const std::vector<FilmBand> bands = make_bands(slots, range);
@@ -228,30 +275,20 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
 
 std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> ids) {
   constexpr std::size_t kChunk = 1u << 16;
-  const vulkan::Kernel kernel = make_kernel(kernels::trace_samples, "trace_samples");
-  const vulkan::Buffer requests(context_, kChunk * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                                vulkan::Buffer::Memory::device, "sample requests");
-  const vulkan::Buffer records(context_, kChunk * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                               vulkan::Buffer::Memory::device, "sample records");
-  vulkan::BindingSet set = make_set();
-  set.bind(gpu::kBindingRequests, requests);
-  set.bind(gpu::kBindingResults, records);
+  const SampleTracer tracer(*this, kChunk);
   std::vector<SampleRecord> out;
   out.reserve(ids.size());
   for (std::size_t first = 0; first < ids.size(); first += kChunk) {
     const auto chunk = ids.subspan(first, std::min(kChunk, ids.size() - first));
-    std::vector<gpu::SampleRequest> asked;
-    for (const SampleId& id : chunk) asked.push_back({id.pixel, id.sample, 0, 0});
-    commands_.upload(requests, 0, std::as_bytes(std::span(asked)));
-    gpu::Pass pass{};
-    pass.request_count = static_cast<gpu::uint>(chunk.size());
-    pass.step_budget = context_.is_cpu() ? kMaxStepBudgetOnCpu : kGpuStepBudget;
-    dispatch(kernel, set, pass, (pass.request_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
-    std::vector<gpu::SampleResult> results(chunk.size());
-    commands_.download(records, 0, std::as_writable_bytes(std::span(results)));
-    for (const gpu::SampleResult& r : results) {
-      if (r.stuck != 0) throw Error(ExitCode::device_lost, "A path needs more traversal steps than one dispatch can take; lower maxDepth.");
-      out.push_back({r.radiance, r.signature, r.segments});
+    std::vector<gpu::SampleResult> results = tracer.trace(chunk, context_.is_cpu() ? kCpuIterationsDivergent : kGpuIterations);
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      // A long path is traced again alone, with the whole budget to itself.
+      if (results[i].stuck != 0) results[i] = tracer.trace(chunk.subspan(i, 1), step_budget_).front();
+      if (results[i].stuck != 0) {
+        throw Error(ExitCode::device_lost, fmt::format("The path of pixel {} sample {} needs more than {} traversal steps; lower maxDepth.", chunk[i].pixel,
+                                                       chunk[i].sample, step_budget_));
+      }
+      out.push_back({results[i].radiance, results[i].signature, results[i].segments});
     }
   }
   return out;
@@ -269,7 +306,7 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
   set.bind(gpu::kBindingRequests, request);
   set.bind(gpu::kBindingVertices, vertices);
   gpu::Pass pass{};
-  pass.step_budget = context_.is_cpu() ? kMaxStepBudgetOnCpu : kGpuStepBudget;
+  pass.step_budget = step_budget_;
   dispatch(kernel, set, pass, 1);
   std::vector<std::byte> bytes(kBytes);
   commands_.download(vertices, 0, bytes);
