@@ -145,7 +145,7 @@ struct Pass {
   uint slot_base;        // first film slot held by the bound film band
   uint sample_end;       // lanes work until their next sample index reaches this
   uint lanes_per_pixel;  // a pixel's samples are dealt round robin to this many slots
-  uint slots_per_layer;  // slots of one lane-per-pixel layer: tiles · 64
+  uint packed_pixels;    // not 0: slots are packed, pixel = slot % packed_pixels; 0: slots are tiles
   uint step_budget;      // traversal steps a lane may spend before it hands its sample back
   uint request_count;    // samples kernel: number of requests
   uint pad0;

@@ -21,10 +21,13 @@ void report_rejected(Path path) {
   if (i < kRejectedListed) rejected[i] = RejectedEntry(path.pixel, path.sample_index, path.segment, 0u);
 }
 
-// Slot -> pixel: 8 × 8 tiles, row by row; kNone for the padding at the right and lower border.
+// Pixel of a slot, kNone for padding; src/gpu/device_film.h describes the two layouts.
 uint slot_pixel(uint group, uint lane) {
-  const uint tile = group % (pass.slots_per_layer / kWorkgroupSize);
-  const uvec2 xy = uvec2(tile % frame.tiles_x, tile / frame.tiles_x) * kTileSize + uvec2(lane % kTileSize, lane / kTileSize);
+  if (pass.packed_pixels > 0u) {
+    const uint i = group * kWorkgroupSize + lane;
+    return i < pass.packed_pixels * pass.lanes_per_pixel ? i % pass.packed_pixels : kNone;
+  }
+  const uvec2 xy = uvec2(group % frame.tiles_x, group / frame.tiles_x) * kTileSize + uvec2(lane % kTileSize, lane / kTileSize);
   return xy.x < frame.width && xy.y < frame.height ? xy.y * frame.width + xy.x : kNone;
 }
 

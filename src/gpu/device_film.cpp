@@ -16,11 +16,24 @@ SlotLayout::SlotLayout(std::uint32_t w, std::uint32_t h, std::uint32_t samples, 
   layers = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wanted, 1, std::max(1u, samples)));
 }
 
+std::uint64_t SlotLayout::groups() const {
+  if (!packed()) return std::uint64_t{tiles_x} * tiles_y;
+  return (std::uint64_t{pixels()} * layers + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize;
+}
+
 std::uint32_t SlotLayout::pixel(std::uint64_t group, std::uint32_t lane) const {
-  const auto tile = static_cast<std::uint32_t>(group % groups_per_layer());
+  if (packed()) {
+    const std::uint64_t slot = group * gpu::kWorkgroupSize + lane;
+    return slot < std::uint64_t{pixels()} * layers ? static_cast<std::uint32_t>(slot % pixels()) : ~0u;
+  }
+  const auto tile = static_cast<std::uint32_t>(group);
   const std::uint32_t x = tile % tiles_x * gpu::kTileSize + lane % gpu::kTileSize;
   const std::uint32_t y = tile / tiles_x * gpu::kTileSize + lane / gpu::kTileSize;
   return x < width && y < height ? y * width + x : ~0u;
+}
+
+std::uint32_t SlotLayout::layer(std::uint64_t group, std::uint32_t lane) const {
+  return packed() ? static_cast<std::uint32_t>((group * gpu::kWorkgroupSize + lane) / pixels()) : 0;
 }
 
 std::uint32_t max_groups_per_band(const vulkan::Context& context) {
@@ -38,9 +51,8 @@ FilmBand::FilmBand(const vulkan::Context& context, vulkan::Commands& commands, c
                 vulkan::Buffer::Memory::device, "film progress") {
   commands.fill(slots_, 0);
   std::vector<std::uint32_t> next(std::size_t{group_count} * gpu::kWorkgroupSize);
-  for (std::uint32_t i = 0; i < group_count; ++i) {
-    const std::uint32_t layer = (first_group + i) / layout.groups_per_layer();
-    std::fill_n(next.begin() + std::ptrdiff_t{i} * gpu::kWorkgroupSize, gpu::kWorkgroupSize, range.begin + layer);
+  for (std::size_t i = 0; i < next.size(); ++i) {
+    next[i] = range.begin + layout.layer(first_group + i / gpu::kWorkgroupSize, static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
   }
   commands.upload(progress_, 0, std::as_bytes(std::span(next)));
 }

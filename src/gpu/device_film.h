@@ -9,18 +9,22 @@
 
 namespace etendue {
 
-/// How pixels map to film slots. Slots are laid out in 8 × 8 tiles, row by row; when an image has few pixels, each pixel's samples are dealt to
-/// `layers` slots, so that there is work for every lane (sums are integers, so adding slots up later changes nothing).
+/// How pixels map to film slots. Slots are usually 8 × 8 tiles, row by row. When an image has too few pixels to fill the device, slots are packed and
+/// each pixel has several: slot i belongs to pixel i % pixels and takes every `layers`-th of its samples (sums are integers, so adding
+/// slots up later changes nothing).
 struct SlotLayout {
   std::uint32_t width = 0, height = 0;
   std::uint32_t tiles_x = 0, tiles_y = 0;
   std::uint32_t layers = 1;
 
   SlotLayout(std::uint32_t width, std::uint32_t height, std::uint32_t samples, std::uint32_t wanted_slots);
-  std::uint32_t groups_per_layer() const { return tiles_x * tiles_y; }
-  std::uint64_t groups() const { return std::uint64_t{groups_per_layer()} * layers; }
-  /// Pixel of lane `lane` of group `group`, or ~0u for the padding at the border.
+  bool packed() const { return layers > 1; }
+  std::uint32_t pixels() const { return width * height; }
+  std::uint64_t groups() const;
+  /// Pixel of lane `lane` of group `group`, or ~0u for padding.
   std::uint32_t pixel(std::uint64_t group, std::uint32_t lane) const;
+  /// Which of its pixel's slots that is; 0 for padding.
+  std::uint32_t layer(std::uint64_t group, std::uint32_t lane) const;
 };
 
 /// A run of workgroups whose slots fit into one storage buffer.

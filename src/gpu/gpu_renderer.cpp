@@ -236,7 +236,7 @@ void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, 
   pass.slot_base = band.first_group() * gpu::kWorkgroupSize;
   pass.sample_end = sample_end;
   pass.lanes_per_pixel = slots.layers;
-  pass.slots_per_layer = slots.groups_per_layer() * gpu::kWorkgroupSize;
+  pass.packed_pixels = slots.packed() ? slots.pixels() : 0;
   for (std::uint32_t done = 0; done < band.group_count();) {
     const std::uint32_t groups = std::min({sizer_->groups(band.group_count() - done), context_.limits().maxComputeWorkGroupCount[0]});
     pass.first_group = band.first_group() + done;
