@@ -1,0 +1,253 @@
+/// The tree builder and the collapse to 4-wide quantised nodes.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "compile/bvh.h"
+#include "compile/compiled_scene.h"
+#include "compile/wide_bvh.h"
+#include "core/parallel.h"
+
+namespace etendue {
+namespace {
+
+Box box_of(const gpu::Primitive& p) {
+  Box box;
+  box.extend(p.p0);
+  box.extend(p.p1);
+  box.extend(p.p2);
+  return box;
+}
+std::vector<Box> boxes_of(const std::vector<gpu::Primitive>& primitives) {
+  std::vector<Box> boxes;
+  for (const gpu::Primitive& p : primitives) boxes.push_back(box_of(p));
+  return boxes;
+}
+
+// Named soups that are hard on builders.
+struct Soup {
+  const char* name;
+  std::vector<gpu::Primitive> primitives;
+};
+std::vector<Soup> soups() {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> u(-1.0f, 1.0f);
+  const auto point = [&] {
+    const float x = u(random), y = u(random);
+    return glm::vec3(x, y, u(random));
+  };
+  std::vector<Soup> out;
+  const auto add = [&](const char* name, std::uint32_t count, auto vertices) {
+    out.push_back({name, {}});
+    for (std::uint32_t i = 0; i < count; ++i) {
+      gpu::Primitive p{};
+      vertices(i, p);
+      p.primitive = i;
+      out.back().primitives.push_back(p);
+    }
+  };
+  const auto small = [&](std::uint32_t, gpu::Primitive& p) {
+    p.p0 = point();
+    p.p1 = p.p0 + 0.05f * point();
+    p.p2 = p.p0 + 0.05f * point();
+  };
+  for (const std::uint32_t count : {1u, 2u, 3u, 4u, 5u, 6u, 17u, 3000u}) add("random", count, small);
+  add("large enough for several threads", 70000, small);
+  add("all at one point", 777,
+      [](std::uint32_t, gpu::Primitive& p) { p.p0 = p.p1 = p.p2 = glm::vec3(0.3f, -0.2f, 0.1f); });
+  add("one triangle many times", 500, [](std::uint32_t, gpu::Primitive& p) {
+    p.p0 = {0, 0, 0}, p.p1 = {1, 0, 0}, p.p2 = {0, 1, 0};
+  });
+  add("flat", 900, [&](std::uint32_t, gpu::Primitive& p) {
+    p.p0 = point(), p.p1 = point(), p.p2 = point();
+    p.p0.y = p.p1.y = p.p2.y = 0.25f;
+  });
+  add("sizes over 40 octaves", 1000, [&](std::uint32_t i, gpu::Primitive& p) {
+    const float size = std::exp2(-static_cast<float>(i % 40));
+    p.p0 = size * point(), p.p1 = size * point(), p.p2 = size * point();
+  });
+  add("geometric row", 300, [](std::uint32_t i, gpu::Primitive& p) {
+    const float x = std::exp2(-0.4f * static_cast<float>(i));  // every split by position cuts off a single one
+    p.p0 = {x, 0, 0}, p.p1 = {1.1f * x, 0, 0}, p.p2 = {x, 0.1f * x, 0};
+  });
+  add("denormal extents", 100, [&](std::uint32_t, gpu::Primitive& p) {
+    p.p0 = 1e-39f * point(), p.p1 = 1e-39f * point(), p.p2 = 1e-39f * point();
+  });
+  return out;
+}
+
+bool contains(const Box& outer, const Box& inner) {
+  return glm::all(glm::lessThanEqual(outer.lower, inner.lower)) &&
+         glm::all(glm::greaterThanEqual(outer.upper, inner.upper));
+}
+
+// Walks the tree: boxes contain their children, every primitive sits in one leaf; returns the number of inner levels.
+std::uint32_t check_binary(const Bvh& bvh, const std::vector<Box>& boxes, std::uint32_t max_leaf) {
+  std::vector<int> seen(boxes.size(), 0);
+  std::uint32_t depth = 0, visited = 0;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pending{{0, 0}};
+  while (!pending.empty()) {
+    const auto [index, level] = pending.back();
+    pending.pop_back();
+    const BvhBuildNode& node = bvh.nodes[index];
+    ++visited;
+    depth = std::max(depth, level);
+    if (node.count == 0) {
+      for (const std::uint32_t child : {node.first, node.first + 1}) {
+        EXPECT_GT(child, index) << "children follow their parent";
+        EXPECT_TRUE(contains(node.box, bvh.nodes[child].box)) << index;
+        pending.push_back({child, level + 1});
+      }
+      continue;
+    }
+    EXPECT_LE(node.count, max_leaf);
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+      const std::uint32_t primitive = bvh.order.at(node.first + i);
+      ++seen.at(primitive);
+      EXPECT_TRUE(contains(node.box, boxes[primitive]));
+    }
+  }
+  EXPECT_EQ(visited, bvh.nodes.size()) << "nodes nobody points to";
+  EXPECT_TRUE(std::ranges::all_of(seen, [](int n) { return n == 1; })) << "a primitive is missing or doubled";
+  return depth;
+}
+
+TEST(CompileBvh, EveryPrimitiveIsInOneLeafAndInAllBoxesAbove) {
+  for (const Soup& soup : soups()) {
+    SCOPED_TRACE(soup.name + std::string(", ") + std::to_string(soup.primitives.size()));
+    const auto boxes = boxes_of(soup.primitives);
+    for (const std::uint32_t max_leaf : {1u, 4u}) {
+      const BvhConfig config{.max_leaf = max_leaf};
+      const Bvh bvh = build_bvh(boxes, config);
+      EXPECT_EQ(check_binary(bvh, boxes, max_leaf), bvh.depth);
+      // Below median_depth every level halves what is left.
+      EXPECT_LE(bvh.depth, config.median_depth + 32);
+    }
+  }
+}
+
+template <typename T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+TEST(CompileBvh, ThreadsDoNotChangeAByte) {
+  const auto all = soups();
+  const auto large = std::ranges::max_element(all, {}, [](const Soup& s) { return s.primitives.size(); });
+  const auto boxes = boxes_of(large->primitives);
+  set_thread_count(1);
+  const Bvh alone = build_bvh(boxes);
+  for (const unsigned threads : {2u, 3u, 8u}) {
+    set_thread_count(threads);
+    const Bvh together = build_bvh(boxes);
+    EXPECT_TRUE(same_bytes(alone.nodes, together.nodes)) << threads;
+    EXPECT_TRUE(same_bytes(alone.order, together.order)) << threads;
+  }
+  set_thread_count(0);
+}
+
+TEST(CompileBvh, SplitsLowerTheCost) {
+  // Two far clusters: the root separates them, and a query that visits one never sees the other.
+  std::vector<Box> boxes;
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> u(0.0f, 1.0f);
+  for (int i = 0; i < 200; ++i) {
+    const glm::vec3 p(u(random) + (i % 2 == 0 ? 0.0f : 50.0f), u(random), u(random));
+    boxes.push_back({p, p + 0.01f});
+  }
+  const Bvh bvh = build_bvh(boxes);
+  const BvhBuildNode& root = bvh.nodes[0];
+  const Box &left = bvh.nodes[root.first].box, &right = bvh.nodes[root.first + 1].box;
+  EXPECT_TRUE(left.upper.x < 2.0f || right.upper.x < 2.0f);
+  EXPECT_LT(left.half_area() + right.half_area(), 0.2f * root.box.half_area());
+}
+
+// Walks the wide tree with the boxes as the kernel decodes them.
+struct WideCheck {
+  const WideBvh& tree;
+  const std::vector<Box>& boxes;
+  std::vector<int> seen;
+  std::uint32_t depth = 0;
+
+  // Returns the primitives below the record, all inside `box`.
+  void visit(std::uint32_t record, const Box* box, std::uint32_t level) {
+    const gpu::Record& r = tree.records.at(record);
+    if (!is_node(r)) {
+      const auto primitive = std::ranges::find(tree.slot_of, record) - tree.slot_of.begin();
+      ASSERT_LT(static_cast<std::size_t>(primitive), boxes.size());
+      ++seen[primitive];
+      return;
+    }
+    depth = std::max(depth, level + 1);
+    ASSERT_GE(child_count(r), 2u);
+    ASSERT_LE(child_count(r), 4u);
+    ASSERT_EQ(child_base(r) % 2, 0u);
+    for (std::uint32_t i = 0; i < child_count(r); ++i) {
+      const Box child = decode_child_box(r, i);
+      visit(child_base(r) + i, &child, level + 1);
+    }
+    (void)box;
+  }
+};
+
+// Boxes of everything below a record, from the primitives themselves.
+Box exact_box(const WideBvh& tree, const std::vector<gpu::Primitive>& primitives, std::uint32_t record) {
+  const gpu::Record& r = tree.records[record];
+  Box box;
+  if (!is_node(r)) {
+    gpu::Primitive p;
+    std::memcpy(&p, &r, sizeof p);
+    EXPECT_EQ(std::memcmp(&p, &primitives.at(p.primitive), sizeof p), 0) << "a primitive's record is the primitive";
+    return box_of(p);
+  }
+  for (std::uint32_t i = 0; i < child_count(r); ++i) {
+    const Box child = exact_box(tree, primitives, child_base(r) + i);
+    EXPECT_TRUE(contains(decode_child_box(r, i), child)) << "record " << record << ", child " << i;
+    box.extend(child);
+  }
+  return box;
+}
+
+TEST(CompileBvh, WideNodesContainTheirChildrenAfterQuantisation) {
+  for (const Soup& soup : soups()) {
+    if (soup.primitives.size() > 5000) continue;
+    SCOPED_TRACE(soup.name + std::string(", ") + std::to_string(soup.primitives.size()));
+    const auto boxes = boxes_of(soup.primitives);
+    const WideBvh tree = make_wide_bvh(build_bvh(boxes, {.max_leaf = 1}), soup.primitives);
+    ASSERT_EQ(tree.slot_of.size(), soup.primitives.size());
+    exact_box(tree, soup.primitives, 0);
+    WideCheck check{tree, boxes, std::vector<int>(boxes.size(), 0)};
+    check.visit(0, nullptr, 0);
+    EXPECT_TRUE(std::ranges::all_of(check.seen, [](int n) { return n == 1; }));
+    EXPECT_EQ(check.depth, tree.depth);
+    EXPECT_LE(tree.depth, gpu::kMaxTreeDepth);
+  }
+}
+
+TEST(CompileBvh, QuantisedBoxesAreNotMuchLarger) {
+  const auto all = soups();
+  const auto& soup = *std::ranges::find_if(all, [](const Soup& s) { return s.primitives.size() == 3000; });
+  const WideBvh tree = make_wide_bvh(build_bvh(boxes_of(soup.primitives), {.max_leaf = 1}), soup.primitives);
+  // A grid of 255 steps per node is at most a factor of two too coarse (powers of two), plus one step to each side.
+  for (const gpu::Record& r : tree.records) {
+    if (!is_node(r)) continue;
+    Box node;
+    for (std::uint32_t i = 0; i < child_count(r); ++i) node.extend(decode_child_box(r, i));
+    for (std::uint32_t i = 0; i < child_count(r); ++i) {
+      const std::uint32_t record = child_base(r) + i;
+      if (is_node(tree.records[record])) continue;
+      gpu::Primitive p;
+      std::memcpy(&p, &tree.records[record], sizeof p);
+      const glm::vec3 slack =
+          (decode_child_box(r, i).upper - decode_child_box(r, i).lower) - (box_of(p).upper - box_of(p).lower);
+      for (int a = 0; a < 3; ++a) EXPECT_LE(slack[a], (node.upper[a] - node.lower[a]) * 4.1f / 255.0f + 1e-30f);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace etendue

@@ -1,0 +1,230 @@
+/// shaders/gpu_types.h means the same bytes on both sides: the Offset decorations of the built SPIR-V against offsetof.
+
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "gpu_types.h"
+
+namespace etendue::gpu {
+namespace {
+
+struct Member {
+  std::string name;
+  std::size_t offset;
+};
+struct Layout {
+  std::vector<Member> members;
+  std::size_t size;
+};
+
+#define MEMBER(Type, name)      \
+  Member {                      \
+#name, offsetof(Type, name) \
+  }
+
+// What the C++ compiler made of each struct.
+const std::map<std::string, Layout>& host_layouts() {
+  static const std::map<std::string, Layout> layouts = {
+      {"Record", {{MEMBER(Record, a), MEMBER(Record, b), MEMBER(Record, c)}, sizeof(Record)}},
+      {"Primitive",
+       {{MEMBER(Primitive, p0), MEMBER(Primitive, shape), MEMBER(Primitive, p1), MEMBER(Primitive, primitive),
+         MEMBER(Primitive, p2), MEMBER(Primitive, kind)},
+        sizeof(Primitive)}},
+      {"Shape",
+       {{MEMBER(Shape, albedo), MEMBER(Shape, bsdf), MEMBER(Shape, radiance), MEMBER(Shape, light_prob),
+         MEMBER(Shape, int_ior), MEMBER(Shape, ext_ior), MEMBER(Shape, light_area), MEMBER(Shape, first_triangle)},
+        sizeof(Shape)}},
+      {"LightShape",
+       {{MEMBER(LightShape, threshold), MEMBER(LightShape, shape), MEMBER(LightShape, first_primitive),
+         MEMBER(LightShape, primitive_count)},
+        sizeof(LightShape)}},
+      {"LightPrimitive",
+       {{MEMBER(LightPrimitive, threshold), MEMBER(LightPrimitive, slot), MEMBER(LightPrimitive, prob),
+         MEMBER(LightPrimitive, pad0)},
+        sizeof(LightPrimitive)}},
+      {"Frame",
+       {{MEMBER(Frame, camera_origin),
+         MEMBER(Frame, near_clip),
+         MEMBER(Frame, camera_x),
+         MEMBER(Frame, far_clip),
+         MEMBER(Frame, camera_y),
+         MEMBER(Frame, tan_x),
+         MEMBER(Frame, camera_z),
+         MEMBER(Frame, tan_y),
+         MEMBER(Frame, sky_top),
+         MEMBER(Frame, filter_weight),
+         MEMBER(Frame, sky_horizon),
+         MEMBER(Frame, distance_scale),
+         MEMBER(Frame, width),
+         MEMBER(Frame, height),
+         MEMBER(Frame, tiles_x),
+         MEMBER(Frame, seed),
+         MEMBER(Frame, max_depth),
+         MEMBER(Frame, rr_depth),
+         MEMBER(Frame, film_exponent),
+         MEMBER(Frame, light_shape_count),
+         MEMBER(Frame, filter_negative),
+         MEMBER(Frame, filter_zero),
+         MEMBER(Frame, pad0),
+         MEMBER(Frame, pad1)},
+        sizeof(Frame)}},
+      {"Pass",
+       {{MEMBER(Pass, first_group), MEMBER(Pass, slot_base), MEMBER(Pass, sample_end), MEMBER(Pass, lanes_per_pixel),
+         MEMBER(Pass, packed_pixels), MEMBER(Pass, step_budget), MEMBER(Pass, request_count), MEMBER(Pass, pad0)},
+        sizeof(Pass)}},
+      {"FilmSlot",
+       {{MEMBER(FilmSlot, sum_r), MEMBER(FilmSlot, sum_g), MEMBER(FilmSlot, sum_b), MEMBER(FilmSlot, squares_a),
+         MEMBER(FilmSlot, squares_b), MEMBER(FilmSlot, squares_c), MEMBER(FilmSlot, squares_d), MEMBER(FilmSlot, tail)},
+        sizeof(FilmSlot)}},
+      {"RejectedEntry",
+       {{MEMBER(RejectedEntry, pixel), MEMBER(RejectedEntry, sample_index), MEMBER(RejectedEntry, segments),
+         MEMBER(RejectedEntry, pad0)},
+        sizeof(RejectedEntry)}},
+      {"ReportHead",
+       {{MEMBER(ReportHead, unfinished), MEMBER(ReportHead, stuck), MEMBER(ReportHead, rejected_count),
+         MEMBER(ReportHead, pad0)},
+        sizeof(ReportHead)}},
+      {"SampleRequest",
+       {{MEMBER(SampleRequest, pixel), MEMBER(SampleRequest, sample_index), MEMBER(SampleRequest, pad0),
+         MEMBER(SampleRequest, pad1)},
+        sizeof(SampleRequest)}},
+      {"SampleResult",
+       {{MEMBER(SampleResult, radiance), MEMBER(SampleResult, signature), MEMBER(SampleResult, segments),
+         MEMBER(SampleResult, stuck), MEMBER(SampleResult, pad0), MEMBER(SampleResult, pad1)},
+        sizeof(SampleResult)}},
+      {"RayRequest",
+       {{MEMBER(RayRequest, o), MEMBER(RayRequest, t_min), MEMBER(RayRequest, d), MEMBER(RayRequest, t_max)},
+        sizeof(RayRequest)}},
+      {"RayResult",
+       {{MEMBER(RayResult, t), MEMBER(RayResult, shape), MEMBER(RayResult, primitive), MEMBER(RayResult, steps)},
+        sizeof(RayResult)}},
+      {"TracedVertex",
+       {{MEMBER(TracedVertex, radiance), MEMBER(TracedVertex, shape), MEMBER(TracedVertex, primitive),
+         MEMBER(TracedVertex, light_shape), MEMBER(TracedVertex, light_primitive),
+         MEMBER(TracedVertex, light_contributed), MEMBER(TracedVertex, lobe), MEMBER(TracedVertex, survived),
+         MEMBER(TracedVertex, pad0), MEMBER(TracedVertex, pad1)},
+        sizeof(TracedVertex)}},
+  };
+  return layouts;
+}
+
+std::vector<std::uint32_t> read_words(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(file), {});
+  std::vector<std::uint32_t> words(bytes.size() / 4);
+  std::memcpy(words.data(), bytes.data(), words.size() * 4);
+  return words;
+}
+
+// Of one type: its name, the names of its members, their offsets, and the stride of arrays of it.
+struct SpirvStruct {
+  std::string name;
+  std::map<std::uint32_t, std::string> members;
+  std::map<std::uint32_t, std::uint32_t> offsets;
+  std::set<std::uint32_t> strides;
+};
+
+// The few instructions of the SPIR-V binary form that matter (specification, §3.42).
+std::vector<SpirvStruct> parse_structs(const std::vector<std::uint32_t>& words) {
+  constexpr std::uint32_t kName = 5, kMemberName = 6, kTypeArray = 28, kTypeRuntimeArray = 29, kDecorate = 71,
+                          kMemberDecorate = 72;
+  constexpr std::uint32_t kArrayStride = 6, kOffset = 35;
+  std::map<std::uint32_t, SpirvStruct> types;
+  std::map<std::uint32_t, std::uint32_t> strides;
+  for (std::size_t i = 5; i < words.size() && words[i] >> 16 != 0; i += words[i] >> 16) {
+    const std::uint32_t* w = words.data() + i;
+    const auto text = [](const std::uint32_t* from) { return std::string(reinterpret_cast<const char*>(from)); };
+    switch (w[0] & 0xffffu) {
+      case kName:
+        types[w[1]].name = text(w + 2);
+        break;
+      case kMemberName:
+        types[w[1]].members[w[2]] = text(w + 3);
+        break;
+      case kDecorate:
+        if (w[2] == kArrayStride) strides[w[1]] = w[3];
+        break;
+      case kMemberDecorate:
+        if (w[3] == kOffset) types[w[1]].offsets[w[2]] = w[4];
+        break;
+      case kTypeArray:
+      case kTypeRuntimeArray:
+        if (strides.contains(w[1])) types[w[2]].strides.insert(strides[w[1]]);
+        break;
+      default:
+        break;
+    }
+  }
+  std::vector<SpirvStruct> out;
+  for (auto& [id, type] : types) {
+    if (!type.offsets.empty()) out.push_back(std::move(type));
+  }
+  return out;
+}
+
+// Checks every decorated struct of a binary that gpu_types.h names; returns those names.
+std::set<std::string> check_binary(const std::filesystem::path& path) {
+  std::set<std::string> seen;
+  const auto words = read_words(path);
+  EXPECT_GT(words.size(), 5u) << path;
+  if (words.size() <= 5) return seen;
+  EXPECT_EQ(words[0], 0x07230203u) << path << " is not SPIR-V";
+  for (const SpirvStruct& s : parse_structs(words)) {
+    const auto host = host_layouts().find(s.name);
+    if (host == host_layouts().end()) continue;
+    seen.insert(s.name);
+    const Layout& layout = host->second;
+    EXPECT_EQ(s.members.size(), layout.members.size()) << path << ": " << s.name;
+    for (std::uint32_t i = 0; i < std::min(s.members.size(), layout.members.size()); ++i) {
+      EXPECT_EQ(s.members.at(i), layout.members[i].name) << path << ": member " << i << " of " << s.name;
+      EXPECT_EQ(s.offsets.at(i), layout.members[i].offset) << path << ": " << s.name << '.' << s.members.at(i);
+    }
+    for (const std::uint32_t stride : s.strides) EXPECT_EQ(stride, layout.size) << path << ": array of " << s.name;
+  }
+  return seen;
+}
+
+TEST(CompileLayout, EveryStructHasTheSameOffsetsInSpirvAndHere) {
+  const std::set<std::string> seen = check_binary(LAYOUT_SPV);
+  for (const auto& [name, layout] : host_layouts()) {
+    EXPECT_TRUE(seen.contains(name)) << name << " is in no buffer of tests/unit/kernels/layout.comp";
+    EXPECT_EQ(layout.size % 16, 0u) << name;
+  }
+}
+
+TEST(CompileLayout, TheRenderersKernelsAgree) {
+  std::size_t binaries = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(KERNEL_DIR)) {
+    if (entry.path().extension() != ".spv") continue;
+    ++binaries;
+    EXPECT_TRUE(check_binary(entry.path()).contains("Frame")) << entry.path();
+  }
+  EXPECT_GE(binaries, 3u) << "in " << KERNEL_DIR;
+}
+
+TEST(CompileLayout, NoStructOfTheHeaderIsForgotten) {
+  std::ifstream file(SHADER_DIR "/gpu_types.h");
+  std::stringstream text;
+  text << file.rdbuf();
+  const std::string header = text.str();
+  const std::regex declaration(R"(struct\s+(\w+)\s*\{)");
+  std::size_t structs = 0;
+  for (std::sregex_iterator it(header.begin(), header.end(), declaration), end; it != end; ++it, ++structs) {
+    EXPECT_TRUE(host_layouts().contains((*it)[1]))
+        << "add struct " << (*it)[1] << " to this test and to kernels/layout.comp";
+  }
+  EXPECT_GT(structs, 5u);
+}
+
+}  // namespace
+}  // namespace etendue::gpu

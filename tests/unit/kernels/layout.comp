@@ -1,0 +1,34 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Every struct of gpu_types.h in a buffer, so that the SPIR-V states its offsets; never run. compile_layout.cpp reads it.
+#include "gpu_types.h"
+
+layout(local_size_x = 1) in;
+layout(push_constant) uniform PassBlock { Pass pass; };
+layout(set = 0, binding = 0, std140) uniform FrameBlock { Frame frame; };
+layout(set = 0, binding = 1, std430) buffer RecordBuffer { Record records[]; };
+layout(set = 0, binding = 2, std430) buffer PrimitiveBuffer { Primitive primitives[]; };
+layout(set = 0, binding = 3, std430) buffer ShapeBuffer { Shape shapes[]; };
+layout(set = 0, binding = 4, std430) buffer LightShapeBuffer { LightShape light_shapes[]; };
+layout(set = 0, binding = 5, std430) buffer LightPrimitiveBuffer { LightPrimitive light_primitives[]; };
+layout(set = 0, binding = 6, std430) buffer FilmBuffer { FilmSlot film[]; };
+layout(set = 0, binding = 7, std430) buffer ReportBuffer { ReportHead head; RejectedEntry rejected[]; };
+layout(set = 0, binding = 8, std430) buffer RequestBuffer { SampleRequest requests[]; };
+layout(set = 0, binding = 9, std430) buffer ResultBuffer { SampleResult results[]; };
+layout(set = 0, binding = 10, std430) buffer RayRequestBuffer { RayRequest ray_requests[]; };
+layout(set = 0, binding = 11, std430) buffer RayResultBuffer { RayResult ray_results[]; };
+layout(set = 0, binding = 12, std430) buffer VertexBuffer { TracedVertex vertices[]; };
+
+void main() {
+  records[0].a.x = pass.pad0 + frame.seed + requests[0].pixel + floatBitsToUint(ray_requests[0].t_min);
+  primitives[0].kind = 0u;
+  shapes[0].bsdf = 0u;
+  light_shapes[0].threshold = 0u;
+  light_primitives[0].slot = 0u;
+  film[0].tail.x = 0u;
+  head.stuck = 0u;
+  rejected[0].pixel = 0u;
+  results[0].stuck = 0u;
+  ray_results[0].steps = 0u;
+  vertices[0].shape = 0u;
+}
