@@ -62,7 +62,7 @@ inline double carve(double a, double b, double k) {
   return intersect(a, -b, k);
 }
 
-/// Gradient noise of wavelength about 1, within [-1, 1] and mostly far inside [Perlin2002: the quintic fade].
+/// Gradient noise of wavelength about 1, within [-1, 1] and mostly far inside. The fade is the quintic of [Perlin2002].
 double noise(Vec3 p);
 
 /// The built-in solids, about one unit high, y up, facing +z.
