@@ -1,0 +1,205 @@
+/// Devices that fail and files that cannot be written: the right exit code, one sentence, nothing half-written.
+
+#include <signal.h>
+#include <sys/mount.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "render_fixture.h"
+
+namespace etendue::faults {
+namespace {
+
+using testing::HasSubstr;
+
+class DeviceFaults : public RenderTest {
+ protected:
+  static ProcessOptions fault(const std::string& kind, int after, const std::string& times = "1000000") {
+    return {.environment = {{"VK_LAYER_PATH", FAULT_LAYER_FOLDER}, {"VK_INSTANCE_LAYERS", "VK_LAYER_ETENDUE_fault"}, {"ETENDUE_FAULT", kind},
+                            {"ETENDUE_FAULT_AFTER", std::to_string(after)}, {"ETENDUE_FAULT_TIMES", times}}};
+  }
+  static std::size_t count(const std::string& text, const std::string& word) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;
+    return n;
+  }
+  // A checkpoint of 4 samples that the faulty run goes on from, and what it would replace.
+  void prepare() {
+    expect_ok(render({"--spp", "4", "--checkpoint", "ck.exr", "-o", "first.png"}));
+    write_text(folder_ / "x.exr", "old");
+    checkpoint_ = read_text(folder_ / "ck.exr");
+  }
+  void expect_untouched() const {
+    EXPECT_EQ(read_text(folder_ / "x.exr"), "old");
+    EXPECT_TRUE(read_text(folder_ / "ck.exr") == checkpoint_) << "the checkpoint changed";
+  }
+  std::string checkpoint_;
+};
+
+TEST_F(DeviceFaults, ALostDeviceIsReplacedAndTheBytesAreTheSame) {
+  expect_ok(render({"--spp", "300", "--film", "-o", "one.exr"}));
+  // Short rounds: something is home when the device is lost.
+  const ProcessResult result =
+      run(render({"--spp", "300", "--film", "-o", "two.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms"}), fault("lost", 2, "2"));
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(count(result.err, "Opening the device afresh"), 2u) << result.err;
+  expect_same("one.exr", "two.exr");
+}
+
+TEST_F(DeviceFaults, ADeviceThatIsLostAgainAndAgainEndsTheRender) {
+  prepare();
+  const ProcessResult result = run(render({"--spp", "300", "--film", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr"}), fault("lost", 0));
+  expect_error(result, 5, "VK_ERROR_DEVICE_LOST");
+  EXPECT_EQ(count(result.err, "Opening the device afresh"), 3u) << result.err;
+  expect_untouched();
+}
+
+TEST_F(DeviceFaults, WhatWasDeliveredBeforeTheLossIsInTheCheckpoint) {
+  write_text(folder_ / "x.exr", "old");
+  const ProcessResult result =
+      run(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms"}), fault("lost", 3));
+  expect_error(result, 5, "VK_ERROR_DEVICE_LOST");
+  EXPECT_EQ(read_text(folder_ / "x.exr"), "old");
+  expect_ok(render({"--spp", samples_of("ck.exr"), "--film", "-o", "one.exr"}));
+  expect_same("one.exr", "ck.exr");
+}
+
+TEST_F(DeviceFaults, ExhaustedMemoryIsNotTriedAgain) {
+  prepare();
+  const ProcessResult result = run(render({"--spp", "300", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr"}), fault("memory", 3));
+  expect_error(result, 5, "VK_ERROR_OUT_OF_DEVICE_MEMORY");
+  EXPECT_EQ(count(result.err, "afresh"), 0u) << result.err;
+  expect_untouched();
+}
+
+TEST_F(DeviceFaults, ADispatchThatNeverEndsEndsTheProcess) {
+  prepare();
+  for (const char* device : {"0", "0,0"}) {
+    Process process(render({"--spp", "300", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr", "--device-timeout", "2s", "--device", device}),
+                    folder_, fault("hang", 0));
+    const ProcessResult result = process.wait(60.0);
+    expect_error(result, 5, "did not finish within 2 s");
+    EXPECT_EQ(count(result.err, "afresh"), 0u) << result.err;
+    expect_untouched();
+  }
+}
+
+TEST_F(DeviceFaults, AHangLosesNothingThatWasDelivered) {
+  write_text(folder_ / "x.exr", "old");
+  Process process(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms", "--device-timeout", "2s"}), folder_,
+                  fault("hang", 3));
+  expect_error(process.wait(60.0), 5, "did not finish");
+  EXPECT_EQ(read_text(folder_ / "x.exr"), "old");
+  expect_ok(render({"--spp", samples_of("ck.exr"), "--film", "-o", "one.exr"}));
+  expect_same("one.exr", "ck.exr");
+}
+
+class FileFaults : public DeviceFaults {
+ protected:
+  // A tmpfs of a few pages at folder_/name; false where we may not mount.
+  bool mount_small(const std::string& name) {
+    std::filesystem::create_directories(folder_ / name);
+    mounted_ = folder_ / name;
+    if (mount("tmpfs", mounted_.c_str(), "tmpfs", 0, "size=64k") == 0) return true;
+    mounted_.clear();
+    return false;
+  }
+  void TearDown() override {
+    if (!mounted_.empty()) umount2(mounted_.c_str(), MNT_DETACH);
+    RenderTest::TearDown();
+  }
+  static void expect_no_leftovers(const std::filesystem::path& folder) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      EXPECT_FALSE(entry.path().extension() == ".tmp") << entry.path();
+    }
+  }
+  std::filesystem::path mounted_;
+};
+
+TEST_F(FileFaults, AFullDiskLeavesTheTarget) {
+  if (!mount_small("full")) GTEST_SKIP() << "mounting a tmpfs is not allowed here: " << std::strerror(errno);
+  write_text(mounted_ / "x.exr", "old");
+  expect_error(run(render({"--spp", "4", "-o", "full/x.exr"})), 6, "No space left");
+  EXPECT_EQ(read_text(mounted_ / "x.exr"), "old");
+  expect_no_leftovers(mounted_);
+}
+
+TEST_F(FileFaults, AFullDiskUnderTheCheckpointKeepsTheLastOne) {
+  if (!mount_small("full")) GTEST_SKIP() << "mounting a tmpfs is not allowed here: " << std::strerror(errno);
+  // A film that just fits, and no room for a second one beside it.
+  expect_ok({"render", kScene, "--size", "16x16", "--spp", "4", "--checkpoint", "full/ck.exr", "-o", "first.png"});
+  const std::string before = read_text(mounted_ / "ck.exr");
+  write_text(mounted_ / "ballast", std::string(40000, 'x'));
+  write_text(folder_ / "x.exr", "old");
+  const ProcessResult result = run({"render", kScene, "--size", "16x16", "--spp", "4000", "--checkpoint", "full/ck.exr", "--checkpoint-every", "50ms",
+                                    "--resume", "full/ck.exr", "-o", "x.exr"});
+  expect_error(result, 6, "No space left");
+  EXPECT_TRUE(before == read_text(mounted_ / "ck.exr"));
+  EXPECT_EQ(read_text(folder_ / "x.exr"), "old");
+  expect_no_leftovers(mounted_);
+}
+
+TEST_F(FileFaults, AReadOnlyFolderIsReportedBeforeTheRender) {
+  std::string words = "Permission denied";
+  if (geteuid() == 0) {
+    // Permissions do not stop root; a read-only file system does.
+    if (!mount_small("locked")) GTEST_SKIP() << "mounting a tmpfs is not allowed here: " << std::strerror(errno);
+    write_text(mounted_ / "x.exr", "old");
+    ASSERT_EQ(mount("tmpfs", mounted_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, "size=64k"), 0);
+    words = "Read-only file system";
+  } else {
+    std::filesystem::create_directories(folder_ / "locked");
+    write_text(folder_ / "locked/x.exr", "old");
+    std::filesystem::permissions(folder_ / "locked", std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  expect_error(run(render({"--spp", "10000000", "-o", "locked/x.exr"})), 6, words);
+  expect_error(run(render({"--spp", "10000000", "--checkpoint", "locked/ck.exr", "-o", "x.exr"})), 6, words);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+  EXPECT_EQ(read_text(folder_ / "locked/x.exr"), "old");
+  std::filesystem::permissions(folder_ / "locked", std::filesystem::perms::owner_all, std::filesystem::perm_options::add);
+}
+
+TEST_F(FileFaults, AFileSizeLimitIsAFileError) {
+  prepare();
+  const ProcessOptions limit{.file_size_limit = 4096};
+  expect_error(run(render({"--spp", "4", "-o", "x.exr"}), limit), 6, "File too large");
+  expect_error(run(render({"--spp", "9", "--checkpoint", "ck.exr", "--resume", "ck.exr", "-o", "x.exr"}), limit), 6, "File too large");
+  expect_untouched();
+  expect_no_leftovers(folder_);
+}
+
+TEST_F(FileFaults, AFolderThatVanishesIsAFileErrorAndTheCheckpointIsWhole) {
+  std::filesystem::create_directories(folder_ / "gone");
+  Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "100ms", "-o", "gone/x.exr"}), folder_);
+  ASSERT_TRUE(wait_until([&] { return exists("ck.exr"); }));
+  std::filesystem::remove_all(folder_ / "gone");
+  process.signal(SIGTERM);
+  expect_error(process.wait(), 6, "gone/x.exr");
+  expect_ok(render({"--spp", samples_of("ck.exr"), "--film", "-o", "one.exr"}));
+  expect_same("one.exr", "ck.exr");
+}
+
+TEST_F(FileFaults, NothingIsWrittenBesideTheScene) {
+  std::filesystem::create_directories(folder_ / "scene");
+  std::filesystem::copy(SCENES_DIR "/cbox-sphere.xml", folder_ / "scene");
+  std::filesystem::create_directories(folder_ / "scene/meshes");
+  for (const auto& entry : std::filesystem::directory_iterator(SCENES_DIR "/meshes")) {
+    if (entry.path().filename().string().starts_with("cbox-")) std::filesystem::copy(entry.path(), folder_ / "scene/meshes");
+  }
+  const auto list = [&] {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "scene")) names.push_back(entry.path());
+    std::sort(names.begin(), names.end());
+    return names;
+  };
+  const auto before = list();
+  expect_ok({"render", "scene/cbox-sphere.xml", "--size", "8x8", "--spp", "2"});
+  EXPECT_EQ(list(), before);
+  EXPECT_TRUE(exists("cbox-sphere.exr") && exists("cbox-sphere.png"));
+}
+
+}  // namespace
+}  // namespace etendue::faults

@@ -1,0 +1,226 @@
+/// A Vulkan layer that makes a healthy device fail, for tests. The environment says how:
+/// - ETENDUE_FAULT=lost: a dispatch returns VK_ERROR_DEVICE_LOST, and so does whatever its device is given later.
+/// - ETENDUE_FAULT=hang: a dispatch never reaches the driver, its fence is never signalled, and to close its device takes for ever.
+/// - ETENDUE_FAULT=memory: an allocation returns VK_ERROR_OUT_OF_DEVICE_MEMORY.
+/// - ETENDUE_FAULT_AFTER=N: the first N dispatches or allocations of the process are good.
+/// - ETENDUE_FAULT_TIMES=N: faults in all; unlimited by default.
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include <vulkan/vk_layer.h>
+#include <vulkan/vulkan.h>
+
+#define LAYER_EXPORT extern "C" __attribute__((visibility("default")))
+
+namespace {
+
+struct InstanceTable {
+  PFN_vkGetInstanceProcAddr get = nullptr;
+  PFN_vkDestroyInstance destroy = nullptr;
+};
+struct DeviceTable {
+  PFN_vkGetDeviceProcAddr get = nullptr;
+  PFN_vkDestroyDevice destroy = nullptr;
+  PFN_vkQueueSubmit submit = nullptr;
+  PFN_vkWaitForFences wait = nullptr;
+  PFN_vkAllocateMemory allocate = nullptr;
+  PFN_vkCmdDispatch dispatch = nullptr;
+  bool dispatch_recorded = false;
+  bool lost = false;
+  bool hung = false;
+};
+
+std::mutex g_mutex;
+// By the loader's dispatch pointer, which a device shares with its queues and command buffers.
+std::map<void*, InstanceTable> g_instances;
+std::map<void*, DeviceTable> g_devices;
+long g_count = 0;
+long g_faults = 0;
+
+template <typename T>
+void* key(T handle) {
+  return *reinterpret_cast<void**>(handle);
+}
+
+std::string fault() {
+  const char* value = std::getenv("ETENDUE_FAULT");
+  return value != nullptr ? value : "";
+}
+long number(const char* name, long otherwise) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? std::atol(value) : otherwise;
+}
+
+// Counts one event; true when it is to fail. Call with the lock held.
+bool fails_now() {
+  if (++g_count <= number("ETENDUE_FAULT_AFTER", 0)) return false;
+  if (g_faults >= number("ETENDUE_FAULT_TIMES", 1L << 30)) return false;
+  ++g_faults;
+  return true;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos, VkFence fence) {
+  PFN_vkQueueSubmit next = nullptr;
+  {
+    const std::lock_guard lock(g_mutex);
+    DeviceTable& device = g_devices.at(key(queue));
+    const bool dispatches = std::exchange(device.dispatch_recorded, false);
+    if (device.lost) return VK_ERROR_DEVICE_LOST;
+    if (dispatches && fault() == "lost" && fails_now()) {
+      device.lost = true;
+      return VK_ERROR_DEVICE_LOST;
+    }
+    if (dispatches && fault() == "hang" && fails_now()) device.hung = true;
+    if (device.hung) return VK_SUCCESS;
+    next = device.submit;
+  }
+  return next(queue, count, infos, fence);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL wait(VkDevice device, std::uint32_t count, const VkFence* fences, VkBool32 all, std::uint64_t timeout) {
+  DeviceTable table;
+  {
+    const std::lock_guard lock(g_mutex);
+    table = g_devices.at(key(device));
+  }
+  if (table.lost) return VK_ERROR_DEVICE_LOST;
+  if (table.hung) {
+    std::this_thread::sleep_for(std::chrono::nanoseconds(timeout));
+    return VK_TIMEOUT;
+  }
+  return table.wait(device, count, fences, all, timeout);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* callbacks,
+                                        VkDeviceMemory* memory) {
+  PFN_vkAllocateMemory next = nullptr;
+  {
+    const std::lock_guard lock(g_mutex);
+    if (fault() == "memory" && fails_now()) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    next = g_devices.at(key(device)).allocate;
+  }
+  return next(device, info, callbacks, memory);
+}
+
+VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer buffer, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  PFN_vkCmdDispatch next = nullptr;
+  {
+    const std::lock_guard lock(g_mutex);
+    DeviceTable& device = g_devices.at(key(buffer));
+    device.dispatch_recorded = true;
+    next = device.dispatch;
+  }
+  next(buffer, x, y, z);
+}
+
+VKAPI_ATTR void VKAPI_CALL destroy_device(VkDevice device, const VkAllocationCallbacks* callbacks) {
+  DeviceTable table;
+  {
+    const std::lock_guard lock(g_mutex);
+    table = g_devices.at(key(device));
+    if (!table.hung) g_devices.erase(key(device));
+  }
+  while (table.hung) pause();  // waits for work that never ends, as a driver does
+  table.destroy(device, callbacks);
+}
+
+VKAPI_ATTR void VKAPI_CALL destroy_instance(VkInstance instance, const VkAllocationCallbacks* callbacks) {
+  PFN_vkDestroyInstance next = nullptr;
+  {
+    const std::lock_guard lock(g_mutex);
+    next = g_instances.at(key(instance)).destroy;
+    g_instances.erase(key(instance));
+  }
+  next(instance, callbacks);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks, VkInstance* instance) {
+  auto* link = static_cast<VkLayerInstanceCreateInfo*>(const_cast<void*>(info->pNext));
+  while (link->sType != VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO || link->function != VK_LAYER_LINK_INFO) {
+    link = static_cast<VkLayerInstanceCreateInfo*>(const_cast<void*>(link->pNext));
+  }
+  const PFN_vkGetInstanceProcAddr get = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
+  link->u.pLayerInfo = link->u.pLayerInfo->pNext;
+  const auto create = reinterpret_cast<PFN_vkCreateInstance>(get(VK_NULL_HANDLE, "vkCreateInstance"));
+  const VkResult result = create(info, callbacks, instance);
+  if (result != VK_SUCCESS) return result;
+  const std::lock_guard lock(g_mutex);
+  g_instances[key(*instance)] = {get, reinterpret_cast<PFN_vkDestroyInstance>(get(*instance, "vkDestroyInstance"))};
+  return VK_SUCCESS;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                                             VkDevice* device) {
+  auto* link = static_cast<VkLayerDeviceCreateInfo*>(const_cast<void*>(info->pNext));
+  while (link->sType != VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO || link->function != VK_LAYER_LINK_INFO) {
+    link = static_cast<VkLayerDeviceCreateInfo*>(const_cast<void*>(link->pNext));
+  }
+  const PFN_vkGetInstanceProcAddr get_instance = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
+  const PFN_vkGetDeviceProcAddr get = link->u.pLayerInfo->pfnNextGetDeviceProcAddr;
+  link->u.pLayerInfo = link->u.pLayerInfo->pNext;
+  const auto create = reinterpret_cast<PFN_vkCreateDevice>(get_instance(VK_NULL_HANDLE, "vkCreateDevice"));
+  const VkResult result = create(physical, info, callbacks, device);
+  if (result != VK_SUCCESS) return result;
+  const std::lock_guard lock(g_mutex);
+  DeviceTable& table = g_devices[key(*device)];
+  table = {};
+  table.get = get;
+  table.destroy = reinterpret_cast<PFN_vkDestroyDevice>(get(*device, "vkDestroyDevice"));
+  table.submit = reinterpret_cast<PFN_vkQueueSubmit>(get(*device, "vkQueueSubmit"));
+  table.wait = reinterpret_cast<PFN_vkWaitForFences>(get(*device, "vkWaitForFences"));
+  table.allocate = reinterpret_cast<PFN_vkAllocateMemory>(get(*device, "vkAllocateMemory"));
+  table.dispatch = reinterpret_cast<PFN_vkCmdDispatch>(get(*device, "vkCmdDispatch"));
+  return VK_SUCCESS;
+}
+
+PFN_vkVoidFunction own(const char* name);
+
+}  // namespace
+
+LAYER_EXPORT VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL fault_GetDeviceProcAddr(VkDevice device, const char* name) {
+  if (const PFN_vkVoidFunction function = own(name)) return function;
+  const std::lock_guard lock(g_mutex);
+  return g_devices.at(key(device)).get(device, name);
+}
+
+LAYER_EXPORT VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL fault_GetInstanceProcAddr(VkInstance instance, const char* name) {
+  if (const PFN_vkVoidFunction function = own(name)) return function;
+  if (instance == VK_NULL_HANDLE) return nullptr;
+  PFN_vkGetInstanceProcAddr next = nullptr;
+  {
+    const std::lock_guard lock(g_mutex);
+    next = g_instances.at(key(instance)).get;
+  }
+  return next(instance, name);
+}
+
+namespace {
+
+PFN_vkVoidFunction own(const char* name) {
+  static const std::map<std::string, PFN_vkVoidFunction> functions = {
+      {"vkGetInstanceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(fault_GetInstanceProcAddr)},
+      {"vkGetDeviceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(fault_GetDeviceProcAddr)},
+      {"vkCreateInstance", reinterpret_cast<PFN_vkVoidFunction>(create_instance)},
+      {"vkDestroyInstance", reinterpret_cast<PFN_vkVoidFunction>(destroy_instance)},
+      {"vkCreateDevice", reinterpret_cast<PFN_vkVoidFunction>(create_device)},
+      {"vkDestroyDevice", reinterpret_cast<PFN_vkVoidFunction>(destroy_device)},
+      {"vkQueueSubmit", reinterpret_cast<PFN_vkVoidFunction>(submit)},
+      {"vkWaitForFences", reinterpret_cast<PFN_vkVoidFunction>(wait)},
+      {"vkAllocateMemory", reinterpret_cast<PFN_vkVoidFunction>(allocate)},
+      {"vkCmdDispatch", reinterpret_cast<PFN_vkVoidFunction>(dispatch)}};
+  const auto found = functions.find(name);
+  return found != functions.end() ? found->second : nullptr;
+}
+
+}  // namespace

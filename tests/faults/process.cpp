@@ -1,0 +1,117 @@
+#include "process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+namespace etendue::faults {
+namespace {
+
+// Between fork and exec: system calls only.
+[[noreturn]] void become(char* const argv[], char* const envp[], const char* folder, int out, int err, std::uint64_t file_size_limit) {
+  if (chdir(folder) != 0) _exit(126);
+  dup2(out, STDOUT_FILENO);
+  dup2(err, STDERR_FILENO);
+  if (file_size_limit > 0) {
+    const rlimit limit{file_size_limit, file_size_limit};
+    if (setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(126);
+  }
+  execve(argv[0], argv, envp);
+  _exit(127);
+}
+
+std::vector<char*> pointers(std::vector<std::string>& strings) {
+  std::vector<char*> result;
+  for (std::string& text : strings) result.push_back(text.data());
+  result.push_back(nullptr);
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::string> ProcessResult::errors() const {
+  std::vector<std::string> lines;
+  std::istringstream stream(err);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("error: ")) lines.push_back(line);
+  }
+  return lines;
+}
+
+Process::Process(const std::vector<std::string>& arguments, const std::filesystem::path& folder, const ProcessOptions& options) {
+  static std::atomic<int> serial{0};
+  const std::string stem = (std::filesystem::temp_directory_path() / ("etendue-faults-" + std::to_string(getpid()) + "-" + std::to_string(serial++))).string();
+  out_file_ = stem + ".out";
+  err_file_ = stem + ".err";
+  std::vector<std::string> argument_strings = {ETENDUE_BINARY};
+  argument_strings.insert(argument_strings.end(), arguments.begin(), arguments.end());
+  std::vector<std::string> environment;
+  for (char** entry = environ; *entry != nullptr; ++entry) environment.emplace_back(*entry);
+  for (const auto& [name, value] : options.environment) environment.push_back(name + "=" + value);
+  std::vector<char*> argv = pointers(argument_strings), envp = pointers(environment);
+  const int out = open(out_file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  const int err = open(err_file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  pid_ = fork();
+  if (pid_ == 0) become(argv.data(), envp.data(), folder.c_str(), out, err, options.file_size_limit);
+  close(out);
+  close(err);
+  if (pid_ < 0) throw std::runtime_error("fork failed");
+}
+
+Process::~Process() {
+  if (!ended_) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, &status_, 0);
+  }
+  std::filesystem::remove(out_file_);
+  std::filesystem::remove(err_file_);
+}
+
+void Process::signal(int number) const {
+  if (!ended_) kill(pid_, number);
+}
+
+bool Process::is_running() {
+  if (!ended_) ended_ = waitpid(pid_, &status_, WNOHANG) == pid_;
+  return !ended_;
+}
+
+std::uint64_t Process::resident() const {
+  std::ifstream file("/proc/" + std::to_string(pid_) + "/statm");
+  std::uint64_t total = 0, pages = 0;
+  file >> total >> pages;
+  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+ProcessResult Process::wait(double seconds) {
+  if (!wait_until([&] { return !is_running(); }, seconds)) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, &status_, 0);
+    ended_ = true;
+  }
+  return {WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_), read_text(out_file_), read_text(err_file_)};
+}
+
+ProcessResult etendue(const std::vector<std::string>& arguments, const std::filesystem::path& folder, const ProcessOptions& options) {
+  return Process(arguments, folder, options).wait();
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+}  // namespace etendue::faults

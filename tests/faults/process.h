@@ -1,0 +1,69 @@
+#pragma once
+/// Running the etendue binary as a user does.
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace etendue::faults {
+
+struct ProcessResult {
+  int code = -1;         ///< exit code, or -signal
+  std::string out, err;  ///< what it wrote
+  /// Lines of stderr that begin with "error: ".
+  std::vector<std::string> errors() const;
+};
+
+struct ProcessOptions {
+  std::map<std::string, std::string> environment;  ///< added to our own
+  std::uint64_t file_size_limit = 0;                ///< RLIMIT_FSIZE in bytes; 0: none
+};
+
+class Process {
+ public:
+  Process(const std::vector<std::string>& arguments, const std::filesystem::path& folder, const ProcessOptions& options = {});
+  ~Process();  ///< kills what still runs
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void signal(int number) const;
+  bool is_running();
+  /// Resident memory in bytes.
+  std::uint64_t resident() const;
+  /// Waits for the end; a process that takes longer than `seconds` is killed (code -9).
+  ProcessResult wait(double seconds = 120.0);
+
+ private:
+  pid_t pid_ = -1;
+  int status_ = 0;
+  bool ended_ = false;
+  std::string out_file_, err_file_;
+};
+
+/// Runs etendue to its end.
+ProcessResult etendue(const std::vector<std::string>& arguments, const std::filesystem::path& folder, const ProcessOptions& options = {});
+
+std::string read_text(const std::filesystem::path& path);
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+/// Waits until `condition()`; false after `seconds`.
+template <typename Condition>
+bool wait_until(Condition condition, double seconds = 60.0);
+
+}  // namespace etendue::faults
+
+#include <chrono>
+#include <thread>
+
+template <typename Condition>
+bool etendue::faults::wait_until(Condition condition, double seconds) {
+  const auto start = std::chrono::steady_clock::now();
+  while (!condition()) {
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > seconds) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
