@@ -2,6 +2,7 @@
 #ifndef CAMERA_GLSL
 #define CAMERA_GLSL
 
+#include "mutants.h"
 #include "ray.glsl"
 #include "sampler.glsl"
 #include "scene.glsl"
@@ -10,6 +11,7 @@ layout(constant_id = 0) const uint kFilterKind = kFilterBox;
 
 // Offset from the pixel centre, in pixels, distributed like |filter|; `weight` is ±∫|f|/∫f.
 float sample_filter(float u, out float weight) {
+  MUTATE(kMutantJitterMissing, u = 0.5);
   if (kFilterKind == kFilterBox) {
     weight = 1.0;
     return u - 0.5;
@@ -18,6 +20,7 @@ float sample_filter(float u, out float weight) {
   const uint i = min(uint(position), kFilterSteps - 1u);
   const float x = mix(fetch_filter_knot(i), fetch_filter_knot(i + 1u), position - float(i));
   weight = frame.filter_negative != 0u && abs(x) > frame.filter_zero ? -frame.filter_weight : frame.filter_weight;
+  MUTATE(kMutantFilterSignDropped, weight = frame.filter_weight);
   return x;
 }
 

@@ -2,10 +2,15 @@
 #ifndef SAMPLER_GLSL
 #define SAMPLER_GLSL
 
+#include "mutants.h"
+
 const uint kBlockCamera = 0u;
 // Blocks of surface vertex k = 0, 1, …
 uint block_light(uint k) { return 1u + 2u * k; }
-uint block_bsdf(uint k) { return 2u + 2u * k; }
+uint block_bsdf(uint k) {
+  MUTATE(kMutantDimensionReused, k = 0u);
+  return 2u + 2u * k;
+}
 
 // Four-in, four-out integer hash [Jarzynski2020].
 uvec4 pcg4d(uvec4 v) {
@@ -23,6 +28,8 @@ uvec4 pcg4d(uvec4 v) {
 }
 
 uvec4 random_words(uint seed, uint pixel, uint sample_index, uint block) {
+  MUTATE(kMutantSampleIndexIgnored, sample_index = 0u);
+  MUTATE(kMutantNumbersEqual, return pcg4d(uvec4(pixel, sample_index, block, seed)).xyyy);
   return pcg4d(uvec4(pixel, sample_index, block, seed));
 }
 

@@ -3,6 +3,7 @@
 #define WARP_GLSL
 
 #include "math.glsl"
+#include "mutants.h"
 
 // Unit disk, concentric map [Shirley1997]; pdf 1/π w.r.t. area.
 vec2 square_to_disk(vec2 u) {
@@ -17,13 +18,15 @@ vec2 square_to_disk(vec2 u) {
 
 // Cosine-weighted direction about +Z; pdf_w = z/π.
 vec3 square_to_cosine_hemisphere(vec2 u) {
+  MUTATE(kMutantHemisphereUniform, return vec3(sqrt(max(0.0, 1.0 - u.x * u.x)) * cos_sin_turn(u.y), u.x));
   const vec2 d = square_to_disk(u);
   return vec3(d, sqrt(max(0.0, 1.0 - dot(d, d))));
 }
 
 // Weights of p0, p1, p2, uniform over the triangle's area [Turk1990].
 vec3 square_to_triangle(vec2 u) {
-  const float su = sqrt(u.x);
+  float su = sqrt(u.x);
+  MUTATE(kMutantTriangleRootDropped, su = u.x);
   const float b0 = 1.0 - su;
   const float b1 = u.y * su;
   return vec3(b0, b1, 1.0 - b0 - b1);
@@ -31,7 +34,8 @@ vec3 square_to_triangle(vec2 u) {
 
 // Direction about +Z, uniform in the cone 1 − cos θ <= one_minus_cos_max; pdf_w = 1/(2π one_minus_cos_max).
 vec3 square_to_cone(vec2 u, float one_minus_cos_max) {
-  const float w = u.x * one_minus_cos_max;  // 1 − cos θ, exact for small angles
+  float w = u.x * one_minus_cos_max;  // 1 − cos θ, exact for small angles
+  MUTATE(kMutantConeTooWide, w = min(1.05 * w, 2.0));
   const float sin_theta = sqrt(max(0.0, w * (2.0 - w)));
   return vec3(sin_theta * cos_sin_turn(u.y), 1.0 - w);
 }

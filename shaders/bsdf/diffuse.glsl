@@ -1,7 +1,10 @@
 // Lambertian reflection, one-sided [Lambert1760].
+#include "../mutants.h"
 #include "../warp.glsl"
 
 vec3 diffuse_eval(Shape m, vec3 wo, vec3 wi) {
+  MUTATE(kMutantCosineDropped, return wo.z > 0.0 && wi.z > 0.0 ? m.albedo * kInvPi : vec3(0.0));
+  MUTATE(kMutantBlackSideLit, return m.albedo * (kInvPi * abs(wi.z)));
   return wo.z > 0.0 && wi.z > 0.0 ? m.albedo * (kInvPi * wi.z) : vec3(0.0);
 }
 
@@ -11,5 +14,6 @@ BsdfSample diffuse_sample(Shape m, vec3 wo, vec2 u) {
   const vec3 wi = square_to_cosine_hemisphere(u);
   const float pdf = diffuse_pdf(wo, wi);
   if (pdf == 0.0) return kNoBsdfSample;
+  MUTATE(kMutantBsdfPdfScaled, return BsdfSample(wi, 1.02 * pdf, m.albedo / 1.02, kLobeDiffuse, 1.0));
   return BsdfSample(wi, pdf, m.albedo, kLobeDiffuse, 1.0);
 }

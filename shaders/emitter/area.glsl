@@ -1,7 +1,11 @@
 // Diffuse area light on a triangle or a sphere, emitting on the side of the geometric normal.
+#include "../mutants.h"
 
 // Radiance toward w (pointing away from the surface).
-vec3 area_radiance(Shape shape, vec3 ng, vec3 w) { return dot(w, ng) > 0.0 ? shape.radiance : vec3(0.0); }
+vec3 area_radiance(Shape shape, vec3 ng, vec3 w) {
+  MUTATE(kMutantEmitterTwoSided, return shape.radiance);
+  return dot(w, ng) > 0.0 ? shape.radiance : vec3(0.0);
+}
 
 // 1 − cos of the half angle of the cone that a sphere fills, seen from outside; 0 when p is not outside.
 float sphere_one_minus_cos(vec3 p, vec3 center, float radius) {
@@ -21,11 +25,14 @@ LightSample area_sample_triangle(vec3 p, Primitive tri, Shape shape, float prob,
   const vec3 v = ls.p - p;
   const float d2 = dot(v, v);
   ls.wi = v * inversesqrt(d2);
-  const float cos_light = -dot(ls.wi, ls.ng);
+  float cos_light = -dot(ls.wi, ls.ng);
+  MUTATE(kMutantEmitterTwoSided, cos_light = abs(cos_light));
   const bool facing = cos_light > 0.0 && d2 > 0.0;
   // prob/area turned into solid angle: dω = cos θ dA / d².
   ls.pdf_w = facing ? shape.light_prob * prob * d2 / (0.5 * twice_area * cos_light) : 0.0;
   ls.mis_pdf = facing ? shape.light_prob * d2 / (shape.light_area * cos_light) : 0.0;
+  MUTATE(kMutantTriangleChoiceForgotten, ls.pdf_w /= prob);
+  MUTATE(kMutantDistanceNotSquared, ls.pdf_w /= sqrt(d2));
   return ls;
 }
 
@@ -58,6 +65,8 @@ LightSample area_sample(vec3 p, uint shape_index, LightPrimitive choice, vec2 u)
     ls = area_sample_triangle(p, prim, shape, choice.prob, u);
   }
   ls.error = surface_error(prim);
+  MUTATE(kMutantLightChoiceForgotten, ls.pdf_w /= shape.light_prob);
+  MUTATE(kMutantLightPdfScaled, ls.pdf_w *= 1.02);
   ls.radiance = shape.radiance;
   ls.shape = shape_index;
   ls.primitive = prim.primitive;

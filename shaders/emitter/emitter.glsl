@@ -52,6 +52,9 @@ LightSample sample_light(vec3 p, uvec4 words) {
 }
 
 // Density with which sample_light would have found the surface point `s` from `p` in direction wi; the mis_pdf of LightSample.
-float light_pdf(vec3 p, vec3 wi, Surface s, Shape shape, uint slot) { return area_pdf(p, wi, s, shape, slot); }
+float light_pdf(vec3 p, vec3 wi, Surface s, Shape shape, uint slot) {
+  MUTATE(kMutantMisChoiceForgotten, return area_pdf(p, wi, s, shape, slot) / shape.light_prob);
+  return area_pdf(p, wi, s, shape, slot);
+}
 
 #endif

@@ -7,6 +7,7 @@
 #include "../bsdf/bsdf.glsl"
 #include "../camera.glsl"
 #include "../emitter/emitter.glsl"
+#include "../mutants.h"
 #include "../trace.glsl"
 
 layout(constant_id = 1) const uint kIntegrator = kIntegratorPath;
@@ -51,7 +52,10 @@ Path begin_path(uint pixel, uint sample_index) {
 // The value of a finished path's sample.
 vec3 path_value(Path path) { return path.filter_weight * path.radiance; }
 
-vec3 sky_radiance(vec3 d) { return mix(frame.sky_horizon, frame.sky_top, clamp(d.y, 0.0, 1.0)); }
+vec3 sky_radiance(vec3 d) {
+  MUTATE(kMutantSkyMirrored, d.y = -d.y);
+  return mix(frame.sky_horizon, frame.sky_top, clamp(d.y, 0.0, 1.0));
+}
 
 // Power heuristic with exponent 2 [Veach1997], as the weight of the strategy with density `own`. A ratio, so that large densities
 // do not overflow.
@@ -63,9 +67,11 @@ float power_heuristic(float own, float other) {
 // Step 2: emission met by chance.
 vec3 gather_emission(Path path, Surface s, Shape shape, uint slot) {
   const vec3 le = area_radiance(shape, s.ng, -path.ray.d);
+  MUTATE(kMutantEmissionTwice, return path.beta * le);
   if (path.full_emission || shape.light_prob == 0.0) return path.beta * le;
   if (!kMis) return vec3(0.0);
   // ray.o is offset from the vertex by its error bound, which is far below the distance to the light.
+  MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.ray.d, s, shape, slot) / path.bsdf_pdf));
   return path.beta * le * power_heuristic(path.bsdf_pdf, light_pdf(path.ray.o, path.ray.d, s, shape, slot));
 }
 
@@ -93,6 +99,7 @@ void settle_light(inout Path path, bool occluded) {
 bool survive_roulette(inout Path path, float u) {
   const float q = min(max_component(path.beta) * path.eta_scale, 0.99);
   if (u >= q) return false;
+  MUTATE(kMutantRouletteUncompensated, return true);
   path.beta /= q;
   return true;
 }
@@ -111,6 +118,7 @@ void scatter(inout Path path, Surface s, Shape shape, vec3 wo, inout Decisions d
   path.beta *= bs.weight;
   path.eta_scale *= bs.eta_scale;
   path.full_emission = is_delta(bs.lobe) || !kNee;
+  MUTATE(kMutantEmissionAfterDeltaLost, path.full_emission = !kNee);
   path.bsdf_pdf = bs.pdf;
   path.ray = spawn_ray(s.p, s.ng, s.error, wi);
   path.alive = true;
@@ -139,7 +147,9 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     return;
   }
   path.radiance += gather_emission(path, s, shape, hit.slot);
-  if (path.segment >= frame.max_depth) return;
+  uint max_depth = frame.max_depth;
+  MUTATE(kMutantDepthOffByOne, ++max_depth);
+  if (path.segment >= max_depth) return;
   const vec3 wo = to_local(s.frame, -path.ray.d);
   if (!consistent_side(s, -path.ray.d) || (bsdf_is_one_sided(shape) && wo.z <= 0.0)) {
     decisions.lobe = kLobeNone;

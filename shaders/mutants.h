@@ -1,0 +1,61 @@
+// Wrong variants of the renderer, shared by C++ and GLSL: `etendue mutate` renders with each of them and demands that the tests notice.
+//
+// The kernels that render pictures are built without ETENDUE_MUTANTS: MUTATE is empty there, and their SPIR-V is the same as if those lines
+// did not exist. `etendue mutate` has a second build of the same sources with a specialization constant that says which line is alive.
+#ifndef ETENDUE_MUTANTS_H
+#define ETENDUE_MUTANTS_H
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace etendue::gpu {
+using uint = std::uint32_t;
+#endif
+
+#if defined(__cplusplus) || defined(ETENDUE_MUTANTS)
+const uint kMutantConstant = 20u;  // constant_id of the mutant's number
+
+const uint kMutantNone = 0u;
+const uint kMutantCosineDropped = 1u;
+const uint kMutantBsdfPdfScaled = 2u;
+const uint kMutantLightPdfScaled = 3u;
+const uint kMutantRouletteUncompensated = 4u;
+const uint kMutantEmissionTwice = 5u;
+const uint kMutantLightChoiceForgotten = 6u;
+const uint kMutantFresnelSwapped = 7u;
+const uint kMutantEtaOmitted = 8u;
+const uint kMutantShadowRayTooLong = 9u;
+const uint kMutantEmitterTwoSided = 10u;
+const uint kMutantDepthOffByOne = 11u;
+const uint kMutantDimensionReused = 12u;
+const uint kMutantJitterMissing = 13u;
+const uint kMutantEtaInverted = 14u;
+const uint kMutantShadowsIgnored = 15u;
+const uint kMutantSkyMirrored = 16u;
+const uint kMutantBlackSideLit = 17u;
+const uint kMutantMisChoiceForgotten = 18u;
+const uint kMutantMisHeuristicsMixed = 19u;
+const uint kMutantTriangleChoiceForgotten = 20u;
+const uint kMutantTriangleRootDropped = 21u;
+const uint kMutantDistanceNotSquared = 22u;
+const uint kMutantConeTooWide = 23u;
+const uint kMutantHemisphereUniform = 24u;
+const uint kMutantMirrorHalfTurned = 25u;
+const uint kMutantSnellIgnored = 26u;
+const uint kMutantFilterSignDropped = 27u;
+const uint kMutantNumbersEqual = 28u;
+const uint kMutantSampleIndexIgnored = 29u;
+const uint kMutantEmissionAfterDeltaLost = 30u;
+const uint kMutantCount = 31u;
+#endif
+
+#ifdef __cplusplus
+}  // namespace etendue::gpu
+#elif defined(ETENDUE_MUTANTS)
+layout(constant_id = kMutantConstant) const uint kMutant = kMutantNone;
+// Does `action` (one statement) in the mutant called `id` only.
+#define MUTATE(id, action) if (kMutant == (id)) { action; }
+#else
+#define MUTATE(id, action)
+#endif
+
+#endif
