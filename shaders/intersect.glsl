@@ -2,11 +2,16 @@
 #ifndef INTERSECT_GLSL
 #define INTERSECT_GLSL
 
+#extension GL_EXT_control_flow_attributes : require
+
 #include "frame.glsl"
 #include "ray.glsl"
 #include "scene.glsl"
 
 layout(constant_id = 9) const bool kHasSpheres = true;
+// Not 0 for scenes of at most kFewPrimitives primitives, which have no tree.
+layout(constant_id = 10) const uint kFewTriangles = 0u;
+layout(constant_id = 11) const uint kFewSpheres = 0u;
 
 struct Hit {
   float t;
@@ -67,17 +72,39 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
   return discriminant >= 0.0 && t > ray.t_min && t < t_max;
 }
 
+void shorten(inout Hit hit, bool found, float t, uint slot, float b1, float b2) {
+  hit.t = found ? t : hit.t;
+  hit.slot = found ? slot : hit.slot;
+  hit.b1 = found ? b1 : hit.b1;
+  hit.b2 = found ? b2 : hit.b2;
+}
+
 // Tests a primitive record and shortens `hit` when it is nearer.
 bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
   const Primitive prim = to_primitive(record);
   float t, b1, b2;
   bool found = intersect_triangle(rf, prim, hit.t, t, b1, b2);
   if (kHasSpheres && prim.kind == kPrimitiveSphere) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, hit.t, t);
-  hit.t = found ? t : hit.t;
-  hit.slot = found ? slot : hit.slot;
-  hit.b1 = found ? b1 : hit.b1;
-  hit.b2 = found ? b2 : hit.b2;
+  shorten(hit, found, t, slot, b1, b2);
   return found;
+}
+
+// All primitives of a scene without a tree. The loops are unrolled: every index is a constant, so all lanes share each load and no lane
+// waits for another.
+Hit intersect_few_primitives(RayFrame rf) {
+  Hit hit = Hit(rf.ray.t_max, kNone, 0.0, 0.0);
+  [[unroll]] for (uint i = 0u; i < kFewTriangles; ++i) {
+    float t, b1, b2;
+    const bool found = intersect_triangle(rf, fetch_few_primitive(i), hit.t, t, b1, b2);
+    shorten(hit, found, t, i, b1, b2);
+  }
+  [[unroll]] for (uint i = kFewTriangles; i < kFewTriangles + kFewSpheres; ++i) {
+    const Primitive sphere = fetch_few_primitive(i);
+    float t;
+    const bool found = intersect_sphere(rf.ray, sphere.p0, sphere.p1.x, hit.t, t);
+    shorten(hit, found, t, i, 0.0, 0.0);
+  }
+  return hit;
 }
 
 #endif

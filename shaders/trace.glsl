@@ -76,8 +76,15 @@ uvec4 sort_keys(uvec4 k) {
   return uvec4(k.x, min(k.y, k.z), max(k.y, k.z), k.w);
 }
 
+const bool kHasTree = kFewTriangles + kFewSpheres == 0u;
+
 // Visits one record: a node sends the walk to its nearest child and stacks the others, a primitive is intersected.
 void walk_step(inout Walk walk) {
+  if (!kHasTree) {
+    walk.hit = intersect_few_primitives(walk.rf);
+    walk.current = kNone;
+    return;
+  }
   const Record record = fetch_record(walk.current);
   const bool node = (record.a.w & kRecordNode) != 0u;
 

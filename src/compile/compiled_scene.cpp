@@ -116,7 +116,21 @@ class Compiler {
     for (const glm::dvec3& n : mesh.normals) out_.normals.emplace_back(glm::vec3(n), 0.0f);
   }
 
+  // Triangles, then spheres, each in the order of the scene.
+  void list_few_primitives() {
+    slot_of_.resize(flat_primitives_.size());
+    for (const gpu::uint kind : {gpu::kPrimitiveTriangle, gpu::kPrimitiveSphere}) {
+      for (std::size_t i = 0; i < flat_primitives_.size(); ++i) {
+        if (flat_primitives_[i].kind != kind) continue;
+        slot_of_[i] = static_cast<gpu::uint>(out_.records.size());
+        out_.records.push_back(to_record(flat_primitives_[i]));
+        ++(kind == gpu::kPrimitiveTriangle ? out_.few_triangles : out_.few_spheres);
+      }
+    }
+  }
+
   void build_tree() {
+    if (flat_primitives_.size() <= gpu::kFewPrimitives) return list_few_primitives();
     std::vector<Box> boxes;
     boxes.reserve(flat_primitives_.size());
     for (const gpu::Primitive& p : flat_primitives_) boxes.push_back(primitive_box(p));

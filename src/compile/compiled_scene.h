@@ -22,6 +22,8 @@ struct CompiledScene {
   std::vector<float> filter_knots;    ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
   std::uint32_t tree_depth = 0;       ///< levels of nodes
   bool has_spheres = false;
+  std::uint32_t few_triangles = 0;    ///< with few_spheres: the records of a scene without a tree, see kFewPrimitives
+  std::uint32_t few_spheres = 0;
 };
 
 CompiledScene compile_scene(const Scene& scene);

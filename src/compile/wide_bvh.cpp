@@ -86,14 +86,14 @@ gpu::Record encode_node(const Bvh& bvh, const Box& box, const Children& children
   return r;
 }
 
-gpu::Record encode_primitive(const gpu::Primitive& p) {
+}  // namespace
+
+gpu::Record to_record(const gpu::Primitive& p) {
   gpu::Record r;
   static_assert(sizeof r == sizeof p);
   std::memcpy(&r, &p, sizeof r);
   return r;
 }
-
-}  // namespace
 
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives) {
   struct Task {
@@ -110,7 +110,7 @@ WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primiti
     if (node.count > 0) {
       const std::uint32_t primitive = bvh.order[node.first];
       wide.slot_of[primitive] = task.record;
-      wide.records[task.record] = encode_primitive(primitives[primitive]);
+      wide.records[task.record] = to_record(primitives[primitive]);
       continue;
     }
     wide.depth = std::max(wide.depth, task.depth);

@@ -19,6 +19,9 @@ struct WideBvh {
 /// even record, so that a group needs 24 bits in a stack entry. Throws Error(scene_error) beyond 2^25 records.
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives);
 
+/// A primitive as it stands among the records.
+gpu::Record to_record(const gpu::Primitive& primitive);
+
 /// The boxes of a node's children as the kernel decodes them, for tests: conservative, they contain the exact boxes.
 Box decode_child_box(const gpu::Record& node, std::uint32_t child);
 bool is_node(const gpu::Record& record);

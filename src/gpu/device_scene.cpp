@@ -23,6 +23,7 @@ std::vector<vulkan::Binding> kernel_bindings() {
   std::vector<vulkan::Binding> bindings;
   for (std::uint32_t i = 0; i < gpu::kBindingCount; ++i) bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   bindings[gpu::kBindingFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  bindings[gpu::kBindingFewPrimitives].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   bindings[gpu::kBindingRecords].type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   return bindings;
 }
@@ -30,7 +31,7 @@ std::vector<vulkan::Binding> kernel_bindings() {
 DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene) {
   const auto add = [&](std::uint32_t binding, auto items, const char* what) {
     const auto bytes = std::as_bytes(std::span(items));
-    const bool uniform = binding == gpu::kBindingFrame;
+    const bool uniform = binding == gpu::kBindingFrame || binding == gpu::kBindingFewPrimitives;
     if (!uniform) check_range(context, what, bytes.size());
     vulkan::Buffer buffer(context, bytes.size(), uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                           vulkan::Buffer::Memory::device, what);
@@ -38,6 +39,9 @@ DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& comma
     entries_.push_back({binding, std::move(buffer)});
   };
   add(gpu::kBindingFrame, std::span(&scene.frame, 1), "frame constants");
+  std::vector<gpu::Record> few(scene.records.begin(), scene.records.begin() + scene.few_triangles + scene.few_spheres);
+  few.resize(gpu::kFewPrimitives);
+  add(gpu::kBindingFewPrimitives, std::span(few), "primitives");
   add(gpu::kBindingShapes, std::span(scene.shapes), "shapes");
   add(gpu::kBindingTriangles, std::span(scene.triangles), "triangle indices");
   add(gpu::kBindingNormals, std::span(scene.normals), "vertex normals");

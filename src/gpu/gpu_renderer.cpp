@@ -86,15 +86,19 @@ class GpuRenderer final : public Renderer {
     std::memset(report_.mapped().data(), 0, report_.mapped().size());
     unused_ = vulkan::Buffer(context_, 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "placeholder");
     timings_.upload = timer.seconds();
+    const bool has_tree = compiled.few_triangles + compiled.few_spheres == 0;
+    const std::uint32_t steps_per_round = has_tree ? kStepsPerRound : 1;
     constants_ = {{0, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
                   {1, scene.integrator.type == Integrator::Type::path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
                   {2, scene.integrator.nee ? 1u : 0u},
                   {3, scene.integrator.mis ? 1u : 0u},
                   {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
-                  {5, kStepsPerRound},
-                  {6, kStepsPerRound + 1 + light_iterations(compiled)},
+                  {5, steps_per_round},
+                  {6, steps_per_round + 1 + light_iterations(compiled)},
                   {8, std::max(1u, compiled.tree_depth)},
-                  {9, compiled.has_spheres ? 1u : 0u}};
+                  {9, compiled.has_spheres ? 1u : 0u},
+                  {10, compiled.few_triangles},
+                  {11, compiled.few_spheres}};
     step_budget_ = context_.is_cpu() ? kCpuIterations : kGpuIterations;
   }
 
