@@ -1,0 +1,262 @@
+/// Light sampling: the choice among lights, points and densities on triangles and spheres, and its agreement with what
+/// emission met by chance is weighed with.
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "compile/discrete.h"
+#include "compile/normalization.h"
+#include "device_test.h"
+#include "reference_scenes.h"
+#include "validate/statistics.h"
+
+namespace etendue::test {
+namespace {
+
+using reference::test::diffuse;
+using reference::test::quad;
+using reference::test::shape;
+using reference::test::triangle;
+
+constexpr double kPi = std::numbers::pi;
+
+class DeviceEmitter : public DeviceTest {
+ protected:
+  std::vector<gpu::LightAnswer> sample(const CompiledScene& scene, const std::vector<gpu::LightCase>& cases) {
+    return run<gpu::LightAnswer>({kernels::light_samples, "light_samples", &scene, {}}, cases);
+  }
+  std::vector<gpu::EmissionAnswer> emission(const CompiledScene& scene, const std::vector<gpu::RayCase>& rays) {
+    return run<gpu::EmissionAnswer>({kernels::emissions, "emissions", &scene, {}}, rays);
+  }
+};
+
+// A scene with these shapes and one receiver far from mattering, with the map into its device coordinates.
+struct LightScene {
+  explicit LightScene(std::vector<Shape> shapes) {
+    scene.shapes = std::move(shapes);
+    compiled = compile_scene(scene);
+    normalization = find_normalization(scene);
+  }
+  Scene scene;
+  CompiledScene compiled;
+  Normalization normalization;
+};
+
+std::vector<gpu::LightCase> random_cases(const glm::vec3& p, std::size_t n, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<gpu::LightCase> cases;
+  for (std::size_t i = 0; i < n; ++i) {
+    const gpu::uint a = random.word(), b = random.word(), c = random.word();
+    cases.push_back({p, 0, {a, b, c, random.word()}});
+  }
+  return cases;
+}
+
+TEST_F(DeviceEmitter, SphereIsSampledByTheConeItFills) {
+  const Sphere sphere{.center = {1.0, -2.0, 0.5}, .radius = 0.75};
+  const LightScene setup({shape(sphere, diffuse(0.5), glm::dvec3(3.0))});
+  const glm::dvec3 center = setup.normalization.point(sphere.center);
+  const double radius = sphere.radius * setup.normalization.scale;
+  const glm::dvec3 toward = glm::normalize(glm::dvec3(0.3, 0.8, -0.5));
+  for (const double distance : {1.0001, 1.01, 1.5, 3.0, 100.0, 1e5}) {  // in radii
+    const glm::vec3 p(center + toward * (distance * radius));
+    const double d = glm::length(glm::dvec3(p) - center);
+    const double sin2 = radius * radius / (d * d), one_minus_cos = sin2 / (1.0 + std::sqrt(1.0 - sin2));
+    const auto answers = sample(setup.compiled, random_cases(p, 1 << 15, 1));
+    std::vector<double> rings(32, 0.0);
+    const double slack = 1e-6 / std::max(1e-2, 1.0 - radius / d);  // near the surface 1 − sin² cancels
+    for (const auto& a : answers) {
+      ASSERT_NEAR(a.pdf_w * (2.0 * kPi * one_minus_cos), 1.0, 10 * slack) << distance;
+      EXPECT_EQ(a.mis_pdf, a.pdf_w);
+      EXPECT_EQ(a.radiance, glm::vec3(3.0f));
+      const glm::dvec3 on = glm::dvec3(a.p) - center;
+      EXPECT_NEAR(glm::length(on), radius, 2e-6 * radius + 1e-7);
+      EXPECT_LT(glm::length(glm::dvec3(a.ng) - on / glm::length(on)), 1e-5);
+      EXPECT_GT(glm::dot(glm::dvec3(a.ng), -glm::dvec3(a.wi)), -2e-3);  // the nearer intersection shines this way
+      EXPECT_NEAR(glm::length(glm::dvec3(a.wi)), 1.0, 1e-6);
+      const glm::dvec3 across = glm::cross(glm::dvec3(a.wi), (center - glm::dvec3(p)) / d);
+      const double s2 = glm::dot(across, across);
+      const bool front = glm::dot(glm::dvec3(a.wi), center - glm::dvec3(p)) > 0.0;
+      const double w = front ? s2 / (1.0 + std::sqrt(std::max(0.0, 1.0 - s2))) : 1.0;
+      ++rings[std::clamp(static_cast<int>(32.0 * w / one_minus_cos), 0, 31)];
+    }
+    if (distance < 1e4) {
+      EXPECT_GT(uniformity(rings), kSmallestP) << distance;  // far away float32 directions are coarser than the rings
+    }
+  }
+}
+
+TEST_F(DeviceEmitter, SphereSendsNothingInside) {
+  const Sphere sphere{.center = {0.0, 0.0, 0.0}, .radius = 2.0};
+  const LightScene setup({shape(sphere, diffuse(0.5), glm::dvec3(1.0))});
+  Random random(2);
+  for (const double r : {0.0, 0.5, 1.9, 1.9999}) {
+    const glm::vec3 p = setup.normalization.point(random.direction() * r);
+    for (const auto& a : sample(setup.compiled, random_cases(p, 256, 3))) {
+      EXPECT_EQ(a.pdf_w, 0.0f) << r;
+      EXPECT_EQ(a.mis_pdf, 0.0f) << r;
+    }
+  }
+}
+
+TEST_F(DeviceEmitter, TriangleIsSampledByArea) {
+  const TriangleMesh mesh = triangle({-1, 2, 0.5}, {0.7, 1.8, -0.2}, {0.1, 2.5, 1.1});
+  const LightScene setup({shape(mesh, diffuse(0.0), glm::dvec3(1.0, 2.0, 4.0))});
+  std::array<glm::dvec3, 3> v;
+  for (int k = 0; k < 3; ++k) v[k] = setup.normalization.point(mesh.positions[k]);
+  const glm::dvec3 n = glm::cross(v[1] - v[0], v[2] - v[0]);
+  const double area = 0.5 * glm::length(n);
+  const glm::dvec3 middle = (v[0] + v[1] + v[2]) / 3.0, ng = glm::normalize(n);
+  for (const double side : {1.0, -1.0}) {
+    const glm::vec3 p(middle + side * 0.4 * ng + 0.2 * glm::normalize(v[1] - v[0]));
+    std::vector<double> quarters(4, 0.0);
+    for (const auto& a : sample(setup.compiled, random_cases(p, 1 << 15, 4))) {
+      const glm::dvec3 to_light = glm::dvec3(a.p) - glm::dvec3(p);
+      const double d2 = glm::dot(to_light, to_light), cosine = -glm::dot(to_light / std::sqrt(d2), ng);
+      EXPECT_NEAR(glm::dot(glm::dvec3(a.p) - v[0], ng), 0.0, 1e-6);
+      EXPECT_LT(glm::length(glm::dvec3(a.wi) - to_light / std::sqrt(d2)), 1e-6);
+      const double expected = side > 0 ? d2 / (area * cosine) : 0.0;
+      EXPECT_NEAR(a.pdf_w, expected, 1e-4 * expected);
+      EXPECT_NEAR(a.mis_pdf, expected, 1e-4 * expected);
+      const glm::dvec3 q = glm::dvec3(a.p) - v[0];  // barycentric weights by areas
+      const double b2 = glm::dot(glm::cross(v[1] - v[0], q), ng) / (2 * area),
+                   b1 = glm::dot(glm::cross(q, v[2] - v[0]), ng) / (2 * area);
+      ++quarters[b1 > 0.5 ? 0 : b2 > 0.5 ? 1 : b1 + b2 < 0.5 ? 2 : 3];
+    }
+    EXPECT_GT(uniformity(quarters), kSmallestP);
+  }
+}
+
+// Lights of mixed shape around the origin, disjoint as seen from it: every second a sphere.
+std::vector<Shape> ring_of_lights(int count) {
+  std::vector<Shape> shapes;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2.0 * kPi * i / count, room = 2.0 * std::sin(kPi / std::max(3, count));
+    const glm::dvec3 center(2.0 * std::cos(angle), 0.2 * (i % 3), 2.0 * std::sin(angle));
+    const glm::dvec3 radiance(0.5 + i % 7, 1.0, 0.1 * i);
+    if (i % 2 == 1) {
+      shapes.push_back(shape(Sphere{.center = center, .radius = 0.4 * room}, diffuse(0.5), radiance));
+      continue;
+    }
+    const glm::dvec3 up(0, 0.5 * room, 0),
+        side = glm::normalize(glm::cross(center, glm::dvec3(0, 1, 0))) * (0.5 * room);
+    TriangleMesh mesh = quad(center - 0.5 * up - 0.5 * side, up, side);
+    if (glm::dot(glm::cross(up, side), center) > 0.0) mesh = quad(center - 0.5 * up - 0.5 * side, side, up);
+    mesh.triangles.push_back({0, 0, 2});  // no area: never chosen
+    shapes.push_back(shape(mesh, diffuse(0.5), radiance));
+  }
+  shapes.push_back(shape(Sphere{.center = {0, 5, 0}, .radius = 0.1}, diffuse(0.5)));                    // no emitter
+  shapes.push_back(shape(Sphere{.center = {0, -5, 0}, .radius = 0.1}, diffuse(0.5), glm::dvec3(0.0)));  // a dark one
+  return shapes;
+}
+
+double area_of(const Shape& s, std::size_t primitive) {
+  if (const auto* sphere = std::get_if<Sphere>(&s.geometry)) return 4.0 * kPi * sphere->radius * sphere->radius;
+  const auto& mesh = std::get<TriangleMesh>(s.geometry);
+  const glm::uvec3 t = mesh.triangles[primitive];
+  return 0.5 *
+         glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
+}
+double power_of(const Shape& s) {
+  if (!s.emitter) return 0.0;
+  const auto* mesh = std::get_if<TriangleMesh>(&s.geometry);
+  double area = 0.0;
+  for (std::size_t i = 0; i < (mesh != nullptr ? mesh->triangles.size() : 1); ++i) area += area_of(s, i);
+  return area * glm::dot(s.emitter->radiance, glm::dvec3(0.212671, 0.715160, 0.072169));
+}
+
+TEST_F(DeviceEmitter, LightsAreChosenInProportionToTheirPower) {
+  for (const int count : {1, 2, 7, 50}) {
+    const LightScene setup(ring_of_lights(count));
+    constexpr std::size_t kSamples = 1 << 16;
+    std::map<std::pair<gpu::uint, gpu::uint>, double> counts;
+    for (const auto& a : sample(setup.compiled, random_cases(setup.normalization.point({0, 0, 0}), kSamples, 5)))
+      ++counts[{a.shape, a.primitive}];
+    double total = 0.0;
+    for (const Shape& s : setup.scene.shapes) total += power_of(s);
+    std::vector<double> observed, expected;
+    for (gpu::uint i = 0; i < setup.scene.shapes.size(); ++i) {
+      const Shape& s = setup.scene.shapes[i];
+      const auto* mesh = std::get_if<TriangleMesh>(&s.geometry);
+      double area = 0.0;
+      const std::size_t primitives = mesh != nullptr ? mesh->triangles.size() : 1;
+      for (std::size_t k = 0; k < primitives; ++k) area += area_of(s, k);
+      for (gpu::uint k = 0; k < primitives; ++k) {
+        observed.push_back(counts[{i, k}]);
+        expected.push_back(kSamples * power_of(s) / total * area_of(s, k) / area);
+        if (expected.back() == 0.0) {
+          EXPECT_EQ(observed.back(), 0.0) << i << ' ' << k;
+        }
+      }
+    }
+    EXPECT_GT(chi_square_test(observed, expected).p_value, kSmallestP) << count << " lights";
+  }
+}
+
+TEST_F(DeviceEmitter, ThresholdsBelongToTheUpperEntry) {
+  const LightScene setup(ring_of_lights(9));
+  std::vector<double> weights;
+  for (const Shape& s : setup.scene.shapes) weights.push_back(power_of(s));
+  const auto thresholds = integer_thresholds(weights);
+  std::vector<gpu::LightCase> cases;
+  std::vector<gpu::uint> expected;
+  const auto add = [&](std::uint64_t word, std::size_t shape_index) {
+    cases.push_back({setup.normalization.point({0, 0, 0}), 0, {static_cast<gpu::uint>(word), 0x1234567u, 99u, 7u}});
+    expected.push_back(static_cast<gpu::uint>(shape_index));
+  };
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] == 0.0) continue;
+    add(thresholds[i], i);
+    add(thresholds[i + 1] - 1, i);
+  }
+  const auto answers = sample(setup.compiled, cases);
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    EXPECT_EQ(answers[i].shape, expected[i]) << std::hex << cases[i].words.x;
+}
+
+TEST_F(DeviceEmitter, SamplingAndChanceAgreeOnTheDensity) {
+  // The ray toward a sampled point meets that light with the radiance promised, and would have been found with the same
+  // density.
+  for (const int count : {1, 2, 7, 50}) {
+    const LightScene setup(ring_of_lights(count));
+    const glm::vec3 p = setup.normalization.point({0.02, 0.05, -0.03});
+    const auto samples = sample(setup.compiled, random_cases(p, 4096, 6));
+    std::vector<gpu::RayCase> rays;
+    for (const auto& s : samples) rays.push_back({p, 0.0f, s.wi, INFINITY});
+    const auto met = emission(setup.compiled, rays);
+    std::size_t missed = 0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const bool same = met[i].shape == samples[i].shape;
+      if (!same || (met[i].primitive != samples[i].primitive)) {
+        ++missed;  // rays to the very rim
+        continue;
+      }
+      EXPECT_EQ(met[i].radiance, samples[i].pdf_w > 0.0f ? samples[i].radiance : glm::vec3(0.0f));
+      const double cosine = std::abs(glm::dot(samples[i].wi, samples[i].ng));
+      EXPECT_NEAR(met[i].pdf, samples[i].mis_pdf, (1e-4 + 1e-5 / std::max(1e-3, cosine)) * samples[i].mis_pdf) << i;
+      EXPECT_NEAR(met[i].t, glm::length(glm::dvec3(samples[i].p) - glm::dvec3(p)), 2e-6 / std::max(1e-3, cosine));
+      // With primitives of a shape chosen by area, both densities of a sample are one and the same.
+      EXPECT_NEAR(samples[i].pdf_w, samples[i].mis_pdf, 1e-5 * samples[i].mis_pdf);
+    }
+    EXPECT_LT(missed, samples.size() / 500) << count << " lights";
+  }
+}
+
+TEST_F(DeviceEmitter, DensityIntegratesToOne) {
+  // Over uniform directions E[4π pdf] = 1 when all of every light is seen from its bright side.
+  for (const int count : {1, 2, 7, 50}) {
+    const LightScene setup(ring_of_lights(count));
+    const glm::vec3 p = setup.normalization.point({0, 0, 0});
+    Random random(7);
+    std::vector<gpu::RayCase> rays;
+    for (int i = 0; i < 1 << 18; ++i) rays.push_back({p, 0.0f, glm::vec3(random.direction()), INFINITY});
+    RunningMoments integral;
+    for (const auto& a : emission(setup.compiled, rays)) integral.add(4.0 * kPi * a.pdf);
+    EXPECT_LT(std::abs(integral.mean() - 1.0), 4.5 * integral.standard_error() + 1e-5) << count << " lights";
+    EXPECT_LT(integral.standard_error(), 0.03);
+  }
+}
+
+}  // namespace
+}  // namespace etendue::test

@@ -1,0 +1,95 @@
+#include "device_test.h"
+
+#include <algorithm>
+
+#include "core/errors.h"
+#include "gpu/device_scene.h"
+#include "validate/statistics.h"
+
+namespace etendue::test {
+namespace {
+
+constexpr vulkan::ContextOptions kValidation{.validation = true};
+
+struct Device {
+  Device() : context("auto", kValidation), commands(context), layout(context, kernel_bindings(), sizeof(gpu::Pass)) {}
+  vulkan::Context context;
+  vulkan::Commands commands;
+  vulkan::BindingLayout layout;
+};
+
+// Opened once; `reason` tells why there is none.
+Device* device(std::string* reason = nullptr) {
+  static std::string failure;
+  static const std::unique_ptr<Device> opened = []() -> std::unique_ptr<Device> {
+    try {
+      return std::make_unique<Device>();
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::no_device) throw;
+      failure = error.what();
+      return nullptr;
+    }
+  }();
+  if (reason != nullptr) *reason = failure;
+  return opened.get();
+}
+
+}  // namespace
+
+void DeviceTest::SetUp() {
+  std::string reason;
+  if (device(&reason) == nullptr) GTEST_SKIP() << reason;
+  messages_before_ = vulkan::validation_message_count();
+}
+
+void DeviceTest::TearDown() {
+  EXPECT_EQ(vulkan::validation_message_count(), messages_before_)
+      << "the validation layer had something to say, see above";
+}
+
+GpuOptions DeviceTest::renderer_options() {
+  GpuOptions options;
+  options.context = kValidation;
+  return options;
+}
+
+bool DeviceTest::is_lavapipe() {
+  return device()->context.info().name.find("llvmpipe") != std::string::npos;
+}
+
+void DeviceTest::run_bytes(const KernelRun& run, std::span<const std::byte> inputs, std::span<std::byte> outputs,
+                           std::uint32_t lanes) {
+  Device& d = *device();
+  static const CompiledScene empty = compile_scene(Scene{});
+  const CompiledScene& compiled = run.scene != nullptr ? *run.scene : empty;
+  const DeviceScene scene(d.context, d.commands, compiled);
+  const auto buffer = [&](std::size_t bytes, const char* what) {
+    return vulkan::Buffer(d.context, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, what);
+  };
+  const vulkan::Buffer in = buffer(inputs.size(), "test inputs");
+  const vulkan::Buffer out = buffer(outputs.size(), "test outputs");
+  d.commands.upload(in, 0, inputs);
+  d.commands.fill(out, 0xdeadbeefu);  // a lane that writes nothing shows
+  vulkan::BindingSet set(d.context, d.layout);
+  scene.bind(set);
+  set.bind(gpu::kBindingRequests, in);
+  set.bind(gpu::kBindingResults, out);
+  std::vector<vulkan::Specialization> constants = run.constants;
+  constants.push_back({8, std::max(1u, compiled.tree_depth)});  // as in gpu/gpu_renderer.cpp
+  constants.push_back({9, compiled.has_spheres ? 1u : 0u});
+  const vulkan::Kernel kernel(d.context, d.layout, run.spirv, constants, run.name);
+  gpu::Pass pass{};
+  pass.request_count = lanes;
+  const std::uint32_t groups = (lanes + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize;
+  d.commands.dispatch(d.layout, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, 120.0);
+  d.commands.download(out, 0, outputs);
+}
+
+double uniformity(const std::vector<double>& counts) {
+  double total = 0.0;
+  for (const double c : counts) total += c;
+  const std::vector<double> expected(counts.size(), total / static_cast<double>(counts.size()));
+  return chi_square_test(counts, expected).p_value;
+}
+
+}  // namespace etendue::test

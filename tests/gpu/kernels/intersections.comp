@@ -1,0 +1,20 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "intersect.glsl"
+#include "test_io.glsl"
+
+TEST_BUFFERS(IntersectCase, IntersectAnswer)
+
+void main() {
+  if (!lane_has_work()) return;
+  const IntersectCase c = inputs[lane()];
+  const Ray ray = Ray(c.o, c.t_min, c.d, c.t_max);
+  float t = 0.0, b1 = 0.0, b2 = 0.0;
+  bool found;
+  if (c.kind == kPrimitiveSphere) {
+    found = intersect_sphere(ray, c.p0, c.p1.x, c.t_max, t);
+  } else {
+    found = intersect_triangle(make_ray_frame(ray), Primitive(c.p0, 0u, c.p1, 0u, c.p2, c.kind), c.t_max, t, b1, b2);
+  }
+  outputs[lane()] = IntersectAnswer(found ? 1u : 0u, t, b1, b2);
+}

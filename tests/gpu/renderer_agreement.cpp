@@ -1,0 +1,201 @@
+/// L2 of the equality contract: the device and the double-precision reference trace the same paths from the same random
+/// numbers.
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "device_test.h"
+#include "reference/reference_renderer.h"
+#include "reference_scenes.h"
+#include "scene/xml_reader.h"
+#include "validate/sample_comparison.h"
+
+namespace etendue::test {
+namespace {
+
+using reference::test::box;
+using reference::test::diffuse;
+using reference::test::quad;
+using reference::test::shape;
+
+class RendererAgreement : public DeviceTest {
+ protected:
+  // About `budget` samples of both; `flips` and `off` bound what is allowed per million.
+  void compare(const std::string& what, const Scene& scene, std::uint64_t budget, double flips, double off) {
+    const auto device = make_gpu_renderer(scene, {.seed = 11}, renderer_options());
+    const auto reference = make_reference_renderer(scene, {.seed = 11});
+    const SampleComparison c = compare_samples(*device, *reference, scene.camera.width, scene.camera.height, budget);
+    std::string where;
+    for (const auto& [difference, count] : c.first_differences) where += fmt::format("\n  {} × {}", count, difference);
+    SCOPED_TRACE(fmt::format(
+        "{}: {} samples, {:.0f} flips and {:.0f} off per million, relative error median {:.2g}, 99.9 % {:.2g}, largest "
+        "{:.2g}{}",
+        what, c.samples, c.flips_per_million(), c.off_per_million(), c.median_error, c.p999_error, c.max_error, where));
+    EXPECT_GE(c.samples, budget / 2);
+    EXPECT_EQ(c.non_finite, 0u);
+    EXPECT_LE(c.flips_per_million(), flips);
+    EXPECT_LE(c.off_per_million(), off);
+    EXPECT_LT(c.median_error, 5e-5);
+    // Paired, even a systematic rounding of 1e-5 is significant; only more than rounding counts.
+    EXPECT_TRUE(c.same_mean() || std::abs(c.paired.mean - c.paired.reference) < 1e-4 * std::abs(c.paired.reference))
+        << "paired p = " << c.paired.p_value;
+    RecordProperty(what + "_flips_per_million", std::to_string(c.flips_per_million()));
+    RecordProperty(what + "_off_per_million", std::to_string(c.off_per_million()));
+    RecordProperty(what + "_p999_error", std::to_string(c.p999_error));
+  }
+};
+
+Scene cornell(std::vector<std::pair<std::string, std::string>> overrides) {
+  overrides.insert(overrides.end(), {{"camera.width", "100"}, {"camera.height", "75"}});
+  return read_scene(SCENES_DIR "/cbox-sphere.xml", {.overrides = std::move(overrides), .strict = true});
+}
+
+TEST_F(RendererAgreement, CornellBoxInAllStrategies) {
+  compare("naive", cornell({{"integrator.nee", "false"}}), 60000, 500, 300);
+  compare("nee", cornell({{"integrator.mis", "false"}}), 60000, 500, 300);
+  compare("mis", cornell({}), 60000, 500, 300);
+}
+
+TEST_F(RendererAgreement, DepthRouletteAndNormals) {
+  compare("depth 1", cornell({{"integrator.maxDepth", "1"}}), 30000, 200, 0);
+  compare("depth 2", cornell({{"integrator.maxDepth", "2"}}), 30000, 300, 100);
+  compare("no roulette", cornell({{"integrator.rrDepth", "0"}}), 30000, 600, 300);
+  compare("roulette from the first segment", cornell({{"integrator.rrDepth", "1"}}), 30000, 600, 300);
+  Scene normals = cornell({});
+  normals.integrator.type = Integrator::Type::normals;
+  compare("normals", normals, 30000, 200, 0);
+}
+
+TEST_F(RendererAgreement, FiltersAndMirroredCameras) {
+  for (const auto type :
+       {ReconstructionFilter::Type::tent, ReconstructionFilter::Type::gaussian, ReconstructionFilter::Type::mitchell}) {
+    Scene scene = cornell({});
+    scene.camera.filter.type = type;
+    scene.camera.world_from_camera[0] *= -1.0;
+    compare("filter " + std::to_string(static_cast<int>(type)), scene, 20000, 600, 400);
+  }
+}
+
+TEST_F(RendererAgreement, CourseTests) {
+  for (const char* file : {"ttest-furnace.xml", "ttest-direct.xml"}) {
+    const auto test = std::get<TTest>(read_scene_file(std::string(SCENES_DIR "/") + file));
+    for (std::size_t i = 0; i < test.scenes.size(); ++i) {
+      Scene scene = test.scenes[i];
+      // The camera of the direct test stares at the diagonal between the floor's two triangles, where rounding decides
+      // which one is hit.
+      if (scene.camera.fov < 1.0) scene.camera.world_from_camera[3] += glm::dvec4(0.013, 0.0, 0.007, 0.0);
+      compare(fmt::format("{} {}", file, i + 1), scene, 5000, 1200, 600);
+    }
+  }
+}
+
+// Smooth normals, a hollow glass sphere, several lamps of different shape, sky.
+Scene everything() {
+  Scene scene;
+  scene.camera.width = 64;
+  scene.camera.height = 48;
+  scene.camera.fov = 50.0;
+  scene.camera.world_from_camera = reference::test::look_at({0, 1.5, 5}, {0, 0.6, 0}, {0, 1, 0});
+  scene.integrator.max_depth = 10;
+  scene.sky = {.top = {0.2, 0.4, 0.9}, .horizon = {0.8, 0.7, 0.6}};
+  scene.shapes.push_back(shape(quad({-20, 0, -20}, {0, 0, 40}, {40, 0, 0}), DiffuseBsdf{{0.6, 0.5, 0.4}}));
+  scene.shapes.push_back(shape(Sphere{{-1.2, 0.6, 0}, 0.6}, DielectricBsdf{}));
+  scene.shapes.push_back(shape(Sphere{{-1.2, 0.6, 0}, 0.55}, DielectricBsdf{.int_ior = 1.000277, .ext_ior = 1.5046}));
+  scene.shapes.push_back(shape(Sphere{{1.2, 0.6, 0.3}, 0.6}, MirrorBsdf{}));
+  scene.shapes.push_back(shape(Sphere{{0.1, 2.5, -0.5}, 0.3}, diffuse(0.3), glm::dvec3(9, 8, 6)));
+  scene.shapes.push_back(shape(quad({-3, 0.5, -3}, {2, 0, 0}, {0, 2, 0}), diffuse(0.5), glm::dvec3(1, 2, 3)));
+  // A tetrahedron with the normals of its circumsphere.
+  TriangleMesh smooth;
+  for (const glm::dvec3& d :
+       {glm::dvec3(1, 1, 1), glm::dvec3(-1, -1, 1), glm::dvec3(-1, 1, -1), glm::dvec3(1, -1, -1)}) {
+    smooth.positions.push_back(glm::dvec3(0.1, 0.7, 0.9) + 0.4 * d);
+    smooth.normals.push_back(glm::normalize(d));
+  }
+  smooth.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  scene.shapes.push_back(shape(smooth, DiffuseBsdf{{0.2, 0.7, 0.3}}));
+  return scene;
+}
+
+TEST_F(RendererAgreement, ManyMaterialsSmoothNormalsAndSky) {
+  compare("everything", everything(), 60000, 800, 600);
+}
+
+// The same scene at another size and place. Coordinates are doubles on both sides, so only the rounding of the inputs
+// differs.
+Scene placed(Scene scene, double scale, const glm::dvec3& offset) {
+  for (Shape& s : scene.shapes) {
+    if (auto* sphere = std::get_if<Sphere>(&s.geometry)) {
+      sphere->center = sphere->center * scale + offset;
+      sphere->radius *= scale;
+    } else {
+      for (glm::dvec3& p : std::get<TriangleMesh>(s.geometry).positions) p = p * scale + offset;
+    }
+  }
+  glm::dvec4& origin = scene.camera.world_from_camera[3];
+  origin = glm::dvec4(glm::dvec3(origin) * scale + offset, 1.0);
+  scene.camera.near_clip *= scale;
+  scene.camera.far_clip *= scale;
+  return scene;
+}
+
+TEST_F(RendererAgreement, ScaledAndFarFromTheOrigin) {
+  compare("1e-3", placed(everything(), 1e-3, {0, 0, 0}), 20000, 1000, 800);
+  compare("1e3", placed(everything(), 1e3, {0, 0, 0}), 20000, 1000, 800);
+  compare("far away", placed(everything(), 1.0, {3e5, -1e5, 7e5}), 20000, 1000, 800);
+}
+
+std::uint32_t fold(const std::vector<PathVertex>& path) {
+  std::uint32_t h = 0x811c9dc5u;
+  const auto word = [&h](std::uint32_t w) { h = (h ^ w) * 0x01000193u; };
+  for (const PathVertex& v : path) {
+    if (v.shape == PathVertex::kNone) {
+      word(0);
+      continue;
+    }
+    word(v.shape + 1), word(v.primitive + 1);
+    if (v.light_shape != PathVertex::kNone)
+      word(v.light_shape + 1), word(v.light_primitive + 1), word(v.light_contributed);
+    if (v.lobe != PathVertex::kNone) word(v.lobe);
+    if (v.survived != PathVertex::kNone) word(v.survived);
+  }
+  return h;
+}
+
+TEST_F(RendererAgreement, PathsAreTracedVertexByVertex) {
+  const Scene scene = everything();
+  const auto device = make_gpu_renderer(scene, {.seed = 11}, renderer_options());
+  const auto reference = make_reference_renderer(scene, {.seed = 11});
+  Random random(1);
+  std::vector<SampleId> ids;
+  for (int i = 0; i < 60; ++i) ids.push_back({random.below(64 * 48), random.below(1000)});
+  const auto device_records = device->trace_samples(ids), reference_records = reference->trace_samples(ids);
+  std::size_t agreeing = 0;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const auto path = device->trace_path(ids[i]);
+    ASSERT_FALSE(path.empty());
+    EXPECT_EQ(fold(path), device_records[i].signature) << "the two kernels disagree on sample " << i;
+    EXPECT_EQ(path.size(), device_records[i].segments);
+    EXPECT_NEAR(glm::length(path.back().radiance - device_records[i].radiance), 0.0f, 1e-6f);
+    if (device_records[i].signature != reference_records[i].signature) continue;
+    ++agreeing;
+    const auto expected = reference->trace_path(ids[i]);
+    ASSERT_EQ(path.size(), expected.size());
+    for (std::size_t k = 0; k < path.size(); ++k) {
+      EXPECT_EQ(path[k].shape, expected[k].shape);
+      EXPECT_EQ(path[k].primitive, expected[k].primitive);
+      EXPECT_EQ(path[k].light_shape, expected[k].light_shape);
+      EXPECT_EQ(path[k].light_primitive, expected[k].light_primitive);
+      EXPECT_EQ(path[k].light_contributed, expected[k].light_contributed);
+      EXPECT_EQ(path[k].lobe, expected[k].lobe);
+      EXPECT_EQ(path[k].survived, expected[k].survived);
+      EXPECT_LT(glm::length(path[k].radiance - expected[k].radiance),
+                1e-3f * (1.0f + glm::length(expected[k].radiance)));
+    }
+  }
+  EXPECT_GE(agreeing, ids.size() - 2);
+}
+
+}  // namespace
+}  // namespace etendue::test
