@@ -1,7 +1,7 @@
-# Writes the words of a SPIR-V file as a C++ array: cmake -DSPV=in -DNAME=symbol -DOUT=out.cpp -P embed.cmake
+# Writes the words of a SPIR-V file as a C++ array: cmake -DSPV=in -DNAME=symbol -DHEADER=kernels.h -DOUT=out.cpp -P embed.cmake
 file(READ ${SPV} hex HEX)
 string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1,\n" words "${hex}")
-file(WRITE ${OUT} "#include \"kernels.h\"
+file(WRITE ${OUT} "#include \"${HEADER}\"
 namespace etendue::kernels {
 static constexpr std::uint32_t ${NAME}_words[] = {
 ${words}};

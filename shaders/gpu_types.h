@@ -205,6 +205,21 @@ struct RayResult {
   uint primitive;
   uint steps;
 };
+// bsdf_samples: the push constants and the answers of one material's probe. Queries are directions, one vec4 each.
+struct BsdfProbePass {
+  vec3 wo;
+  uint seed;
+  uint first;     // number of the first sample
+  uint count;
+  uint evaluate;  // 1: eval and pdf at the queries; 0: samples
+  uint pad0;
+};
+struct BsdfProbeResult {
+  vec3 wi;      // the query when evaluating
+  float pdf;
+  vec3 weight;  // eval when evaluating
+  uint lobe;
+};
 const uint kMaxTracedVertices = 256u;
 struct TracedVertex {
   vec3 radiance;
@@ -229,6 +244,8 @@ static_assert(sizeof(Frame) == 144);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);
 static_assert(sizeof(SampleResult) == 32);
+static_assert(sizeof(BsdfProbePass) == 32);
+static_assert(sizeof(BsdfProbeResult) == 32);
 static_assert(sizeof(TracedVertex) == 48);
 }  // namespace etendue::gpu
 #endif

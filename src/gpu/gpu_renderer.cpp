@@ -11,7 +11,7 @@
 #include "core/log.h"
 #include "gpu/device_film.h"
 #include "gpu/device_scene.h"
-#include "kernels.h"
+#include "gpu/kernel_set.h"
 
 namespace etendue {
 namespace {
@@ -99,6 +99,7 @@ class GpuRenderer final : public Renderer {
                   {9, compiled.has_spheres ? 1u : 0u},
                   {10, compiled.few_triangles},
                   {11, compiled.few_spheres}};
+    constants_.insert(constants_.end(), kernels_.constants.begin(), kernels_.constants.end());
     step_budget_ = context_.is_cpu() ? kCpuIterations : kGpuIterations;
   }
 
@@ -138,6 +139,7 @@ class GpuRenderer final : public Renderer {
   gpu::ReportHead take_report();
 
   GpuOptions options_;
+  KernelSet kernels_ = kernel_set(options_.mutant);
   vulkan::Context context_;
   vulkan::Commands commands_;
   vulkan::BindingLayout layout_;
@@ -158,7 +160,7 @@ class GpuRenderer::SampleTracer {
  public:
   SampleTracer(GpuRenderer& renderer, std::size_t capacity)
       : renderer_(renderer),
-        kernel_(renderer.make_kernel(kernels::trace_samples, "trace_samples")),
+        kernel_(renderer.make_kernel(renderer.kernels_.trace_samples, "trace_samples")),
         requests_(renderer.context_, capacity * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
                   "sample requests"),
         results_(renderer.context_, capacity * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
@@ -250,7 +252,7 @@ void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, 
 }
 
 std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress, std::vector<RejectedSample>& rejected) {
-  if (!render_kernel_.get()) render_kernel_ = make_kernel(kernels::render, "render");
+  if (!render_kernel_.get()) render_kernel_ = make_kernel(kernels_.render, "render");
   if (!sizer_) sizer_ = std::make_unique<PassSizer>(context_.is_cpu() ? kCpuPassSeconds : options_.pass_seconds, options_.fixed_samples, options_.fixed_groups);
   rejected_.clear();
   const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context_));
@@ -299,7 +301,7 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
 }
 
 std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
-  const vulkan::Kernel kernel = make_kernel(kernels::trace_path, "trace_path");
+  const vulkan::Kernel kernel = make_kernel(kernels_.trace_path, "trace_path");
   const vulkan::Buffer request(context_, sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
                                "sample request");
   constexpr std::size_t kBytes = 16 + gpu::kMaxTracedVertices * sizeof(gpu::TracedVertex);

@@ -2,6 +2,7 @@
 /// The device path: compiles a scene, uploads it and dispatches sample passes.
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "render/renderer.h"
@@ -23,6 +24,7 @@ struct GpuOptions {
   double pass_seconds = 0.1;    ///< a dispatch is sized to take about this long, so that no watchdog fires
   std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
   std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
+  std::optional<std::uint32_t> mutant;  ///< kernels with a planted error (shaders/mutants.h), for tests of the tests; 0: those kernels, no error
 };
 
 /// Opens the device and uploads the scene. Throws Error(no_device, device_lost).

@@ -1,0 +1,26 @@
+// One material on its own, the first of the bound shapes: samples, or values at given directions.
+#ifndef BSDF_PROBE_GLSL
+#define BSDF_PROBE_GLSL
+
+#include "../bsdf/bsdf.glsl"
+#include "../sampler.glsl"
+#include "../scene.glsl"
+
+layout(push_constant) uniform ProbeBlock { BsdfProbePass probe; };
+layout(set = 0, binding = kBindingRequests, std430) readonly buffer QueryBuffer { vec4 queries[]; };
+layout(set = 0, binding = kBindingResults, std430) writeonly buffer ResultBuffer { BsdfProbeResult results[]; };
+
+void probe_bsdf(uint i) {
+  if (i >= probe.count) return;
+  const Shape material = fetch_shape(0u);
+  if (probe.evaluate != 0u) {
+    const vec3 wi = queries[i].xyz;
+    results[i] = BsdfProbeResult(wi, bsdf_pdf(material, probe.wo, wi), bsdf_eval(material, probe.wo, wi), kLobeNone);
+    return;
+  }
+  const uvec4 words = random_words(probe.seed, 0u, probe.first + i, block_bsdf(0u));
+  const BsdfSample s = bsdf_sample(material, probe.wo, to_unit(words.x), to_unit(words.yz));
+  results[i] = BsdfProbeResult(s.wi, s.pdf, s.weight, s.lobe);
+}
+
+#endif

@@ -1,0 +1,99 @@
+#include "gpu/bsdf_probe.h"
+
+#include <algorithm>
+
+#include "gpu/device_scene.h"
+#include "gpu/kernel_set.h"
+
+namespace etendue {
+namespace {
+
+constexpr std::size_t kChunk = 1u << 18;   // samples or queries of one dispatch
+constexpr double kDispatchTimeout = 60.0;  // seconds
+
+// A scene that holds nothing but the material, so that it reaches the device the way every material does.
+CompiledScene compile_material(const Bsdf& bsdf) {
+  Scene scene;
+  scene.shapes.push_back(
+      {.geometry = Sphere{}, .bsdf = bsdf, .emitter = std::nullopt, .name = "sphere", .position = {}});
+  return compile_scene(scene);
+}
+
+class GpuBsdfProbe final : public BsdfProbe {
+ public:
+  GpuBsdfProbe(const Bsdf& bsdf, const GpuOptions& options)
+      : kernels_(kernel_set(options.mutant)),
+        context_(options.device, options.context),
+        commands_(context_),
+        layout_(context_, kernel_bindings(), sizeof(gpu::BsdfProbePass)),
+        kernel_(context_, layout_, kernels_.bsdf_samples, kernels_.constants, "bsdf_samples"),
+        scene_(context_, commands_, compile_material(bsdf)),
+        queries_(context_, kChunk * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                 vulkan::Buffer::Memory::device, "directions"),
+        results_(context_, kChunk * sizeof(gpu::BsdfProbeResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                 vulkan::Buffer::Memory::device, "material samples"),
+        set_(context_, layout_) {
+    for (const vulkan::Binding& b : layout_.bindings()) {
+      if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) set_.bind(b.number, queries_);
+    }
+    scene_.bind(set_);
+    set_.bind(gpu::kBindingResults, results_);
+  }
+
+  std::string device_name() const override { return context_.info().name; }
+  std::string driver_name() const override { return context_.info().driver; }
+
+  std::vector<BsdfDraw> sample(const glm::dvec3& wo, std::uint32_t seed, std::uint32_t first,
+                               std::uint32_t count) override {
+    std::vector<BsdfDraw> draws;
+    draws.reserve(count);
+    for (std::uint32_t done = 0; done < count; done += kChunk) {
+      const auto n = static_cast<std::uint32_t>(std::min<std::size_t>(kChunk, count - done));
+      for (const gpu::BsdfProbeResult& r : run({wo, seed, first + done, n, 0, 0})) {
+        draws.push_back({r.wi, r.pdf, r.weight, static_cast<ProbeLobe>(r.lobe)});
+      }
+    }
+    return draws;
+  }
+
+  std::vector<BsdfValue> evaluate(const glm::dvec3& wo, std::span<const glm::dvec3> wi) override {
+    std::vector<BsdfValue> values;
+    values.reserve(wi.size());
+    for (std::size_t done = 0; done < wi.size(); done += kChunk) {
+      const auto chunk = wi.subspan(done, std::min(kChunk, wi.size() - done));
+      std::vector<gpu::vec4> directions;
+      for (const glm::dvec3& w : chunk) directions.emplace_back(w, 0.0);
+      commands_.upload(queries_, 0, std::as_bytes(std::span(directions)));
+      for (const gpu::BsdfProbeResult& r : run({wo, 0, 0, static_cast<std::uint32_t>(chunk.size()), 1, 0})) {
+        values.push_back({r.weight, r.pdf});
+      }
+    }
+    return values;
+  }
+
+ private:
+  std::vector<gpu::BsdfProbeResult> run(const gpu::BsdfProbePass& pass) {
+    const std::uint32_t groups = (pass.count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize;
+    commands_.dispatch(layout_, kernel_, set_, std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
+    std::vector<gpu::BsdfProbeResult> results(pass.count);
+    commands_.download(results_, 0, std::as_writable_bytes(std::span(results)));
+    return results;
+  }
+
+  KernelSet kernels_;
+  vulkan::Context context_;
+  vulkan::Commands commands_;
+  vulkan::BindingLayout layout_;
+  vulkan::Kernel kernel_;
+  DeviceScene scene_;
+  vulkan::Buffer queries_, results_;
+  vulkan::BindingSet set_;
+};
+
+}  // namespace
+
+std::unique_ptr<BsdfProbe> make_gpu_bsdf_probe(const Bsdf& bsdf, const GpuOptions& options) {
+  return std::make_unique<GpuBsdfProbe>(bsdf, options);
+}
+
+}  // namespace etendue

@@ -1,0 +1,12 @@
+#pragma once
+/// The device's materials for the tests of sampling.
+
+#include "gpu/gpu_renderer.h"
+#include "render/bsdf_probe.h"
+
+namespace etendue {
+
+/// Opens the device for one material. Throws Error(no_device, device_lost).
+std::unique_ptr<BsdfProbe> make_gpu_bsdf_probe(const Bsdf& bsdf, const GpuOptions& options = {});
+
+}  // namespace etendue

@@ -1,0 +1,18 @@
+#include "gpu/kernel_set.h"
+
+#include "kernels.h"
+#include "kernels_mutant.h"
+#include "mutants.h"
+
+namespace etendue {
+
+KernelSet kernel_set(std::optional<std::uint32_t> mutant) {
+  if (!mutant) return {kernels::render, kernels::trace_samples, kernels::trace_path, kernels::bsdf_samples, {}};
+  return {kernels::render_mutant,
+          kernels::trace_samples_mutant,
+          kernels::trace_path_mutant,
+          kernels::bsdf_samples_mutant,
+          {{gpu::kMutantConstant, *mutant}}};
+}
+
+}  // namespace etendue

@@ -1,0 +1,21 @@
+#pragma once
+/// Which build of the kernels a renderer runs: the one that renders pictures, or the one with planted errors.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "vulkan/kernel.h"
+
+namespace etendue {
+
+struct KernelSet {
+  std::span<const std::uint32_t> render, trace_samples, trace_path, bsdf_samples;  ///< SPIR-V words
+  std::vector<vulkan::Specialization> constants;  ///< to be added to those of the scene
+};
+
+/// Without a value the kernels that render pictures; with one those of shaders/mutants.h with that error (0: none).
+KernelSet kernel_set(std::optional<std::uint32_t> mutant);
+
+}  // namespace etendue

@@ -1,0 +1,10 @@
+#pragma once
+/// The reference's materials for the tests of sampling.
+
+#include "render/bsdf_probe.h"
+
+namespace etendue {
+
+std::unique_ptr<BsdfProbe> make_reference_bsdf_probe(const Bsdf& bsdf);
+
+}  // namespace etendue
