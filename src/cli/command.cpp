@@ -36,6 +36,7 @@ void DeviceOption::add_to(CLI::App& command) {
       ->type_name("SEL")
       ->capture_default_str();
   command.add_option("--device-timeout", timeout, "a dispatch that takes longer means that the device hangs (default and at most 5m)")->type_name("TIME");
+  command.add_option("--pass-samples", pass_samples, "samples of each lane per dispatch; for tests")->group("");
   command.add_option("--threads", threads, "host threads; 0: as many as there are cores")->check(CLI::Range(0, 1024));
 }
 
@@ -62,10 +63,11 @@ std::vector<std::string> all_devices() {
   return gpus.empty() ? cpus : gpus;
 }
 
-RendererFactory device_factory(const std::string& selector, const std::string& timeout) {
+RendererFactory device_factory(const std::string& selector, const DeviceOption& option) {
   GpuOptions options;
   options.device = selector;
-  if (!timeout.empty()) options.context.max_wait_seconds = parse_duration("--device-timeout", timeout);
+  options.fixed_samples = option.pass_samples;
+  if (!option.timeout.empty()) options.context.max_wait_seconds = parse_duration("--device-timeout", option.timeout);
   return [options](const Scene& scene, const RenderSettings& settings) { return make_gpu_renderer(scene, settings, options); };
 }
 
@@ -74,7 +76,7 @@ RendererFactory device_factory(const std::string& selector, const std::string& t
 RendererFactory DeviceOption::factory() const {
   set_thread_count(threads);
   if (selector == "reference") return make_reference_renderer;
-  return device_factory(selector, timeout);
+  return device_factory(selector, *this);
 }
 
 std::vector<RendererFactory> DeviceOption::factories() const {
@@ -83,7 +85,7 @@ std::vector<RendererFactory> DeviceOption::factories() const {
   if (list.empty()) throw Error(ExitCode::no_device, "No suitable Vulkan device for '--device all'; see 'etendue devices', or use --device reference.");
   set_thread_count(threads);
   std::vector<RendererFactory> factories;
-  for (const std::string& index : list) factories.push_back(device_factory(index, timeout));
+  for (const std::string& index : list) factories.push_back(device_factory(index, *this));
   return factories;
 }
 

@@ -37,6 +37,7 @@ struct SceneOptions {
 struct DeviceOption {
   std::string selector = "auto";
   std::string timeout;   ///< of one dispatch, "30s"; empty: the default of vulkan::ContextOptions
+  std::uint32_t pass_samples = 0;  ///< see GpuOptions::fixed_samples; for tests
   unsigned threads = 0;  ///< of the reference and of scene compilation; 0: as many as there are cores
 
   void add_to(CLI::App& command);

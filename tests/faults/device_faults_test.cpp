@@ -40,9 +40,10 @@ class DeviceFaults : public RenderTest {
 
 TEST_F(DeviceFaults, ALostDeviceIsReplacedAndTheBytesAreTheSame) {
   expect_ok(render({"--spp", "300", "--film", "-o", "one.exr"}));
-  // Short rounds: something is home when the device is lost.
-  const ProcessResult result =
-      run(render({"--spp", "300", "--film", "-o", "two.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms"}), fault("lost", 2, "2"));
+  // Short passes and rounds: something is home when the device is lost.
+  const ProcessResult result = run(render({"--spp", "300", "--film", "-o", "two.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms",
+                                           "--pass-samples", "2"}),
+                                   fault("lost", 20, "2"));
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(count(result.err, "Opening the device afresh"), 2u) << result.err;
   expect_same("one.exr", "two.exr");
@@ -59,7 +60,7 @@ TEST_F(DeviceFaults, ADeviceThatIsLostAgainAndAgainEndsTheRender) {
 TEST_F(DeviceFaults, WhatWasDeliveredBeforeTheLossIsInTheCheckpoint) {
   write_text(folder_ / "x.exr", "old");
   const ProcessResult result =
-      run(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms"}), fault("lost", 3));
+      run(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms", "--pass-samples", "1"}), fault("lost", 30));
   expect_error(result, 5, "VK_ERROR_DEVICE_LOST");
   EXPECT_EQ(read_text(folder_ / "x.exr"), "old");
   expect_ok(render({"--spp", samples_of("ck.exr"), "--film", "-o", "one.exr"}));
@@ -88,8 +89,9 @@ TEST_F(DeviceFaults, ADispatchThatNeverEndsEndsTheProcess) {
 
 TEST_F(DeviceFaults, AHangLosesNothingThatWasDelivered) {
   write_text(folder_ / "x.exr", "old");
-  Process process(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms", "--device-timeout", "2s"}), folder_,
-                  fault("hang", 3));
+  Process process(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms", "--device-timeout", "2s",
+                          "--pass-samples", "1"}),
+                  folder_, fault("hang", 30));
   expect_error(process.wait(60.0), 5, "did not finish");
   EXPECT_EQ(read_text(folder_ / "x.exr"), "old");
   expect_ok(render({"--spp", samples_of("ck.exr"), "--film", "-o", "one.exr"}));
@@ -121,7 +123,7 @@ class FileFaults : public DeviceFaults {
 TEST_F(FileFaults, AFullDiskLeavesTheTarget) {
   if (!mount_small("full")) GTEST_SKIP() << "mounting a tmpfs is not allowed here: " << std::strerror(errno);
   write_text(mounted_ / "x.exr", "old");
-  expect_error(run(render({"--spp", "4", "-o", "full/x.exr"})), 6, "No space left");
+  expect_error(run({"render", kScene, "--size", "160x120", "--spp", "2", "-o", "full/x.exr"}), 6, "No space left");
   EXPECT_EQ(read_text(mounted_ / "x.exr"), "old");
   expect_no_leftovers(mounted_);
 }
@@ -159,7 +161,8 @@ TEST_F(FileFaults, AReadOnlyFolderIsReportedBeforeTheRender) {
   expect_error(run(render({"--spp", "10000000", "--checkpoint", "locked/ck.exr", "-o", "x.exr"})), 6, words);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
   EXPECT_EQ(read_text(folder_ / "locked/x.exr"), "old");
-  std::filesystem::permissions(folder_ / "locked", std::filesystem::perms::owner_all, std::filesystem::perm_options::add);
+  std::error_code read_only;
+  std::filesystem::permissions(folder_ / "locked", std::filesystem::perms::owner_all, std::filesystem::perm_options::add, read_only);
 }
 
 TEST_F(FileFaults, AFileSizeLimitIsAFileError) {
@@ -173,7 +176,7 @@ TEST_F(FileFaults, AFileSizeLimitIsAFileError) {
 
 TEST_F(FileFaults, AFolderThatVanishesIsAFileErrorAndTheCheckpointIsWhole) {
   std::filesystem::create_directories(folder_ / "gone");
-  Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "100ms", "-o", "gone/x.exr"}), folder_);
+  Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "100ms", "--pass-samples", "4", "-o", "gone/x.exr"}), folder_);
   ASSERT_TRUE(wait_until([&] { return exists("ck.exr"); }));
   std::filesystem::remove_all(folder_ / "gone");
   process.signal(SIGTERM);

@@ -140,7 +140,7 @@ TEST_F(Pieces, TimeBudgetIsKept) {
 
 TEST_F(Pieces, SignalsSaveWhatIsDone) {
   for (const int signal : {SIGINT, SIGTERM}) {
-    Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "200ms", "--film", "-o", "x.exr"}), folder_);
+    Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "200ms", "--pass-samples", "4", "--film", "-o", "x.exr"}), folder_);
     ASSERT_TRUE(wait_until([&] { return exists("ck.exr"); }));
     EXPECT_FALSE(exists("x.exr"));
     process.signal(signal);
@@ -181,7 +181,7 @@ TEST_F(Pieces, Usr1WritesTheCurrentImage) {
 
 /// Renders `spp` samples while it kills the renderer `kills` times at random instants, then lets it finish.
 void render_with_kills(const std::filesystem::path& folder, std::vector<std::string> arguments, int kills, std::mt19937& random) {
-  arguments.insert(arguments.end(), {"--checkpoint", "ck.exr", "--checkpoint-every", "100ms", "--film", "-o", "killed.exr", "-q"});
+  arguments.insert(arguments.end(), {"--checkpoint", "ck.exr", "--checkpoint-every", "50ms", "--pass-samples", "4", "--film", "-o", "killed.exr", "-q"});
   int killed = 0;
   for (int run = 0; killed < kills; ++run) {
     ASSERT_LT(run, 20 * kills);
@@ -240,9 +240,9 @@ TEST_F(Pieces, ShardsOfRandomSizeInRandomOrder) {
 TEST_F(Pieces, MemoryIsFlat) {
   const char* minutes = std::getenv("ETENDUE_SOAK_MINUTES");
   const double seconds = minutes != nullptr ? 60.0 * std::atof(minutes) : 4.0;
-  Process process(render({"--spp", "4000000000", "--checkpoint", "ck.exr", "--checkpoint-every", "50ms", "-o", "x.exr"}), folder_);
+  Process process(render({"--spp", "4000000000", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms", "--pass-samples", "1", "-o", "x.exr"}), folder_);
   ASSERT_TRUE(wait_until([&] { return exists("ck.exr"); }));
-  std::this_thread::sleep_for(std::chrono::seconds(1));
+  std::this_thread::sleep_for(std::chrono::seconds(2));
   const std::uint64_t before = process.resident();
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
   const std::uint64_t after = process.resident();
