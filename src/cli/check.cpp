@@ -16,9 +16,12 @@ struct Options {
 
 const char* severity_name(Severity severity) {
   switch (severity) {
-    case Severity::error: return "error";
-    case Severity::warning: return "warning";
-    case Severity::note: return "note";
+    case Severity::error:
+      return "error";
+    case Severity::warning:
+      return "warning";
+    case Severity::note:
+      return "note";
   }
   return "";
 }
@@ -34,8 +37,11 @@ ExitCode check_files(const Options& options) {
     for (const Diagnostic& d : diagnostics.list()) {
       if (d.severity == Severity::error && code == ExitCode::ok) code = d.code;
       if (options.json) {
-        out.push_back({{"severity", severity_name(d.severity)}, {"file", d.position.file}, {"line", d.position.line},
-                       {"column", d.position.column}, {"message", d.message}});
+        out.push_back({{"severity", severity_name(d.severity)},
+                       {"file", d.position.file},
+                       {"line", d.position.line},
+                       {"column", d.position.column},
+                       {"message", d.message}});
       } else {
         fmt::print("{}: {}\n", severity_name(d.severity), to_string(d));
       }
@@ -51,7 +57,8 @@ ExitCode check_files(const Options& options) {
 }  // namespace
 
 void add_check_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("check", "read scenes strictly and list everything that is wrong or probably not meant; nothing is rendered");
+  auto* command = app.add_subcommand(
+      "check", "read scenes strictly and list everything that is wrong or probably not meant; nothing is rendered");
   const auto options = std::make_shared<Options>();
   command->add_option("SCENE", options->files, "scene files")->required();
   options->scene.add_to(*command);

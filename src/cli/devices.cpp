@@ -11,14 +11,21 @@ ExitCode list(bool json) {
   const auto devices = vulkan::list_devices(vulkan::ContextOptions::from_environment());
   auto out = nlohmann::json::array();
   for (const vulkan::DeviceInfo& d : devices) {
-    const std::string api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(d.api_version), VK_API_VERSION_MINOR(d.api_version),
-                                        VK_API_VERSION_PATCH(d.api_version));
+    const std::string api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(d.api_version),
+                                        VK_API_VERSION_MINOR(d.api_version), VK_API_VERSION_PATCH(d.api_version));
     if (json) {
-      out.push_back({{"index", d.index}, {"name", d.name}, {"type", d.type}, {"driver", d.driver}, {"vulkan", api},
-                     {"memory_bytes", d.memory_bytes}, {"subgroup_size", d.subgroup_size}, {"missing", d.missing}});
+      out.push_back({{"index", d.index},
+                     {"name", d.name},
+                     {"type", d.type},
+                     {"driver", d.driver},
+                     {"vulkan", api},
+                     {"memory_bytes", d.memory_bytes},
+                     {"subgroup_size", d.subgroup_size},
+                     {"missing", d.missing}});
     } else {
       fmt::print("{}  {}  [{}]  {}  Vulkan {}  {:.1f} GiB{}\n", d.index, d.name, d.type, d.driver, api,
-                 static_cast<double>(d.memory_bytes) / (1 << 30), d.missing.empty() ? "" : "  not usable: " + d.missing);
+                 static_cast<double>(d.memory_bytes) / (1 << 30),
+                 d.missing.empty() ? "" : "  not usable: " + d.missing);
     }
   }
   if (json) {
@@ -32,7 +39,8 @@ ExitCode list(bool json) {
 }  // namespace
 
 void add_devices_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("devices", "list the Vulkan devices and what is missing from those that cannot be used");
+  auto* command =
+      app.add_subcommand("devices", "list the Vulkan devices and what is missing from those that cannot be used");
   const auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "machine-readable output");
   command->callback([&action, json] { action = [json] { return list(*json); }; });

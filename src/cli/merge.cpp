@@ -23,16 +23,22 @@ ExitCode merge(const Options& options) {
   for (const std::string& path : options.outputs) check_output_name(path);
   for (const std::string& path : options.outputs) check_writable(path);
   const FilmFile film = merge_films(options.films);
-  if (film.samples.empty()) throw Error(ExitCode::file_error, "None of the films holds a sample; there is nothing to write.");
+  if (film.samples.empty())
+    throw Error(ExitCode::file_error, "None of the films holds a sample; there is nothing to write.");
   for (const std::string& path : options.outputs) write_output(path, film, !options.picture);
 
   const std::uint64_t count = sample_count(film.samples);
   const std::uint64_t gaps = film.samples.back().second - count;
   if (options.json) {
-    fmt::print("{}\n", nlohmann::json({{"outputs", options.outputs}, {"films", options.films.size()}, {"samples", count}, {"missing", gaps},
-                                       {"metadata", film_metadata(film)}}).dump(2));
+    fmt::print("{}\n", nlohmann::json({{"outputs", options.outputs},
+                                       {"films", options.films.size()},
+                                       {"samples", count},
+                                       {"missing", gaps},
+                                       {"metadata", film_metadata(film)}})
+                           .dump(2));
   } else if (!options.quiet) {
-    log::info(fmt::format("Merged {} films: {} spp, samples {}{}; wrote {}.", options.films.size(), count, etendue::to_text(film.samples),
+    log::info(fmt::format("Merged {} films: {} spp, samples {}{}; wrote {}.", options.films.size(), count,
+                          etendue::to_text(film.samples),
                           gaps > 0 ? fmt::format(" ({} of 0:{} are missing)", gaps, film.samples.back().second) : "",
                           fmt::join(options.outputs, " and ")));
   }
@@ -42,11 +48,15 @@ ExitCode merge(const Options& options) {
 }  // namespace
 
 void add_merge_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("merge", "add up films of one render: shards of 'render --samples', checkpoints, merged films");
+  auto* command = app.add_subcommand(
+      "merge", "add up films of one render: shards of 'render --samples', checkpoints, merged films");
   const auto options = std::make_shared<Options>();
   command->add_option("FILM", options->films, "films with different samples, in any order")->required();
-  command->add_option("-o,--output", options->outputs, "film (.exr) or picture (.png) to write; may be repeated")->required()->allow_extra_args(false);
-  command->add_flag("--picture", options->picture, "write .exr files as plain pictures, which are smaller but cannot be merged or resumed");
+  command->add_option("-o,--output", options->outputs, "film (.exr) or picture (.png) to write; may be repeated")
+      ->required()
+      ->allow_extra_args(false);
+  command->add_flag("--picture", options->picture,
+                    "write .exr files as plain pictures, which are smaller but cannot be merged or resumed");
   command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--json", options->json, "print what was done as JSON");
   command->callback([&action, options] { action = [options] { return merge(*options); }; });

@@ -18,7 +18,9 @@ std::string duration_text(double seconds) {
 ProgressLine::ProgressLine(bool quiet, std::uint64_t before, std::uint64_t total)
     : quiet_(quiet), terminal_(log::stderr_is_terminal()), before_(before), total_(total) {}
 
-ProgressLine::~ProgressLine() { finish(); }
+ProgressLine::~ProgressLine() {
+  finish();
+}
 
 void ProgressLine::finish() {
   if (shown_ && terminal_) fmt::print(stderr, "\n");
@@ -35,8 +37,8 @@ void ProgressLine::update(std::uint64_t done) {
   const double rate = seconds > 0.0 ? static_cast<double>(done - std::min(before_, done)) / seconds : 0.0;
   const double left = rate > 0.0 ? static_cast<double>(total_ - done) / rate : 0.0;
   fmt::print(stderr, "{}{:3.0f} %  {}/{} samples  {:.2f} Msamples/s  {} left{}", terminal_ ? "\r" : "",
-             100.0 * static_cast<double>(done) / static_cast<double>(total_), done, total_, rate * 1e-6, duration_text(left),
-             terminal_ ? "   " : "\n");
+             100.0 * static_cast<double>(done) / static_cast<double>(total_), done, total_, rate * 1e-6,
+             duration_text(left), terminal_ ? "   " : "\n");
   std::fflush(stderr);
 }
 

@@ -32,11 +32,14 @@ struct Options {
   bool json = false;
 };
 
-bool uses_gpu(const Options& options) { return options.device.selector != "reference"; }
+bool uses_gpu(const Options& options) {
+  return options.device.selector != "reference";
+}
 
 std::string integrator_text(const Integrator& integrator) {
   if (integrator.type == Integrator::Type::normals) return "normals";
-  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}", integrator.max_depth, integrator.nee, integrator.mis, integrator.rr_depth);
+  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}", integrator.max_depth, integrator.nee, integrator.mis,
+                     integrator.rr_depth);
 }
 
 // What every film of this render agrees on. Nothing in a file depends on the time or the place of the run.
@@ -56,8 +59,10 @@ SampleRange wanted_samples(const Options& options, const Scene& scene) {
   if (options.samples.empty()) return {0, options.spp > 0 ? options.spp : scene.sampler.sample_count};
   const SampleRange range = parse_samples(options.samples);
   if (options.spp > 0 && range.end > options.spp) {
-    throw Error(ExitCode::usage, fmt::format("'--samples {}' ends beyond the {} samples of '--spp'; a range of an N spp render lies inside 0:N.",
-                                             options.samples, options.spp));
+    throw Error(
+        ExitCode::usage,
+        fmt::format("'--samples {}' ends beyond the {} samples of '--spp'; a range of an N spp render lies inside 0:N.",
+                    options.samples, options.spp));
   }
   return range;
 }
@@ -72,8 +77,12 @@ SessionOptions session_options(const Options& options, Clock::time_point start) 
     throw Error(ExitCode::usage, "'--checkpoint-every' needs the file to write: add --checkpoint FILE.");
   }
   for (const std::string& path : options.outputs) check_output_name(path);
-  SessionOptions session{.film = options.film || !options.samples.empty(), .checkpoint = options.checkpoint, .start = start, .quiet = options.quiet};
-  if (!options.checkpoint_every.empty()) session.checkpoint_seconds = parse_duration("--checkpoint-every", options.checkpoint_every);
+  SessionOptions session{.film = options.film || !options.samples.empty(),
+                         .checkpoint = options.checkpoint,
+                         .start = start,
+                         .quiet = options.quiet};
+  if (!options.checkpoint_every.empty())
+    session.checkpoint_seconds = parse_duration("--checkpoint-every", options.checkpoint_every);
   if (!options.time.empty()) session.time_seconds = parse_duration("--time", options.time);
   if (!options.until_error.empty()) session.max_error = parse_fraction("--until-error", options.until_error);
   return session;
@@ -86,9 +95,11 @@ void report_rejected(const RenderJob& job, bool strict) {
   std::string places;
   for (std::size_t i = 0; i < std::min<std::size_t>(job.rejected().size(), 4); ++i) {
     const RejectedSample& r = job.rejected()[i];
-    places += fmt::format("{} pixel ({}, {}) sample {} segment {}", i == 0 ? ":" : ";", r.id.pixel % width, r.id.pixel / width, r.id.sample, r.segments);
+    places += fmt::format("{} pixel ({}, {}) sample {} segment {}", i == 0 ? ":" : ";", r.id.pixel % width,
+                          r.id.pixel / width, r.id.sample, r.segments);
   }
-  const std::string text = fmt::format("{} samples were not finite or too large for the film and were left out{}", count, places);
+  const std::string text =
+      fmt::format("{} samples were not finite or too large for the film and were left out{}", count, places);
   if (strict) throw Error(ExitCode::test_failed, text + "; without --strict the image is written without them.");
   log::warning(text);
 }
@@ -102,31 +113,38 @@ struct Outcome {
 
 std::string reason_text(const Outcome& outcome, const RenderJob& job, const Options& options) {
   switch (outcome.end) {
-    case SessionEnd::complete: return "";
-    case SessionEnd::time: return fmt::format(" of {}, stopped by --time {}", job.total(), options.time);
-    case SessionEnd::error: return fmt::format(" of at most {}, good enough for --until-error {}", job.total(), options.until_error);
-    case SessionEnd::interrupted: return fmt::format(" of {}, interrupted", job.total());
+    case SessionEnd::complete:
+      return "";
+    case SessionEnd::time:
+      return fmt::format(" of {}, stopped by --time {}", job.total(), options.time);
+    case SessionEnd::error:
+      return fmt::format(" of at most {}, good enough for --until-error {}", job.total(), options.until_error);
+    case SessionEnd::interrupted:
+      return fmt::format(" of {}, interrupted", job.total());
   }
   return "";
 }
 
-nlohmann::json to_json(const Outcome& outcome, const RenderJob& job, const SessionOptions& session, const DeviceTeam& team, bool gpu) {
+nlohmann::json to_json(const Outcome& outcome, const RenderJob& job, const SessionOptions& session,
+                       const DeviceTeam& team, bool gpu) {
   const double pixel_samples = static_cast<double>(outcome.samples * job.pixels());
-  nlohmann::json out = {{"outputs", session.outputs},
-                        {"film", session.film},
-                        {"checkpoint", session.checkpoint},
-                        {"end", to_text(outcome.end)},
-                        {"metadata", film_metadata(job.state())},
-                        {"seconds", outcome.seconds},
-                        {"render_seconds", outcome.render_seconds},
-                        {"samples_per_second", outcome.render_seconds > 0 ? pixel_samples / outcome.render_seconds : 0.0},
-                        {"rejected", job.state().film.rejected()},
-                        {"devices", nlohmann::json::array()}};
+  nlohmann::json out = {
+      {"outputs", session.outputs},
+      {"film", session.film},
+      {"checkpoint", session.checkpoint},
+      {"end", to_text(outcome.end)},
+      {"metadata", film_metadata(job.state())},
+      {"seconds", outcome.seconds},
+      {"render_seconds", outcome.render_seconds},
+      {"samples_per_second", outcome.render_seconds > 0 ? pixel_samples / outcome.render_seconds : 0.0},
+      {"rejected", job.state().film.rejected()},
+      {"devices", nlohmann::json::array()}};
   for (const Renderer* renderer : team.renderers()) {
     nlohmann::json device = {{"device", renderer->device_name()}, {"driver", renderer->driver_name()}};
     if (gpu) {
       const GpuTimings t = gpu_timings(*renderer);
-      device["timings"] = {{"compile", t.compile}, {"upload", t.upload}, {"pipeline", t.pipeline}, {"render", t.render}};
+      device["timings"] = {
+          {"compile", t.compile}, {"upload", t.upload}, {"pipeline", t.pipeline}, {"render", t.render}};
       if (!out.contains("timings")) out["timings"] = device["timings"];
     }
     out["devices"].push_back(device);
@@ -134,14 +152,16 @@ nlohmann::json to_json(const Outcome& outcome, const RenderJob& job, const Sessi
   return out;
 }
 
-void report(const Outcome& outcome, const RenderJob& job, const Options& options, const SessionOptions& session, const DeviceTeam& team) {
+void report(const Outcome& outcome, const RenderJob& job, const Options& options, const SessionOptions& session,
+            const DeviceTeam& team) {
   if (options.json) {
     fmt::print("{}\n", to_json(outcome, job, session, team, uses_gpu(options)).dump(2));
   } else if (!options.quiet) {
     const Film& film = job.state().film;
     const double rate = static_cast<double>(outcome.samples * job.pixels()) / std::max(outcome.render_seconds, 1e-9);
-    log::info(fmt::format("Rendered {}x{} at {} spp{} in {} ({:.2f} Msamples/s); wrote {}.", film.width(), film.height(), job.done(),
-                          reason_text(outcome, job, options), duration_text(outcome.render_seconds), rate * 1e-6, fmt::join(session.outputs, " and ")));
+    log::info(fmt::format("Rendered {}x{} at {} spp{} in {} ({:.2f} Msamples/s); wrote {}.", film.width(),
+                          film.height(), job.done(), reason_text(outcome, job, options),
+                          duration_text(outcome.render_seconds), rate * 1e-6, fmt::join(session.outputs, " and ")));
   }
 }
 
@@ -181,7 +201,8 @@ ExitCode render(const Options& options) {
 
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : options.device.factories()) {
-    open.push_back([factory, &scene, settings = RenderSettings{.seed = options.seed}] { return factory(scene, settings); });
+    open.push_back(
+        [factory, &scene, settings = RenderSettings{.seed = options.seed}] { return factory(scene, settings); });
   }
   DeviceTeam team(std::move(open));
   if (!options.quiet && uses_gpu(options)) {
@@ -191,15 +212,28 @@ ExitCode render(const Options& options) {
 }
 
 void add_job_options(CLI::App& command, Options& options) {
-  command.add_option("--samples", options.samples, "render only the samples A to B - 1 and write films that 'etendue merge' adds up")->type_name("A:B");
-  command.add_flag("--film", options.film, "write .exr files as films, which can be merged and resumed, instead of pictures");
-  command.add_option("--checkpoint", options.checkpoint, "film file that keeps what is done, written from time to time and at the end")->type_name("FILE");
-  command.add_option("--checkpoint-every", options.checkpoint_every, "time between checkpoints (default: 60s)")->type_name("TIME");
-  command.add_option("--resume", options.resume, "go on from a checkpoint or another film of the same render")->type_name("FILE");
-  command.add_option("--time", options.time, "stop in time, for example 10m; scene reading counts, writing the image does not")->type_name("TIME");
+  command
+      .add_option("--samples", options.samples,
+                  "render only the samples A to B - 1 and write films that 'etendue merge' adds up")
+      ->type_name("A:B");
+  command.add_flag("--film", options.film,
+                   "write .exr files as films, which can be merged and resumed, instead of pictures");
+  command
+      .add_option("--checkpoint", options.checkpoint,
+                  "film file that keeps what is done, written from time to time and at the end")
+      ->type_name("FILE");
+  command.add_option("--checkpoint-every", options.checkpoint_every, "time between checkpoints (default: 60s)")
+      ->type_name("TIME");
+  command.add_option("--resume", options.resume, "go on from a checkpoint or another film of the same render")
+      ->type_name("FILE");
+  command
+      .add_option("--time", options.time,
+                  "stop in time, for example 10m; scene reading counts, writing the image does not")
+      ->type_name("TIME");
   command
       .add_option("--until-error", options.until_error,
-                  "stop when the relative standard error of the image is at most this, for example 1%; looked at after 16, 24, 32, 48, 64 … samples")
+                  "stop when the relative standard error of the image is at most this, for example 1%; looked at after "
+                  "16, 24, 32, 48, 64 … samples")
       ->type_name("FRACTION");
 }
 
@@ -209,9 +243,12 @@ void add_render_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("render", "render a scene to EXR and PNG");
   const auto options = std::make_shared<Options>();
   command->add_option("SCENE", options->scene_file, "scene file")->required();
-  command->add_option("-o,--output", options->outputs, "image to write, .exr or .png; may be repeated (default: <scene name>.exr and .png here)")
+  command
+      ->add_option("-o,--output", options->outputs,
+                   "image to write, .exr or .png; may be repeated (default: <scene name>.exr and .png here)")
       ->allow_extra_args(false);
-  command->add_option("--spp", options->spp, "samples per pixel instead of the scene's sampleCount")->check(CLI::Range(1u, 0xffffffffu));
+  command->add_option("--spp", options->spp, "samples per pixel instead of the scene's sampleCount")
+      ->check(CLI::Range(1u, 0xffffffffu));
   command->add_option("--seed", options->seed, "seed of the random numbers")->capture_default_str();
   command->add_option("--size", options->size, "film size instead of the scene's, WxH");
   add_job_options(*command, *options);
@@ -219,7 +256,9 @@ void add_render_command(CLI::App& app, Action& action) {
   options->device.add_to(*command);
   command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--json", options->json, "print what was done as JSON");
-  command->footer("SIGINT or SIGTERM: finish the pass, write image and checkpoint, end with code 130; a second one aborts. SIGUSR1: write the current image.");
+  command->footer(
+      "SIGINT or SIGTERM: finish the pass, write image and checkpoint, end with code 130; a second one aborts. "
+      "SIGUSR1: write the current image.");
   command->callback([&action, options] { action = [options] { return render(*options); }; });
 }
 

@@ -19,10 +19,14 @@ constexpr std::chrono::seconds kLongestRound{60};
 
 const char* to_text(SessionEnd end) {
   switch (end) {
-    case SessionEnd::complete: return "complete";
-    case SessionEnd::time: return "time";
-    case SessionEnd::error: return "error";
-    case SessionEnd::interrupted: return "interrupted";
+    case SessionEnd::complete:
+      return "complete";
+    case SessionEnd::time:
+      return "time";
+    case SessionEnd::error:
+      return "error";
+    case SessionEnd::interrupted:
+      return "interrupted";
   }
   return "";
 }
@@ -51,7 +55,8 @@ SessionEnd Session::run(DeviceTeam& team) {
 }
 
 SessionEnd Session::run_rounds(DeviceTeam& team) {
-  const auto between_saves = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.checkpoint_seconds));
+  const auto between_saves =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.checkpoint_seconds));
   while (job_.done() < job_.total()) {
     if (signals_.stop_asked()) return SessionEnd::interrupted;
     if (good_enough()) return SessionEnd::error;
@@ -85,7 +90,8 @@ bool Session::time_is_up() const {
 }
 
 bool Session::good_enough() const {
-  return options_.max_error && is_error_check(job_.done()) && relative_standard_error(job_.state().film) <= *options_.max_error;
+  return options_.max_error && is_error_check(job_.done()) &&
+         relative_standard_error(job_.state().film) <= *options_.max_error;
 }
 
 void Session::save_checkpoint() {
@@ -99,7 +105,9 @@ void Session::write_outputs() const {
   for (const std::string& path : options_.outputs) write_output(path, job_.state(), options_.film);
 }
 
-void check_writable(const std::string& path) { const AtomicFile probe(path); }
+void check_writable(const std::string& path) {
+  const AtomicFile probe(path);
+}
 
 void write_output(const std::string& path, const FilmFile& film, bool as_film) {
   if (path.ends_with(".exr") && as_film) {
@@ -116,7 +124,8 @@ void write_output(const std::string& path, const FilmFile& film, bool as_film) {
 
 void check_output_name(const std::string& path) {
   if (path.ends_with(".exr") || path.ends_with(".png")) return;
-  throw Error(ExitCode::usage, fmt::format("'-o {}' ends neither in .exr nor in .png, the two formats that are written.", path));
+  throw Error(ExitCode::usage,
+              fmt::format("'-o {}' ends neither in .exr nor in .png, the two formats that are written.", path));
 }
 
 }  // namespace etendue::cli

@@ -13,9 +13,9 @@
 namespace etendue::cli {
 
 struct SessionOptions {
-  std::vector<std::string> outputs;   ///< .exr and .png
-  bool film = false;                  ///< .exr outputs are films, which can be merged and resumed
-  std::string checkpoint;             ///< empty: none
+  std::vector<std::string> outputs;  ///< .exr and .png
+  bool film = false;                 ///< .exr outputs are films, which can be merged and resumed
+  std::string checkpoint;            ///< empty: none
   double checkpoint_seconds = 60.0;
   std::optional<double> time_seconds;  ///< stop in time, counted from `start`
   std::optional<double> max_error;     ///< stop when relative_standard_error is at most this
@@ -30,8 +30,8 @@ class Session {
  public:
   Session(RenderJob& job, const SessionOptions& options);
 
-  /// Renders until the job is complete or there is a reason to stop; checkpoints and images asked for are written on the way. When a device fails
-  /// for good, the checkpoint is written before the error is passed on.
+  /// Renders until the job is complete or there is a reason to stop; checkpoints and images asked for are written on
+  /// the way. When a device fails for good, the checkpoint is written before the error is passed on.
   SessionEnd run(DeviceTeam& team);
 
   /// Writes the checkpoint unless the last one holds everything.
@@ -58,7 +58,8 @@ class Session {
   std::chrono::duration<double> pass_time_{0.0};
 };
 
-/// Throws Error(file_error) when the file could not be written now: better before the render than after it. The file is not touched.
+/// Throws Error(file_error) when the file could not be written now: better before the render than after it. The file is
+/// not touched.
 void check_writable(const std::string& path);
 
 /// Writes a film as picture (.png), picture or film (.exr).

@@ -61,8 +61,14 @@ SignalWatch::~SignalWatch() {
   for (int i = 0; i < kSignalCount; ++i) sigaction(kSignals[i], &g_before[i], nullptr);
 }
 
-bool SignalWatch::stop_asked() const { return g_stop_requests > 0; }
-bool SignalWatch::image_asked() const { return g_image_request; }
-bool SignalWatch::take_image_request() { return g_image_request.exchange(false); }
+bool SignalWatch::stop_asked() const {
+  return g_stop_requests > 0;
+}
+bool SignalWatch::image_asked() const {
+  return g_image_request;
+}
+bool SignalWatch::take_image_request() {
+  return g_image_request.exchange(false);
+}
 
 }  // namespace etendue::cli

@@ -3,8 +3,8 @@
 
 namespace etendue::cli {
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP (unless it was ignored) ask to stop, and SIGUSR1 asks for the current image. A second request to
-/// stop ends the process at once with code 130. One at a time.
+/// While it lives, SIGINT, SIGTERM and SIGHUP (unless it was ignored) ask to stop, and SIGUSR1 asks for the current
+/// image. A second request to stop ends the process at once with code 130. One at a time.
 class SignalWatch {
  public:
   explicit SignalWatch(bool quiet);

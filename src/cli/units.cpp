@@ -64,7 +64,8 @@ SampleRange parse_samples(const std::string& text) {
     const auto end = parse_number<std::uint32_t>(std::string_view(text).substr(colon + 1));
     if (begin && end && *begin < *end) return {*begin, *end};
   }
-  refuse("--samples", text, "a range A:B of sample indices with 0 <= A < B < 2^32 (B itself is not rendered); write for example 0:64");
+  refuse("--samples", text,
+         "a range A:B of sample indices with 0 <= A < B < 2^32 (B itself is not rendered); write for example 0:64");
 }
 
 Size parse_size(const std::string& text) {

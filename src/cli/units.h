@@ -1,6 +1,6 @@
 #pragma once
-/// Durations, fractions, sizes and sample ranges as people write them on the command line. Every function throws Error(usage) that names the
-/// option, the text and an example.
+/// Durations, fractions, sizes and sample ranges as people write them on the command line. Every function throws
+/// Error(usage) that names the option, the text and an example.
 
 #include <string>
 

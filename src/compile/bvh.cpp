@@ -43,13 +43,15 @@ struct BinMap {
   }
   std::uint32_t operator()(const glm::vec3& c, int axis, std::uint32_t bins) const {
     const float x = (c[axis] - origin[axis]) * scale[axis];
-    return x >= static_cast<float>(bins) ? bins - 1 : static_cast<std::uint32_t>(x);  // extents near 0 may overflow to inf
+    return x >= static_cast<float>(bins) ? bins - 1
+                                         : static_cast<std::uint32_t>(x);  // extents near 0 may overflow to inf
   }
 };
 
 class Builder {
  public:
-  Builder(const std::vector<Box>& boxes, const BvhConfig& config) : boxes_(boxes), config_(config), order_(boxes.size()) {
+  Builder(const std::vector<Box>& boxes, const BvhConfig& config)
+      : boxes_(boxes), config_(config), order_(boxes.size()) {
     std::iota(order_.begin(), order_.end(), 0u);
   }
 
@@ -94,7 +96,8 @@ class Builder {
     nodes[work.node].box = box;
     const Split split = work.depth < config_.median_depth ? find_split(work, centroids) : Split{};
     const float leaf_cost = static_cast<float>(count);
-    const float split_cost = config_.traversal_cost + split.cost / std::max(box.half_area(), std::numeric_limits<float>::min());
+    const float split_cost =
+        config_.traversal_cost + split.cost / std::max(box.half_area(), std::numeric_limits<float>::min());
     if (count == 1 || (count <= config_.max_leaf && (split.axis < 0 || leaf_cost <= split_cost))) {
       nodes[work.node].first = work.begin;
       nodes[work.node].count = count;
@@ -108,8 +111,8 @@ class Builder {
     pending.push_back({child, work.begin, middle, work.depth + 1});
   }
 
-  // Runs body over chunks of the node's primitives, in parallel when it is large; results are merged by the caller in any order, so
-  // they must be order-free (minima, maxima, counts).
+  // Runs body over chunks of the node's primitives, in parallel when it is large; results are merged by the caller in
+  // any order, so they must be order-free (minima, maxima, counts).
   template <typename State, typename Body, typename Merge>
   State reduce(const Work& work, const Body& body, const Merge& merge) {
     const std::uint32_t count = work.end - work.begin;
@@ -121,7 +124,9 @@ class Builder {
     }
     const std::uint64_t grain = kParallelBinning / 4;
     std::vector<State> parts((count + grain - 1) / grain);
-    parallel_for(count, grain, [&](std::uint64_t begin, std::uint64_t end) { body(items.subspan(begin, end - begin), parts[begin / grain]); });
+    parallel_for(count, grain, [&](std::uint64_t begin, std::uint64_t end) {
+      body(items.subspan(begin, end - begin), parts[begin / grain]);
+    });
     for (const State& part : parts) merge(total, part);
     return total;
   }
@@ -263,6 +268,8 @@ class Builder {
 
 }  // namespace
 
-Bvh build_bvh(const std::vector<Box>& boxes, const BvhConfig& config) { return Builder(boxes, config).build(); }
+Bvh build_bvh(const std::vector<Box>& boxes, const BvhConfig& config) {
+  return Builder(boxes, config).build();
+}
 
 }  // namespace etendue

@@ -9,10 +9,10 @@
 namespace etendue {
 
 struct BvhConfig {
-  std::uint32_t max_leaf = 4;         ///< primitives in a leaf at most
-  std::uint32_t bins = 32;            ///< candidate planes per axis, plus one
-  float traversal_cost = 1.0f;        ///< of a node, in units of a primitive test
-  std::uint32_t median_depth = 40;    ///< below this depth nodes are split into halves, which bounds the depth
+  std::uint32_t max_leaf = 4;       ///< primitives in a leaf at most
+  std::uint32_t bins = 32;          ///< candidate planes per axis, plus one
+  float traversal_cost = 1.0f;      ///< of a node, in units of a primitive test
+  std::uint32_t median_depth = 40;  ///< below this depth nodes are split into halves, which bounds the depth
 };
 
 /// Inner node (count 0): children at `first` and `first + 1`. Leaf: `count` entries of the order from `first`.

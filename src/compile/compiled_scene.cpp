@@ -14,7 +14,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-double luminance(const glm::dvec3& rgb) { return glm::dot(rgb, glm::dvec3(0.212671, 0.715160, 0.072169)); }
+double luminance(const glm::dvec3& rgb) {
+  return glm::dot(rgb, glm::dvec3(0.212671, 0.715160, 0.072169));
+}
 
 gpu::Shape flatten_material(const Shape& shape) {
   gpu::Shape out{};
@@ -94,7 +96,8 @@ class Compiler {
       }
       out_.shapes.push_back(flat);
     }
-    if (flat_primitives_.empty()) flat_primitives_.push_back({});  // a point-sized triangle: bindings are never empty, nothing is hit
+    if (flat_primitives_.empty())
+      flat_primitives_.push_back({});  // a point-sized triangle: bindings are never empty, nothing is hit
     if (out_.shapes.empty()) out_.shapes.push_back({});
   }
 
@@ -165,9 +168,11 @@ class Compiler {
     for (std::size_t i = 0; i < primitive_count(shape); ++i) areas.push_back(primitive_area(shape, i));
     const std::vector<std::uint64_t> thresholds = integer_thresholds(areas);
     for (std::size_t i = 0; i < areas.size(); ++i) {
-      if (!(areas[i] > 0.0)) continue;  // entries of zero weight are left out, so the last one with T <= word is the one chosen
+      if (!(areas[i] > 0.0))
+        continue;  // entries of zero weight are left out, so the last one with T <= word is the one chosen
       const auto prob = static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
-      out_.light_primitives.push_back({static_cast<gpu::uint>(thresholds[i]), slot_of_[first_primitive_[index] + i], prob, 0});
+      out_.light_primitives.push_back(
+          {static_cast<gpu::uint>(thresholds[i]), slot_of_[first_primitive_[index] + i], prob, 0});
       ++light.primitive_count;
     }
     out_.light_shapes.push_back(light);
@@ -213,6 +218,8 @@ class Compiler {
 
 }  // namespace
 
-CompiledScene compile_scene(const Scene& scene) { return Compiler(scene).compile(); }
+CompiledScene compile_scene(const Scene& scene) {
+  return Compiler(scene).compile();
+}
 
 }  // namespace etendue

@@ -9,25 +9,31 @@ namespace {
 
 constexpr int kIntegrationSteps = 1 << 16;  // midpoint rule over the support: relative error below 1e-9
 
-double filter_radius(const ReconstructionFilter& f) { return f.type == ReconstructionFilter::Type::tent ? 1.0 : f.radius; }
+double filter_radius(const ReconstructionFilter& f) {
+  return f.type == ReconstructionFilter::Type::tent ? 1.0 : f.radius;
+}
 
 // [Mitchell1988, eq. 8] on [0, 2].
 double mitchell(double x, double b, double c) {
   if (x < 1.0) return ((12 - 9 * b - 6 * c) * x * x * x + (-18 + 12 * b + 6 * c) * x * x + (6 - 2 * b)) / 6.0;
-  if (x < 2.0) return ((-b - 6 * c) * x * x * x + (6 * b + 30 * c) * x * x + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) / 6.0;
+  if (x < 2.0)
+    return ((-b - 6 * c) * x * x * x + (6 * b + 30 * c) * x * x + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) / 6.0;
   return 0.0;
 }
 
 double filter_value(const ReconstructionFilter& f, double x) {
   x = std::abs(x);
   switch (f.type) {
-    case ReconstructionFilter::Type::tent: return std::max(0.0, 1.0 - x);
+    case ReconstructionFilter::Type::tent:
+      return std::max(0.0, 1.0 - x);
     case ReconstructionFilter::Type::gaussian: {
       const double k = -1.0 / (2.0 * f.stddev * f.stddev);
       return std::max(0.0, std::exp(k * x * x) - std::exp(k * f.radius * f.radius));
     }
-    case ReconstructionFilter::Type::mitchell: return mitchell(2.0 * x / f.radius, f.b, f.c);
-    case ReconstructionFilter::Type::box: return x <= 0.5 ? 1.0 : 0.0;
+    case ReconstructionFilter::Type::mitchell:
+      return mitchell(2.0 * x / f.radius, f.b, f.c);
+    case ReconstructionFilter::Type::box:
+      return x <= 0.5 ? 1.0 : 0.0;
   }
   return 0.0;
 }

@@ -8,10 +8,10 @@
 namespace etendue {
 
 struct FilterTable {
-  std::vector<float> knots;       ///< inverse CDF of |filter| at i/kFilterSteps, in pixels; empty for the box
-  double weight = 1.0;            ///< ∫|f| / ∫f
+  std::vector<float> knots;  ///< inverse CDF of |filter| at i/kFilterSteps, in pixels; empty for the box
+  double weight = 1.0;       ///< ∫|f| / ∫f
   bool has_negative_lobes = false;
-  double zero = 0.0;              ///< |x| beyond which the filter is negative
+  double zero = 0.0;  ///< |x| beyond which the filter is negative
 };
 
 FilterTable make_filter_table(const ReconstructionFilter& filter);

@@ -14,8 +14,8 @@ struct Normalization {
   glm::vec3 point(const glm::dvec3& p) const { return glm::vec3((p - center) * scale); }
 };
 
-/// Centres the scene on the component-wise median of its primitives' centroids (where most of the geometry is, even when a huge ground
-/// sphere stands below it) and scales the farthest coordinate into [1/2, 1].
+/// Centres the scene on the component-wise median of its primitives' centroids (where most of the geometry is, even
+/// when a huge ground sphere stands below it) and scales the farthest coordinate into [1/2, 1].
 Normalization find_normalization(const Scene& scene);
 
 }  // namespace etendue

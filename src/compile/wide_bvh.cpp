@@ -19,8 +19,8 @@ struct Children {
   std::uint32_t count = 0;
 };
 
-// Opens the child with the largest surface until the node is full or only leaves are left: the collapse that keeps the expected number
-// of visits low [Wald2008].
+// Opens the child with the largest surface until the node is full or only leaves are left: the collapse that keeps the
+// expected number of visits low [Wald2008].
 Children collect_children(const Bvh& bvh, std::uint32_t node) {
   Children children;
   const std::uint32_t first = bvh.nodes[node].first;
@@ -52,7 +52,9 @@ std::uint32_t biased_exponent(float extent) {
   return static_cast<std::uint32_t>(std::max(e, -126) + 127);
 }
 
-float exponent_scale(std::uint32_t biased) { return std::bit_cast<float>(biased << 23); }
+float exponent_scale(std::uint32_t biased) {
+  return std::bit_cast<float>(biased << 23);
+}
 
 // Grid coordinates whose decoded planes enclose [lower, upper].
 void quantize(float lower, float upper, float origin, float scale, std::uint32_t& q_lower, std::uint32_t& q_upper) {
@@ -117,7 +119,8 @@ WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primiti
     const Children children = collect_children(bvh, task.node);
     const std::size_t base = (wide.records.size() + 1) / 2 * 2;
     if (base + kWidth > kMaxRecords) {
-      throw Error(ExitCode::scene_error, fmt::format("The scene has {} primitives; their tree needs more than the {} records that can be addressed. Use coarser meshes.",
+      throw Error(ExitCode::scene_error, fmt::format("The scene has {} primitives; their tree needs more than the {} "
+                                                     "records that can be addressed. Use coarser meshes.",
                                                      primitives.size(), kMaxRecords));
     }
     wide.records.resize(base + children.count);
@@ -129,9 +132,15 @@ WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primiti
   return wide;
 }
 
-bool is_node(const gpu::Record& record) { return (record.a.w & gpu::kRecordNode) != 0; }
-std::uint32_t child_count(const gpu::Record& node) { return node.a.w >> gpu::kRecordChildCountShift & 7u; }
-std::uint32_t child_base(const gpu::Record& node) { return node.b.w; }
+bool is_node(const gpu::Record& record) {
+  return (record.a.w & gpu::kRecordNode) != 0;
+}
+std::uint32_t child_count(const gpu::Record& node) {
+  return node.a.w >> gpu::kRecordChildCountShift & 7u;
+}
+std::uint32_t child_base(const gpu::Record& node) {
+  return node.b.w;
+}
 
 Box decode_child_box(const gpu::Record& node, std::uint32_t child) {
   Box box;

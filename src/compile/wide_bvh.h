@@ -10,13 +10,14 @@
 namespace etendue {
 
 struct WideBvh {
-  std::vector<gpu::Record> records;     ///< record 0 is the root; nodes and primitives share the array
-  std::vector<std::uint32_t> slot_of;   ///< record index of each primitive
-  std::uint32_t depth = 0;              ///< levels of nodes: the stack never holds more entries
+  std::vector<gpu::Record> records;    ///< record 0 is the root; nodes and primitives share the array
+  std::vector<std::uint32_t> slot_of;  ///< record index of each primitive
+  std::uint32_t depth = 0;             ///< levels of nodes: the stack never holds more entries
 };
 
-/// `bvh` must have one primitive per leaf. `primitives` are in their original order. Children of a node are neighbours, their group starts at an
-/// even record, so that a group needs 24 bits in a stack entry. Throws Error(scene_error) beyond 2^25 records.
+/// `bvh` must have one primitive per leaf. `primitives` are in their original order. Children of a node are neighbours,
+/// their group starts at an even record, so that a group needs 24 bits in a stack entry. Throws Error(scene_error)
+/// beyond 2^25 records.
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives);
 
 /// A primitive as it stands among the records.

@@ -9,14 +9,14 @@ namespace etendue {
 /// Process exit codes; documented in the README.
 enum class ExitCode : int {
   ok = 0,
-  test_failed = 1,     ///< a comparison or statistical test failed
-  usage = 2,           ///< bad command line
-  scene_error = 3,     ///< bad scene or mesh
-  no_device = 4,       ///< no suitable Vulkan device
-  device_lost = 5,     ///< device lost or out of device memory
-  file_error = 6,      ///< cannot read or write a file
-  skipped = 77,        ///< a test that cannot run here
-  interrupted = 130,   ///< stopped by a signal after saving what is done
+  test_failed = 1,    ///< a comparison or statistical test failed
+  usage = 2,          ///< bad command line
+  scene_error = 3,    ///< bad scene or mesh
+  no_device = 4,      ///< no suitable Vulkan device
+  device_lost = 5,    ///< device lost or out of device memory
+  file_error = 6,     ///< cannot read or write a file
+  skipped = 77,       ///< a test that cannot run here
+  interrupted = 130,  ///< stopped by a signal after saving what is done
 };
 
 /// An error the user can do something about. `what()` is one sentence that names the place, the thing, the number and

@@ -21,15 +21,29 @@ void write(Level level, const char* label, const char* color, std::string_view s
 
 }  // namespace
 
-void set_level(Level level) { g_level = level; }
-Level level() { return g_level; }
+void set_level(Level level) {
+  g_level = level;
+}
+Level level() {
+  return g_level;
+}
 
-void error(std::string_view sentence) { write(Level::error, "error: ", "\x1b[31m", sentence); }
-void warning(std::string_view sentence) { write(Level::warning, "warning: ", "\x1b[33m", sentence); }
-void info(std::string_view sentence) { write(Level::info, "", "", sentence); }
-void debug(std::string_view sentence) { write(Level::debug, "debug: ", "\x1b[2m", sentence); }
+void error(std::string_view sentence) {
+  write(Level::error, "error: ", "\x1b[31m", sentence);
+}
+void warning(std::string_view sentence) {
+  write(Level::warning, "warning: ", "\x1b[33m", sentence);
+}
+void info(std::string_view sentence) {
+  write(Level::info, "", "", sentence);
+}
+void debug(std::string_view sentence) {
+  write(Level::debug, "debug: ", "\x1b[2m", sentence);
+}
 
-bool stderr_is_terminal() { return isatty(STDERR_FILENO) == 1; }
+bool stderr_is_terminal() {
+  return isatty(STDERR_FILENO) == 1;
+}
 
 bool use_color() {
   const char* no_color = std::getenv("NO_COLOR");

@@ -27,7 +27,9 @@ unsigned thread_count() {
   return count != 0 ? count : hardware_threads();
 }
 
-void set_thread_count(unsigned count) { g_thread_count = count; }
+void set_thread_count(unsigned count) {
+  g_thread_count = count;
+}
 
 void parallel_for(std::uint64_t count, std::uint64_t grain,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body) {

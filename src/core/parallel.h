@@ -10,8 +10,8 @@ namespace etendue {
 unsigned thread_count();
 void set_thread_count(unsigned count);
 
-/// Calls `body(begin, end)` for disjoint chunks of at most `grain` indices that cover [0, count), from several threads; returns
-/// when all are done. The first exception thrown by a body is rethrown here after all threads have stopped.
+/// Calls `body(begin, end)` for disjoint chunks of at most `grain` indices that cover [0, count), from several threads;
+/// returns when all are done. The first exception thrown by a body is rethrown here after all threads have stopped.
 void parallel_for(std::uint64_t count, std::uint64_t grain,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body);
 

@@ -1,5 +1,7 @@
 #include "core/version.h"
 
 namespace etendue {
-const char* version() { return ETENDUE_VERSION; }
+const char* version() {
+  return ETENDUE_VERSION;
+}
 }  // namespace etendue

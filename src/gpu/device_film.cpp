@@ -10,7 +10,10 @@ namespace etendue {
 static_assert(sizeof(FilmPixel) == sizeof(gpu::FilmSlot));
 
 SlotLayout::SlotLayout(std::uint32_t w, std::uint32_t h, std::uint32_t samples, std::uint32_t wanted_slots)
-    : width(w), height(h), tiles_x((w + gpu::kTileSize - 1) / gpu::kTileSize), tiles_y((h + gpu::kTileSize - 1) / gpu::kTileSize) {
+    : width(w),
+      height(h),
+      tiles_x((w + gpu::kTileSize - 1) / gpu::kTileSize),
+      tiles_y((h + gpu::kTileSize - 1) / gpu::kTileSize) {
   const std::uint64_t pixels = std::uint64_t{w} * h;
   const std::uint64_t wanted = (wanted_slots + pixels - 1) / pixels;
   layers = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wanted, 1, std::max(1u, samples)));
@@ -41,18 +44,19 @@ std::uint32_t max_groups_per_band(const vulkan::Context& context) {
   return static_cast<std::uint32_t>(context.limits().maxStorageBufferRange / kBytesPerGroup);
 }
 
-FilmBand::FilmBand(const vulkan::Context& context, vulkan::Commands& commands, const SlotLayout& layout, std::uint32_t first_group,
-                   std::uint32_t group_count, SampleRange range)
+FilmBand::FilmBand(const vulkan::Context& context, vulkan::Commands& commands, const SlotLayout& layout,
+                   std::uint32_t first_group, std::uint32_t group_count, SampleRange range)
     : first_group_(first_group),
       group_count_(group_count),
-      slots_(context, std::uint64_t{group_count} * gpu::kWorkgroupSize * sizeof(gpu::FilmSlot), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-             vulkan::Buffer::Memory::device, "film"),
-      progress_(context, std::uint64_t{group_count} * gpu::kWorkgroupSize * sizeof(std::uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                vulkan::Buffer::Memory::device, "film progress") {
+      slots_(context, std::uint64_t{group_count} * gpu::kWorkgroupSize * sizeof(gpu::FilmSlot),
+             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "film"),
+      progress_(context, std::uint64_t{group_count} * gpu::kWorkgroupSize * sizeof(std::uint32_t),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "film progress") {
   commands.fill(slots_, 0);
   std::vector<std::uint32_t> next(std::size_t{group_count} * gpu::kWorkgroupSize);
   for (std::size_t i = 0; i < next.size(); ++i) {
-    next[i] = range.begin + layout.layer(first_group + i / gpu::kWorkgroupSize, static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
+    next[i] = range.begin +
+              layout.layer(first_group + i / gpu::kWorkgroupSize, static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
   }
   commands.upload(progress_, 0, std::as_bytes(std::span(next)));
 }
@@ -63,10 +67,11 @@ void FilmBand::add_to(vulkan::Commands& commands, const SlotLayout& layout, Film
   for (std::uint32_t done = 0; done < group_count_; done += kGroupsPerChunk) {
     const std::uint32_t groups = std::min(kGroupsPerChunk, group_count_ - done);
     slots.resize(std::size_t{groups} * gpu::kWorkgroupSize);
-    commands.download(slots_, std::uint64_t{done} * gpu::kWorkgroupSize * sizeof(FilmPixel), std::as_writable_bytes(std::span(slots)));
+    commands.download(slots_, std::uint64_t{done} * gpu::kWorkgroupSize * sizeof(FilmPixel),
+                      std::as_writable_bytes(std::span(slots)));
     for (std::size_t i = 0; i < slots.size(); ++i) {
-      const std::uint32_t pixel =
-          layout.pixel(first_group_ + done + i / gpu::kWorkgroupSize, static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
+      const std::uint32_t pixel = layout.pixel(first_group_ + done + i / gpu::kWorkgroupSize,
+                                               static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
       if (pixel != ~0u) film.pixels()[pixel].merge(slots[i]);
     }
   }

@@ -9,9 +9,9 @@
 
 namespace etendue {
 
-/// How pixels map to film slots. Slots are usually 8 × 8 tiles, row by row. When an image has too few pixels to fill the device, slots are packed and
-/// each pixel has several: slot i belongs to pixel i % pixels and takes every `layers`-th of its samples (sums are integers, so adding
-/// slots up later changes nothing).
+/// How pixels map to film slots. Slots are usually 8 × 8 tiles, row by row. When an image has too few pixels to fill
+/// the device, slots are packed and each pixel has several: slot i belongs to pixel i % pixels and takes every
+/// `layers`-th of its samples (sums are integers, so adding slots up later changes nothing).
 struct SlotLayout {
   std::uint32_t width = 0, height = 0;
   std::uint32_t tiles_x = 0, tiles_y = 0;
@@ -30,8 +30,8 @@ struct SlotLayout {
 /// A run of workgroups whose slots fit into one storage buffer.
 class FilmBand {
  public:
-  FilmBand(const vulkan::Context& context, vulkan::Commands& commands, const SlotLayout& layout, std::uint32_t first_group,
-           std::uint32_t group_count, SampleRange range);
+  FilmBand(const vulkan::Context& context, vulkan::Commands& commands, const SlotLayout& layout,
+           std::uint32_t first_group, std::uint32_t group_count, SampleRange range);
   std::uint32_t first_group() const { return first_group_; }
   std::uint32_t group_count() const { return group_count_; }
   const vulkan::Buffer& slots() const { return slots_; }

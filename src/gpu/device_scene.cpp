@@ -12,9 +12,9 @@ namespace {
 void check_range(const vulkan::Context& context, const char* what, std::uint64_t needed) {
   const std::uint64_t available = context.limits().maxStorageBufferRange;
   if (needed <= available) return;
-  throw Error(ExitCode::device_lost,
-              fmt::format("The {} need {} bytes, but '{}' binds at most {} (maxStorageBufferRange); use a smaller mesh or another --device.", what,
-                          needed, context.info().name, available));
+  throw Error(ExitCode::device_lost, fmt::format("The {} need {} bytes, but '{}' binds at most {} "
+                                                 "(maxStorageBufferRange); use a smaller mesh or another --device.",
+                                                 what, needed, context.info().name, available));
 }
 
 }  // namespace
@@ -33,7 +33,8 @@ DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& comma
     const auto bytes = std::as_bytes(std::span(items));
     const bool uniform = binding == gpu::kBindingFrame || binding == gpu::kBindingFewPrimitives;
     if (!uniform) check_range(context, what, bytes.size());
-    vulkan::Buffer buffer(context, bytes.size(), uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+    vulkan::Buffer buffer(context, bytes.size(),
+                          uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                           vulkan::Buffer::Memory::device, what);
     commands.upload(buffer, 0, bytes);
     entries_.push_back({binding, std::move(buffer)});
@@ -51,17 +52,19 @@ DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& comma
   upload_records(context, commands, scene.records);
 }
 
-void DeviceScene::upload_records(const vulkan::Context& context, vulkan::Commands& commands, const std::vector<gpu::Record>& records) {
+void DeviceScene::upload_records(const vulkan::Context& context, vulkan::Commands& commands,
+                                 const std::vector<gpu::Record>& records) {
   const auto bytes = std::as_bytes(std::span(records));
   const std::uint64_t texels = bytes.size() / sizeof(gpu::uvec4);
   const std::uint64_t available = context.limits().maxTexelBufferElements;
   if (texels > available) {
-    throw Error(ExitCode::device_lost,
-                fmt::format("The tree and the primitives need {} texels, but '{}' reads at most {} (maxTexelBufferElements); use a smaller mesh "
-                            "or another --device.",
-                            texels, context.info().name, available));
+    throw Error(ExitCode::device_lost, fmt::format("The tree and the primitives need {} texels, but '{}' reads at most "
+                                                   "{} (maxTexelBufferElements); use a smaller mesh "
+                                                   "or another --device.",
+                                                   texels, context.info().name, available));
   }
-  records_ = vulkan::Buffer(context, bytes.size(), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, vulkan::Buffer::Memory::device, "tree");
+  records_ = vulkan::Buffer(context, bytes.size(), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
+                            vulkan::Buffer::Memory::device, "tree");
   commands.upload(records_, 0, bytes);
   record_view_ = vulkan::make_texel_view(context, records_, VK_FORMAT_R32G32B32A32_UINT);
 }

@@ -20,7 +20,8 @@ class DeviceScene {
     std::uint32_t binding;
     vulkan::Buffer buffer;
   };
-  void upload_records(const vulkan::Context& context, vulkan::Commands& commands, const std::vector<gpu::Record>& records);
+  void upload_records(const vulkan::Context& context, vulkan::Commands& commands,
+                      const std::vector<gpu::Record>& records);
 
   std::vector<Entry> entries_;
   vulkan::Buffer records_;

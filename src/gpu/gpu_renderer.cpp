@@ -16,18 +16,21 @@
 namespace etendue {
 namespace {
 
-// Loop iterations per dispatch. lavapipe ends loops silently after 65 535 iterations per SIMD group, all loops of the kernel together; other
-// devices get a bound that keeps a dispatch finite.
+// Loop iterations per dispatch. lavapipe ends loops silently after 65 535 iterations per SIMD group, all loops of the
+// kernel together; other devices get a bound that keeps a dispatch finite.
 constexpr std::uint32_t kCpuIterations = 60000;
 constexpr std::uint32_t kGpuIterations = 1u << 22;
-// Where lanes count for themselves, their walks may be laid end to end: a group of 8 takes as many rounds as all of them.
+// Where lanes count for themselves, their walks may be laid end to end: a group of 8 takes as many rounds as all of
+// them.
 constexpr std::uint32_t kCpuIterationsDivergent = kCpuIterations / 8;
 constexpr std::uint32_t kStepsPerRound = 4;
-constexpr double kCpuPassSeconds = 0.5;    // no watchdog there, and fewer dispatches waste less
+constexpr double kCpuPassSeconds = 0.5;     // no watchdog there, and fewer dispatches waste less
 constexpr double kDispatchTimeout = 300.0;  // seconds; passes are sized to a fraction of one
 
 // Lanes that keep a device busy.
-std::uint32_t wanted_slots(const vulkan::Context& context) { return context.is_cpu() ? 4096 : 1u << 17; }
+std::uint32_t wanted_slots(const vulkan::Context& context) {
+  return context.is_cpu() ? 4096 : 1u << 17;
+}
 
 class Timer {
  public:
@@ -72,7 +75,9 @@ class PassSizer {
 class GpuRenderer final : public Renderer {
  public:
   GpuRenderer(const Scene& scene, const RenderSettings& settings, const GpuOptions& options)
-      : options_(options), context_(options.device, options.context), commands_(context_),
+      : options_(options),
+        context_(options.device, options.context),
+        commands_(context_),
         layout_(context_, kernel_bindings(), sizeof(gpu::Pass)) {
     Timer timer;
     CompiledScene compiled = compile_scene(scene);
@@ -84,7 +89,8 @@ class GpuRenderer final : public Renderer {
     report_ = vulkan::Buffer(context_, sizeof(gpu::ReportHead) + gpu::kRejectedListed * sizeof(gpu::RejectedEntry),
                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::host, "report");
     std::memset(report_.mapped().data(), 0, report_.mapped().size());
-    unused_ = vulkan::Buffer(context_, 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "placeholder");
+    unused_ =
+        vulkan::Buffer(context_, 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "placeholder");
     timings_.upload = timer.seconds();
     const bool has_tree = compiled.few_triangles + compiled.few_spheres == 0;
     const std::uint32_t steps_per_round = has_tree ? kStepsPerRound : 1;
@@ -108,7 +114,8 @@ class GpuRenderer final : public Renderer {
   const GpuTimings& timings() const { return timings_; }
   const std::string& choice() const { return context_.choice(); }
 
-  std::uint32_t render(SampleRange range, Film& film, const Progress& progress, std::vector<RejectedSample>& rejected) override;
+  std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
+                       std::vector<RejectedSample>& rejected) override;
   std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) override;
   std::vector<PathVertex> trace_path(SampleId id) override;
 
@@ -123,18 +130,20 @@ class GpuRenderer final : public Renderer {
   // A set with the scene bound and a placeholder everywhere else.
   vulkan::BindingSet make_set() {
     vulkan::BindingSet set(context_, layout_);
-    for (const std::uint32_t b : {gpu::kBindingRays, gpu::kBindingFilm, gpu::kBindingProgress, gpu::kBindingReport, gpu::kBindingRequests,
-                                  gpu::kBindingResults, gpu::kBindingVertices}) {
+    for (const std::uint32_t b : {gpu::kBindingRays, gpu::kBindingFilm, gpu::kBindingProgress, gpu::kBindingReport,
+                                  gpu::kBindingRequests, gpu::kBindingResults, gpu::kBindingVertices}) {
       set.bind(b, unused_);
     }
     scene_->bind(set);
     return set;
   }
-  double dispatch(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, const gpu::Pass& pass, std::uint32_t groups) {
+  double dispatch(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, const gpu::Pass& pass,
+                  std::uint32_t groups) {
     return commands_.dispatch(layout_, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
   }
   std::vector<FilmBand> make_bands(const SlotLayout& slots, SampleRange range);
-  void run_pass(const FilmBand& band, const vulkan::BindingSet& set, const SlotLayout& slots, std::uint32_t samples, std::uint32_t sample_end);
+  void run_pass(const FilmBand& band, const vulkan::BindingSet& set, const SlotLayout& slots, std::uint32_t samples,
+                std::uint32_t sample_end);
   void run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples);
   gpu::ReportHead take_report();
 
@@ -161,10 +170,10 @@ class GpuRenderer::SampleTracer {
   SampleTracer(GpuRenderer& renderer, std::size_t capacity)
       : renderer_(renderer),
         kernel_(renderer.make_kernel(renderer.kernels_.trace_samples, "trace_samples")),
-        requests_(renderer.context_, capacity * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
-                  "sample requests"),
-        results_(renderer.context_, capacity * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
-                 "sample results"),
+        requests_(renderer.context_, capacity * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                  vulkan::Buffer::Memory::device, "sample requests"),
+        results_(renderer.context_, capacity * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                 vulkan::Buffer::Memory::device, "sample results"),
         set_(renderer.make_set()) {
     set_.bind(gpu::kBindingRequests, requests_);
     set_.bind(gpu::kBindingResults, results_);
@@ -214,7 +223,8 @@ gpu::ReportHead GpuRenderer::take_report() {
 }
 
 // Dispatches one run of groups until every lane has reached pass.sample_end.
-void GpuRenderer::run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples) {
+void GpuRenderer::run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups,
+                             std::uint32_t samples) {
   pass.step_budget = step_budget_;
   for (;;) {
     const double seconds = dispatch(render_kernel_, set, pass, groups);
@@ -228,32 +238,36 @@ void GpuRenderer::run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std:
     }
     if (head.unfinished == 0) return;
     if (head.stuck > 0) {
-      throw Error(ExitCode::device_lost,
-                  fmt::format("{} paths need more than {} loop iterations each, the most a dispatch may take on '{}'; lower maxDepth or let roulette "
-                              "begin earlier (rrDepth).",
-                              head.stuck, pass.step_budget, context_.info().name));
+      throw Error(ExitCode::device_lost, fmt::format("{} paths need more than {} loop iterations each, the most a "
+                                                     "dispatch may take on '{}'; lower maxDepth or let roulette "
+                                                     "begin earlier (rrDepth).",
+                                                     head.stuck, pass.step_budget, context_.info().name));
     }
   }
 }
 
-void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, const SlotLayout& slots, std::uint32_t samples,
-                           std::uint32_t sample_end) {
+void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, const SlotLayout& slots,
+                           std::uint32_t samples, std::uint32_t sample_end) {
   gpu::Pass pass{};
   pass.slot_base = band.first_group() * gpu::kWorkgroupSize;
   pass.sample_end = sample_end;
   pass.lanes_per_pixel = slots.layers;
   pass.packed_pixels = slots.packed() ? slots.pixels() : 0;
   for (std::uint32_t done = 0; done < band.group_count();) {
-    const std::uint32_t groups = std::min({sizer_->groups(band.group_count() - done), context_.limits().maxComputeWorkGroupCount[0]});
+    const std::uint32_t groups =
+        std::min({sizer_->groups(band.group_count() - done), context_.limits().maxComputeWorkGroupCount[0]});
     pass.first_group = band.first_group() + done;
     run_groups(set, pass, groups, samples);
     done += groups;
   }
 }
 
-std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress, std::vector<RejectedSample>& rejected) {
+std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress,
+                                  std::vector<RejectedSample>& rejected) {
   if (!render_kernel_.get()) render_kernel_ = make_kernel(kernels_.render, "render");
-  if (!sizer_) sizer_ = std::make_unique<PassSizer>(context_.is_cpu() ? kCpuPassSeconds : options_.pass_seconds, options_.fixed_samples, options_.fixed_groups);
+  if (!sizer_)
+    sizer_ = std::make_unique<PassSizer>(context_.is_cpu() ? kCpuPassSeconds : options_.pass_seconds,
+                                         options_.fixed_samples, options_.fixed_groups);
   rejected_.clear();
   const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context_));
   const std::vector<FilmBand> bands = make_bands(slots, range);
@@ -269,7 +283,8 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
   bool go_on = true;
   while (done < range.end && go_on) {
     const std::uint32_t samples = sizer_->samples(slots.groups() * gpu::kWorkgroupSize);
-    const std::uint32_t end = done + static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{samples} * slots.layers, range.end - done));
+    const std::uint32_t end = done + static_cast<std::uint32_t>(std::min<std::uint64_t>(
+                                         std::uint64_t{samples} * slots.layers, range.end - done));
     for (std::size_t i = 0; i < bands.size(); ++i) run_pass(bands[i], sets[i], slots, samples, end);
     done = end;
     if (progress) go_on = progress((done - range.begin) * pixels, range.count() * pixels);
@@ -286,13 +301,15 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
   out.reserve(ids.size());
   for (std::size_t first = 0; first < ids.size(); first += kChunk) {
     const auto chunk = ids.subspan(first, std::min(kChunk, ids.size() - first));
-    std::vector<gpu::SampleResult> results = tracer.trace(chunk, context_.is_cpu() ? kCpuIterationsDivergent : kGpuIterations);
+    std::vector<gpu::SampleResult> results =
+        tracer.trace(chunk, context_.is_cpu() ? kCpuIterationsDivergent : kGpuIterations);
     for (std::size_t i = 0; i < results.size(); ++i) {
       // A long path is traced again alone, with the whole budget to itself.
       if (results[i].stuck != 0) results[i] = tracer.trace(chunk.subspan(i, 1), step_budget_).front();
       if (results[i].stuck != 0) {
-        throw Error(ExitCode::device_lost, fmt::format("The path of pixel {} sample {} needs more than {} traversal steps; lower maxDepth.", chunk[i].pixel,
-                                                       chunk[i].sample, step_budget_));
+        throw Error(ExitCode::device_lost,
+                    fmt::format("The path of pixel {} sample {} needs more than {} traversal steps; lower maxDepth.",
+                                chunk[i].pixel, chunk[i].sample, step_budget_));
       }
       out.push_back({results[i].radiance, results[i].signature, results[i].segments});
     }
@@ -302,10 +319,11 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
 
 std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
   const vulkan::Kernel kernel = make_kernel(kernels_.trace_path, "trace_path");
-  const vulkan::Buffer request(context_, sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
-                               "sample request");
+  const vulkan::Buffer request(context_, sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                               vulkan::Buffer::Memory::device, "sample request");
   constexpr std::size_t kBytes = 16 + gpu::kMaxTracedVertices * sizeof(gpu::TracedVertex);
-  const vulkan::Buffer vertices(context_, kBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "path vertices");
+  const vulkan::Buffer vertices(context_, kBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
+                                "path vertices");
   const gpu::SampleRequest asked{id.pixel, id.sample, 0, 0};
   commands_.upload(request, 0, std::as_bytes(std::span(&asked, 1)));
   vulkan::BindingSet set = make_set();
@@ -322,18 +340,24 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
   for (std::uint32_t i = 0; i < std::min(count, gpu::kMaxTracedVertices); ++i) {
     gpu::TracedVertex v;
     std::memcpy(&v, bytes.data() + 16 + i * sizeof v, sizeof v);
-    out.push_back({v.shape, v.primitive, v.light_shape, v.light_primitive, v.light_contributed, v.lobe, v.survived, v.radiance});
+    out.push_back(
+        {v.shape, v.primitive, v.light_shape, v.light_primitive, v.light_contributed, v.lobe, v.survived, v.radiance});
   }
   return out;
 }
 
 }  // namespace
 
-std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSettings& settings, const GpuOptions& options) {
+std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSettings& settings,
+                                            const GpuOptions& options) {
   return std::make_unique<GpuRenderer>(scene, settings, options);
 }
 
-GpuTimings gpu_timings(const Renderer& renderer) { return dynamic_cast<const GpuRenderer&>(renderer).timings(); }
-std::string gpu_device_choice(const Renderer& renderer) { return dynamic_cast<const GpuRenderer&>(renderer).choice(); }
+GpuTimings gpu_timings(const Renderer& renderer) {
+  return dynamic_cast<const GpuRenderer&>(renderer).timings();
+}
+std::string gpu_device_choice(const Renderer& renderer) {
+  return dynamic_cast<const GpuRenderer&>(renderer).choice();
+}
 
 }  // namespace etendue

@@ -12,7 +12,7 @@ namespace etendue {
 
 /// Where the render's time went, in seconds.
 struct GpuTimings {
-  double compile = 0;   ///< scene to buffers, BVH included
+  double compile = 0;  ///< scene to buffers, BVH included
   double upload = 0;
   double pipeline = 0;  ///< kernel compilation, the first dispatch's lazy part included
   double render = 0;    ///< dispatches after the first
@@ -21,14 +21,16 @@ struct GpuTimings {
 struct GpuOptions {
   std::string device = "auto";  ///< see vulkan::Context
   vulkan::ContextOptions context = vulkan::ContextOptions::from_environment();
-  double pass_seconds = 0.1;    ///< a dispatch is sized to take about this long, so that no watchdog fires
+  double pass_seconds = 0.1;        ///< a dispatch is sized to take about this long, so that no watchdog fires
   std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
   std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
-  std::optional<std::uint32_t> mutant;  ///< kernels with a planted error (shaders/mutants.h), for tests of the tests; 0: those kernels, no error
+  std::optional<std::uint32_t>
+      mutant;  ///< kernels with a planted error (shaders/mutants.h), for tests of the tests; 0: those kernels, no error
 };
 
 /// Opens the device and uploads the scene. Throws Error(no_device, device_lost).
-std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSettings& settings, const GpuOptions& options = {});
+std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSettings& settings,
+                                            const GpuOptions& options = {});
 
 /// Timings of a renderer made by make_gpu_renderer.
 GpuTimings gpu_timings(const Renderer& renderer);

@@ -1,6 +1,6 @@
 #pragma once
-/// Exact, order-free accumulation of samples: integers add associatively, so tiles, passes, shards and resumed renders give
-/// the same bytes. The number format is derived in docs/conventions.md ("Film").
+/// Exact, order-free accumulation of samples: integers add associatively, so tiles, passes, shards and resumed renders
+/// give the same bytes. The number format is derived in docs/conventions.md ("Film").
 
 #include <array>
 #include <cstdint>
@@ -12,10 +12,10 @@ namespace etendue {
 
 /// Integer sums of one pixel. Limbs are little-endian 32-bit words. The device writes the same 128 bytes.
 struct FilmPixel {
-  std::array<std::array<std::uint32_t, 4>, 3> sum{};         ///< Σq per channel, 128-bit two's complement
-  std::array<std::array<std::uint32_t, 6>, 3> sum_squares{}; ///< Σq² per channel, 192-bit unsigned
-  std::uint32_t count = 0;                                   ///< accepted samples
-  std::uint32_t rejected = 0;                                ///< NaN, infinite or out-of-range samples
+  std::array<std::array<std::uint32_t, 4>, 3> sum{};          ///< Σq per channel, 128-bit two's complement
+  std::array<std::array<std::uint32_t, 6>, 3> sum_squares{};  ///< Σq² per channel, 192-bit unsigned
+  std::uint32_t count = 0;                                    ///< accepted samples
+  std::uint32_t rejected = 0;                                 ///< NaN, infinite or out-of-range samples
 
   /// Adds one sample. Rejects (and counts) it if any component is NaN, infinite or >= 2^(exponent+24) in magnitude.
   void add(const glm::vec3& rgb, int exponent);
@@ -33,7 +33,7 @@ class Film {
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
   int exponent() const { return exponent_; }
-  std::vector<FilmPixel>& pixels() { return pixels_; }              ///< row-major, top row first
+  std::vector<FilmPixel>& pixels() { return pixels_; }  ///< row-major, top row first
   const std::vector<FilmPixel>& pixels() const { return pixels_; }
 
   /// Adds another film of the same size and exponent; throws Error(usage) when they differ.

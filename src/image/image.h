@@ -13,15 +13,16 @@
 
 namespace etendue {
 
-/// Header attributes of an image, by name ("scene", "sceneHash", "device", "seed", "samples", …): see docs/image_files.md.
+/// Header attributes of an image, by name ("scene", "sceneHash", "device", "seed", "samples", …): see
+/// docs/image_files.md.
 using Metadata = std::map<std::string, std::string>;
 
 struct Image {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::vector<glm::vec3> pixels;             ///< size width · height
-  std::vector<glm::vec3> standard_error;     ///< as long as pixels, or empty when unknown
-  std::vector<std::uint32_t> sample_count;   ///< as long as pixels, or empty when unknown
+  std::vector<glm::vec3> pixels;            ///< size width · height
+  std::vector<glm::vec3> standard_error;    ///< as long as pixels, or empty when unknown
+  std::vector<std::uint32_t> sample_count;  ///< as long as pixels, or empty when unknown
   Metadata metadata;
 
   bool has_statistics() const { return !standard_error.empty() && !sample_count.empty(); }
@@ -30,25 +31,28 @@ struct Image {
 /// The picture a film shows.
 Image image_from_film(const Film& film, Metadata metadata);
 
-/// Reads EXR (float or half R,G,B or Y; StdErr.* and SampleCount when present) or PNG (sRGB decoded to linear), by content.
-/// Throws Error(file_error) with the path and the reason; never returns a partly read image.
+/// Reads EXR (float or half R,G,B or Y; StdErr.* and SampleCount when present) or PNG (sRGB decoded to linear), by
+/// content. Throws Error(file_error) with the path and the reason; never returns a partly read image.
 Image read_image(const std::string& path);
 
-/// Float32 EXR with R G B, StdErr.R/G/B and SampleCount (when known) and the metadata as string attributes. Written beside the
-/// target, fsynced and renamed: the target appears whole or stays as it was. Throws Error(file_error).
+/// Float32 EXR with R G B, StdErr.R/G/B and SampleCount (when known) and the metadata as string attributes. Written
+/// beside the target, fsynced and renamed: the target appears whole or stays as it was. Throws Error(file_error).
 void write_exr(const std::string& path, const Image& image);
 /// 8-bit sRGB PNG, clamped to [0,1]. Atomic like write_exr.
 void write_png(const std::string& path, const Image& image);
 
-/// A film with everything needed to go on with it: shards and checkpoints are this file. It is an EXR that any viewer opens
-/// (R G B, StdErr.*, SampleCount) and whose extra unsigned channels hold the exact sums, with a checksum over all of it.
+/// A film with everything needed to go on with it: shards and checkpoints are this file. It is an EXR that any viewer
+/// opens (R G B, StdErr.*, SampleCount) and whose extra unsigned channels hold the exact sums, with a checksum over all
+/// of it.
 struct FilmFile {
   Film film;
   Metadata metadata;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> samples;  ///< disjoint, sorted, half-open ranges of sample indices inside
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>
+      samples;  ///< disjoint, sorted, half-open ranges of sample indices inside
 };
 void write_film(const std::string& path, const FilmFile& file);
-/// Throws Error(file_error) that says what is wrong: no film in it, truncated, checksum, impossible size, other version.
+/// Throws Error(file_error) that says what is wrong: no film in it, truncated, checksum, impossible size, other
+/// version.
 FilmFile read_film(const std::string& path);
 
 }  // namespace etendue

@@ -38,8 +38,9 @@ std::string value_of(const Metadata& metadata, const std::string& key) {
 
 [[noreturn]] void refuse(const std::string& a_name, const std::string& b_name, const char* what,
                          const std::string& a_value, const std::string& b_value) {
-  throw Error(ExitCode::file_error, fmt::format("{}: is not of the same render as {}: different {}, {} here and {} there",
-                                                b_name, a_name, what, b_value, a_value));
+  throw Error(ExitCode::file_error,
+              fmt::format("{}: is not of the same render as {}: different {}, {} here and {} there", b_name, a_name,
+                          what, b_value, a_value));
 }
 
 /// One value of a listed key and the samples it stands for.

@@ -25,20 +25,23 @@ struct FinishedSamples {
 
 class DeviceTeam {
  public:
-  /// Fresh devices that are tried, one after the other, before a lost device is given up. The count starts anew when samples are finished.
+  /// Fresh devices that are tried, one after the other, before a lost device is given up. The count starts anew when
+  /// samples are finished.
   static constexpr int kRetries = 3;
 
   /// Opens every device.
   explicit DeviceTeam(std::vector<OpenRenderer> open);
 
-  /// Renders the queue empty, or until `go_on` returns false; what was taken and not rendered is back in the queue then. Both functions are
-  /// called under one lock: `deliver` for samples that are finished, `go_on` after every pass with the pixel samples done by this call.
+  /// Renders the queue empty, or until `go_on` returns false; what was taken and not rendered is back in the queue
+  /// then. Both functions are called under one lock: `deliver` for samples that are finished, `go_on` after every pass
+  /// with the pixel samples done by this call.
   ///
-  /// A lost device (DeviceLost) loses what it had not delivered; it is opened afresh and the samples are rendered again. When one is lost for
-  /// good, the others take over its work; DeviceLost is thrown when none is left. Any other error ends the work of all devices after
-  /// their pass and is thrown.
+  /// A lost device (DeviceLost) loses what it had not delivered; it is opened afresh and the samples are rendered
+  /// again. When one is lost for good, the others take over its work; DeviceLost is thrown when none is left. Any other
+  /// error ends the work of all devices after their pass and is thrown.
   void render(SampleQueue& queue, std::uint32_t width, std::uint32_t height, int film_exponent,
-              const std::function<void(const FinishedSamples&)>& deliver, const std::function<bool(std::uint64_t done)>& go_on);
+              const std::function<void(const FinishedSamples&)>& deliver,
+              const std::function<bool(std::uint64_t done)>& go_on);
 
   /// One renderer per device that works.
   std::vector<const Renderer*> renderers() const;

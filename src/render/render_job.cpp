@@ -19,9 +19,9 @@ RenderJob::RenderJob(const FilmHeader& identity, SampleRanges wanted)
 void RenderJob::resume(FilmFile film, const std::string& name) {
   check_same_render(identity_, "this render", header_of(film), name);
   if (const SampleRanges surplus = difference(film.samples, wanted_); !surplus.empty()) {
-    throw Error(ExitCode::usage,
-                fmt::format("{}: holds the samples {}, but only {} are asked for; samples cannot be taken out again, ask for them as well.", name,
-                            to_text(film.samples), to_text(wanted_)));
+    throw Error(ExitCode::usage, fmt::format("{}: holds the samples {}, but only {} are asked for; samples cannot be "
+                                             "taken out again, ask for them as well.",
+                                             name, to_text(film.samples), to_text(wanted_)));
   }
   state_ = std::move(film);
 }
@@ -29,7 +29,9 @@ void RenderJob::resume(FilmFile film, const std::string& name) {
 void RenderJob::advance(DeviceTeam& team, std::uint64_t target, const std::function<bool(std::uint64_t done)>& go_on) {
   if (target <= done()) return;
   SampleQueue queue(first_samples(difference(wanted_, state_.samples), target - done()));
-  team.render(queue, identity_.width, identity_.height, identity_.exponent, [&](const FinishedSamples& samples) { add(samples); }, go_on);
+  team.render(
+      queue, identity_.width, identity_.height, identity_.exponent,
+      [&](const FinishedSamples& samples) { add(samples); }, go_on);
 }
 
 void RenderJob::add(const FinishedSamples& finished) {

@@ -16,12 +16,12 @@ class RenderJob {
   /// `identity`: size, exponent and metadata of this render, without samples.
   RenderJob(const FilmHeader& identity, SampleRanges wanted);
 
-  /// Goes on from a film. Throws Error(file_error) when `film` belongs to another render and Error(usage) when it holds samples that are not
-  /// wanted. `name` is for messages.
+  /// Goes on from a film. Throws Error(file_error) when `film` belongs to another render and Error(usage) when it holds
+  /// samples that are not wanted. `name` is for messages.
   void resume(FilmFile film, const std::string& name);
 
-  /// Renders what is wanted and not done, up to `target` samples in all, or until `go_on` (given the pixel samples of this call) returns false. Whatever
-  /// it throws, the state stays whole and holds every sample that was delivered.
+  /// Renders what is wanted and not done, up to `target` samples in all, or until `go_on` (given the pixel samples of
+  /// this call) returns false. Whatever it throws, the state stays whole and holds every sample that was delivered.
   void advance(DeviceTeam& team, std::uint64_t target, const std::function<bool(std::uint64_t done)>& go_on);
 
   std::uint64_t done() const { return sample_count(state_.samples); }  ///< sample indices

@@ -1,5 +1,6 @@
 #pragma once
-/// What both renderers promise: a pure function of (scene, seed, sample range). Callers choose a renderer and never look inside.
+/// What both renderers promise: a pure function of (scene, seed, sample range). Callers choose a renderer and never
+/// look inside.
 
 #include <atomic>
 #include <cstdint>
@@ -21,7 +22,8 @@ struct SampleRange {
   std::uint32_t count() const { return end - begin; }
 };
 
-/// What the film accumulates. `luminance` replaces each sample by (Y, Y, Y): the t-test needs the variance of luminance.
+/// What the film accumulates. `luminance` replaces each sample by (Y, Y, Y): the t-test needs the variance of
+/// luminance.
 enum class FilmQuantity { color, luminance };
 
 struct RenderSettings {
@@ -31,7 +33,7 @@ struct RenderSettings {
 
 /// One sample of one pixel.
 struct SampleId {
-  std::uint32_t pixel = 0;   ///< y · width + x
+  std::uint32_t pixel = 0;  ///< y · width + x
   std::uint32_t sample = 0;
 };
 
@@ -45,14 +47,14 @@ struct SampleRecord {
 /// One segment of a path and what was decided at its end; `kNone` where nothing was decided.
 struct PathVertex {
   static constexpr std::uint32_t kNone = 0xffffffffu;
-  std::uint32_t shape = kNone;            ///< kNone: the ray left the scene
-  std::uint32_t primitive = kNone;        ///< triangle in the mesh, 0 for a sphere
+  std::uint32_t shape = kNone;      ///< kNone: the ray left the scene
+  std::uint32_t primitive = kNone;  ///< triangle in the mesh, 0 for a sphere
   std::uint32_t light_shape = kNone;
   std::uint32_t light_primitive = kNone;
   std::uint32_t light_contributed = kNone;  ///< 0 or 1
-  std::uint32_t lobe = kNone;             ///< 0 none, 1 diffuse, 2 delta reflection, 3 delta transmission
-  std::uint32_t survived = kNone;         ///< 0 or 1
-  glm::vec3 radiance{0.0f};               ///< accumulated up to and including this vertex
+  std::uint32_t lobe = kNone;               ///< 0 none, 1 diffuse, 2 delta reflection, 3 delta transmission
+  std::uint32_t survived = kNone;           ///< 0 or 1
+  glm::vec3 radiance{0.0f};                 ///< accumulated up to and including this vertex
 };
 
 /// A non-finite or out-of-range sample, located.
@@ -61,19 +63,22 @@ struct RejectedSample {
   std::uint32_t segments = 0;  ///< path length at which it ended
 };
 
-/// Called from time to time with the number of pixel samples done of this call; returns false to stop after the current pass.
+/// Called from time to time with the number of pixel samples done of this call; returns false to stop after the current
+/// pass.
 using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
 
 class Renderer {
  public:
   virtual ~Renderer() = default;
 
-  /// Name of the device and driver as written to image headers, for example "llvmpipe (LLVM 15.0.6, 256 bits)" / "Mesa 22.3.6".
+  /// Name of the device and driver as written to image headers, for example "llvmpipe (LLVM 15.0.6, 256 bits)" /
+  /// "Mesa 22.3.6".
   virtual std::string device_name() const = 0;
   virtual std::string driver_name() const = 0;
 
-  /// Adds samples [range.begin, end) of every pixel to `film` and returns `end`: range.end, or less when `progress` asked to
-  /// stop. The samples added are exactly those of whole indices. Rejected samples are listed in `rejected` (the first 64).
+  /// Adds samples [range.begin, end) of every pixel to `film` and returns `end`: range.end, or less when `progress`
+  /// asked to stop. The samples added are exactly those of whole indices. Rejected samples are listed in `rejected`
+  /// (the first 64).
   virtual std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
                                std::vector<RejectedSample>& rejected) = 0;
 

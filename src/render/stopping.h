@@ -7,12 +7,13 @@
 
 namespace etendue {
 
-/// Root mean square of the standard error over pixels and channels, divided by the mean pixel value of the film: the noise
-/// as a fraction of the image's brightness. 0 for a film without light, infinity while a pixel has fewer than two samples.
+/// Root mean square of the standard error over pixels and channels, divided by the mean pixel value of the film: the
+/// noise as a fraction of the image's brightness. 0 for a film without light, infinity while a pixel has fewer than two
+/// samples.
 double relative_standard_error(const Film& film);
 
-/// Sample counts at which the error is looked at: 16, 24, 32, 48, 64, 96, … They are fixed, so that where a render stops
-/// depends on its samples only, not on time, devices or interruptions; and early looks, where the error is itself
+/// Sample counts at which the error is looked at: 16, 24, 32, 48, 64, 96, … They are fixed, so that where a render
+/// stops depends on its samples only, not on time, devices or interruptions; and early looks, where the error is itself
 /// uncertain, are few. Returns the first one > `count`.
 std::uint64_t next_error_check(std::uint64_t count);
 bool is_error_check(std::uint64_t count);

@@ -43,8 +43,8 @@ class Diagnostics {
   const std::vector<Diagnostic>& list() const { return list_; }
   std::size_t error_count() const { return errors_; }
   bool has_errors() const { return errors_ > 0; }
-  /// False when another finding of that kind would only be counted: then its sentence need not be made, which keeps files with
-  /// millions of problems quick.
+  /// False when another finding of that kind would only be counted: then its sentence need not be made, which keeps
+  /// files with millions of problems quick.
   bool wants_errors() const { return errors_ < kMaxListed; }
   bool wants_warnings() const { return list_.size() < kMaxListed; }
   /// Findings that were not kept.

@@ -16,7 +16,8 @@ namespace etendue {
 
 /// Bounds on a mesh, so that memory stays within a few GiB whatever the file holds.
 struct ObjLimits {
-  static constexpr std::size_t kMaxVertices = std::size_t{1} << 25;  ///< `v` lines, `vn` lines, vertices after splitting
+  static constexpr std::size_t kMaxVertices = std::size_t{1}
+                                              << 25;  ///< `v` lines, `vn` lines, vertices after splitting
   static constexpr std::size_t kMaxTriangles = std::size_t{1} << 25;
   static constexpr std::size_t kMaxCorners = 65536;              ///< of one face
   static constexpr std::size_t kMaxLine = std::size_t{4} << 20;  ///< bytes, continuations included

@@ -62,17 +62,17 @@ struct Shape {
 struct ReconstructionFilter {
   enum class Type : std::uint32_t { box, tent, gaussian, mitchell };
   Type type = Type::box;
-  double radius = 2.0;        ///< pixels; gaussian and mitchell
-  double stddev = 0.5;        ///< pixels; gaussian
-  double b = 1.0 / 3.0;       ///< mitchell
-  double c = 1.0 / 3.0;       ///< mitchell
+  double radius = 2.0;   ///< pixels; gaussian and mitchell
+  double stddev = 0.5;   ///< pixels; gaussian
+  double b = 1.0 / 3.0;  ///< mitchell
+  double c = 1.0 / 3.0;  ///< mitchell
 };
 
 struct Camera {
-  std::uint32_t width = 1280;   ///< pixels
-  std::uint32_t height = 720;   ///< pixels
-  double fov = 30.0;            ///< horizontal, degrees, in (0, 180)
-  double near_clip = 1e-4;      ///< along camera +Z, in camera units
+  std::uint32_t width = 1280;  ///< pixels
+  std::uint32_t height = 720;  ///< pixels
+  double fov = 30.0;           ///< horizontal, degrees, in (0, 180)
+  double near_clip = 1e-4;     ///< along camera +Z, in camera units
   double far_clip = 1e4;
   glm::dmat4 world_from_camera{1.0};  ///< affine; column-major (GLM)
   ReconstructionFilter filter;
@@ -91,8 +91,8 @@ struct Integrator {
   Type type = Type::path;
   std::uint32_t max_depth = 16;  ///< path segments, the camera ray is the first
   bool nee = true;
-  bool mis = true;               ///< meaningless without nee
-  std::uint32_t rr_depth = 5;    ///< Russian roulette from this segment on; 0 = off
+  bool mis = true;             ///< meaningless without nee
+  std::uint32_t rr_depth = 5;  ///< Russian roulette from this segment on; 0 = off
 };
 
 /// Radiance of a ray that leaves the scene in direction w: mix(horizon, top, clamp(w.y, 0, 1)).
@@ -119,12 +119,13 @@ struct TestBsdf {
   SourcePosition position;  ///< the <bsdf> tag
 };
 
-/// `<test type="ttest">`, of one of two kinds. With scenes: the mean luminance of each against one reference each. With bsdfs:
-/// the albedo (mean luminance of the sampling weight) of each bsdf at each angle of incidence; `references` runs over
-/// the angles of the first bsdf, then of the second, and so on.
+/// `<test type="ttest">`, of one of two kinds. With scenes: the mean luminance of each against one reference each. With
+/// bsdfs: the albedo (mean luminance of the sampling weight) of each bsdf at each angle of incidence; `references` runs
+/// over the angles of the first bsdf, then of the second, and so on.
 struct TTest {
   double significance_level = 0.01;
-  std::uint64_t sample_count = 100000;  ///< camera samples per scene, over the whole film; or samples per bsdf and angle
+  std::uint64_t sample_count =
+      100000;  ///< camera samples per scene, over the whole film; or samples per bsdf and angle
   std::vector<double> references;
   std::vector<Scene> scenes;
   std::vector<double> angles;  ///< degrees from the normal, in [0, 90)
@@ -134,10 +135,10 @@ struct TTest {
 /// `<test type="chi2test">`: does `sample` of each bsdf follow `pdf`?
 struct Chi2Test {
   double significance_level = 0.01;
-  std::uint32_t resolution = 10;       ///< cells in cos θ; twice as many in φ
-  double min_exp_frequency = 5.0;      ///< cells that expect fewer samples are pooled
-  std::uint64_t sample_count = 0;      ///< per test; 0: 5000 for each cell
-  std::uint32_t test_count = 5;        ///< directions of incidence per bsdf
+  std::uint32_t resolution = 10;   ///< cells in cos θ; twice as many in φ
+  double min_exp_frequency = 5.0;  ///< cells that expect fewer samples are pooled
+  std::uint64_t sample_count = 0;  ///< per test; 0: 5000 for each cell
+  std::uint32_t test_count = 5;    ///< directions of incidence per bsdf
   std::vector<TestBsdf> bsdfs;
 };
 

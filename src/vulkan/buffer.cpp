@@ -14,7 +14,8 @@ Buffer::Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usa
                                 .size = size_,
                                 .usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
   VkBuffer buffer = VK_NULL_HANDLE;
-  check(vkCreateBuffer(context.device(), &info, nullptr, &buffer), fmt::format("create the {} buffer of {} bytes", what, size_));
+  check(vkCreateBuffer(context.device(), &info, nullptr, &buffer),
+        fmt::format("create the {} buffer of {} bytes", what, size_));
   buffer_ = {context.device(), buffer};
 
   VkMemoryRequirements needs;
@@ -24,19 +25,23 @@ Buffer::Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usa
   const VkMemoryAllocateInfo allocation{
       .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
       .allocationSize = needs.size,
-      .memoryTypeIndex = context.memory_type(needs.memoryTypeBits, host ? kMapped : 0,
-                                             host ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
+      .memoryTypeIndex =
+          context.memory_type(needs.memoryTypeBits, host ? kMapped : 0,
+                              host ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
   VkDeviceMemory device_memory = VK_NULL_HANDLE;
   check(vkAllocateMemory(context.device(), &allocation, nullptr, &device_memory),
         fmt::format("allocate {} bytes for the {}", needs.size, what));
   memory_ = {context.device(), device_memory};
   check(vkBindBufferMemory(context.device(), buffer, device_memory, 0), fmt::format("bind the memory of the {}", what));
-  if (host) check(vkMapMemory(context.device(), device_memory, 0, VK_WHOLE_SIZE, 0, &mapped_), fmt::format("map the {}", what));
+  if (host)
+    check(vkMapMemory(context.device(), device_memory, 0, VK_WHOLE_SIZE, 0, &mapped_), fmt::format("map the {}", what));
 }
 
 TexelView make_texel_view(const Context& context, const Buffer& buffer, VkFormat format) {
-  const VkBufferViewCreateInfo info{
-      .sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO, .buffer = buffer.get(), .format = format, .range = VK_WHOLE_SIZE};
+  const VkBufferViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+                                    .buffer = buffer.get(),
+                                    .format = format,
+                                    .range = VK_WHOLE_SIZE};
   VkBufferView view = VK_NULL_HANDLE;
   check(vkCreateBufferView(context.device(), &info, nullptr, &view), "create a texel view");
   return {context.device(), view};

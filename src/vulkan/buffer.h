@@ -13,7 +13,8 @@ class Buffer {
  public:
   enum class Memory { device, host };  ///< host: mapped and coherent for its whole life
   Buffer() = default;
-  /// `what` names the contents in errors ("film", "BVH nodes"); size 0 is rounded up, so that every binding has a buffer.
+  /// `what` names the contents in errors ("film", "BVH nodes"); size 0 is rounded up, so that every binding has a
+  /// buffer.
   Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usage, Memory memory, const char* what);
 
   VkBuffer get() const { return buffer_.get(); }

@@ -17,10 +17,11 @@ constexpr double kTransferTimeout = 60.0;  // seconds; a copy of kStagingBytes t
 
 // Everything before is visible to everything after; passes are long, so finer barriers would buy nothing.
 void full_barrier(VkCommandBuffer buffer) {
-  const VkMemoryBarrier barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
-                                .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_HOST_WRITE_BIT,
-                                .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_UNIFORM_READ_BIT |
-                                                 VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_HOST_READ_BIT};
+  const VkMemoryBarrier barrier{
+      .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+      .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_HOST_WRITE_BIT,
+      .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_UNIFORM_READ_BIT |
+                       VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_HOST_READ_BIT};
   constexpr VkPipelineStageFlags kStages =
       VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_HOST_BIT;
   vkCmdPipelineBarrier(buffer, kStages, kStages, 0, 1, &barrier, 0, nullptr, 0, nullptr);
@@ -56,16 +57,19 @@ void Commands::begin() {
 void Commands::submit_and_wait(const char* action, double timeout_seconds) {
   full_barrier(buffer_);
   check(vkEndCommandBuffer(buffer_), "finish recording commands");
-  const VkSubmitInfo submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &buffer_};
+  const VkSubmitInfo submit{
+      .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &buffer_};
   const VkFence fence = fence_.get();
   check(vkQueueSubmit(context_->queue(), 1, &submit, fence), action);
   timeout_seconds = std::min(timeout_seconds, context_->options().max_wait_seconds);
-  const VkResult waited = vkWaitForFences(context_->device(), 1, &fence, VK_TRUE, static_cast<std::uint64_t>(timeout_seconds * 1e9));
+  const VkResult waited =
+      vkWaitForFences(context_->device(), 1, &fence, VK_TRUE, static_cast<std::uint64_t>(timeout_seconds * 1e9));
   if (waited == VK_TIMEOUT) {
     abandon(context_->device());
-    throw DeviceHung(fmt::format("Vulkan could not {}: '{}' did not finish within {:g} s; it hangs or is far too busy, choose another "
-                                 "--device.",
-                                 action, context_->info().name, timeout_seconds));
+    throw DeviceHung(fmt::format(
+        "Vulkan could not {}: '{}' did not finish within {:g} s; it hangs or is far too busy, choose another "
+        "--device.",
+        action, context_->info().name, timeout_seconds));
   }
   check(waited, action);
   check(vkResetFences(context_->device(), 1, &fence), "reset a fence");
@@ -76,7 +80,8 @@ double Commands::dispatch(const BindingLayout& layout, const Kernel& kernel, con
   begin();
   vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.get());
   const VkDescriptorSet descriptor_set = set.get();
-  vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, layout.pipeline_layout(), 0, 1, &descriptor_set, 0, nullptr);
+  vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, layout.pipeline_layout(), 0, 1, &descriptor_set, 0,
+                          nullptr);
   if (!push_constants.empty()) {
     vkCmdPushConstants(buffer_, layout.pipeline_layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        static_cast<std::uint32_t>(push_constants.size()), push_constants.data());

@@ -24,7 +24,8 @@ namespace {
 
 std::atomic<std::uint64_t> g_validation_messages{0};
 
-VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                     VkDebugUtilsMessageTypeFlagsEXT,
                                                      const VkDebugUtilsMessengerCallbackDataEXT* data, void*) {
   const bool serious = severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
   if (serious) {
@@ -36,21 +37,31 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverity
 
 const char* type_name(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete GPU";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated GPU";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual GPU";
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "CPU";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "CPU";
+    default:
+      return "other";
   }
 }
 
 int type_rank(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 0;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 1;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return 3;
-    default: return 4;
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return 3;
+    default:
+      return 4;
   }
 }
 
@@ -75,19 +86,22 @@ int compute_family(VkPhysicalDevice device) {
 
 std::string missing_features(VkPhysicalDevice device, const VkPhysicalDeviceProperties& p) {
   if (p.apiVersion < VK_API_VERSION_1_2) {
-    return fmt::format("it speaks Vulkan {}.{}, 1.2 is needed", VK_API_VERSION_MAJOR(p.apiVersion), VK_API_VERSION_MINOR(p.apiVersion));
+    return fmt::format("it speaks Vulkan {}.{}, 1.2 is needed", VK_API_VERSION_MAJOR(p.apiVersion),
+                       VK_API_VERSION_MINOR(p.apiVersion));
   }
   if (compute_family(device) < 0) return "it has no compute queue";
   if (p.limits.maxComputeWorkGroupInvocations < 64) return "its workgroups hold fewer than 64 invocations";
   if (p.limits.maxPerStageDescriptorStorageBuffers < 12) {
-    return fmt::format("it binds {} storage buffers to a kernel, 12 are needed", p.limits.maxPerStageDescriptorStorageBuffers);
+    return fmt::format("it binds {} storage buffers to a kernel, 12 are needed",
+                       p.limits.maxPerStageDescriptorStorageBuffers);
   }
   return "";
 }
 
 DeviceInfo describe(VkPhysicalDevice device, std::uint32_t index) {
   VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
-  VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, .pNext = &driver};
+  VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+                                              .pNext = &driver};
   VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
   vkGetPhysicalDeviceProperties(device, &properties.properties);
   const VkPhysicalDeviceProperties basic = properties.properties;
@@ -137,7 +151,8 @@ class Instance {
     static const VkResult loader = volkInitialize();
     if (loader != VK_SUCCESS) {
       throw Error(ExitCode::no_device,
-                  "No Vulkan loader (libvulkan.so.1) was found; install the packages libvulkan1 and mesa-vulkan-drivers, or use --device reference.");
+                  "No Vulkan loader (libvulkan.so.1) was found; install the packages libvulkan1 and "
+                  "mesa-vulkan-drivers, or use --device reference.");
     }
     create(options);
     volkLoadInstance(instance_);
@@ -165,8 +180,10 @@ class Instance {
  private:
   static VkDebugUtilsMessengerCreateInfoEXT messenger_info() {
     return {.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-            .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-            .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+            .messageSeverity =
+                VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+            .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
                            VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
             .pfnUserCallback = on_validation_message};
   }
@@ -191,11 +208,13 @@ class Instance {
     const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
     if (result == VK_ERROR_LAYER_NOT_PRESENT) {
       throw Error(ExitCode::no_device,
-                  "The Khronos validation layer was asked for but is not installed; install the package vulkan-validationlayers.");
+                  "The Khronos validation layer was asked for but is not installed; install the package "
+                  "vulkan-validationlayers.");
     }
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
       throw Error(ExitCode::no_device,
-                  "No Vulkan driver was found; install the package mesa-vulkan-drivers (its lavapipe needs no GPU), or use --device reference.");
+                  "No Vulkan driver was found; install the package mesa-vulkan-drivers (its lavapipe needs no GPU), or "
+                  "use --device reference.");
     }
     check(result, "start");
   }
@@ -206,15 +225,17 @@ class Instance {
 
 namespace {
 
-// All open devices share one instance: volk keeps its function pointers in globals, and a second instance would write them while other
-// threads call through them.
+// All open devices share one instance: volk keeps its function pointers in globals, and a second instance would write
+// them while other threads call through them.
 std::shared_ptr<Instance> shared_instance(const ContextOptions& options) {
   static std::mutex mutex;
   static std::weak_ptr<Instance> current;
   static ContextOptions current_options;
   const std::lock_guard lock(mutex);
   std::shared_ptr<Instance> instance = current.lock();
-  if (instance && options.validation == current_options.validation && options.validation_extra == current_options.validation_extra) return instance;
+  if (instance && options.validation == current_options.validation &&
+      options.validation_extra == current_options.validation_extra)
+    return instance;
   instance = std::make_shared<Instance>(options);
   current = instance;
   current_options = options;
@@ -229,7 +250,9 @@ ContextOptions ContextOptions::from_environment() {
   return {.validation = text == "1" || text == "2", .validation_extra = text == "2"};
 }
 
-std::uint64_t validation_message_count() { return g_validation_messages; }
+std::uint64_t validation_message_count() {
+  return g_validation_messages;
+}
 
 std::vector<DeviceInfo> list_devices(const ContextOptions& options) {
   const auto instance = shared_instance(options);
@@ -240,7 +263,7 @@ std::vector<DeviceInfo> list_devices(const ContextOptions& options) {
   return infos;
 }
 
-Context::Context(const std::string& selector, const ContextOptions& options) 
+Context::Context(const std::string& selector, const ContextOptions& options)
     : options_(options), instance_(shared_instance(options)) {
   const std::vector<VkPhysicalDevice> devices = instance_->physical_devices();
   std::string others;
@@ -252,7 +275,8 @@ Context::Context(const std::string& selector, const ContextOptions& options)
     const DeviceInfo info = describe(devices[i], i);
     VkPhysicalDeviceProperties p;
     vkGetPhysicalDeviceProperties(devices[i], &p);
-    const bool asked = selector == "auto" || (by_index ? i == wanted_index : lower(info.name).find(lower(selector)) != std::string::npos);
+    const bool asked = selector == "auto" ||
+                       (by_index ? i == wanted_index : lower(info.name).find(lower(selector)) != std::string::npos);
     const int rank = type_rank(p.deviceType);
     std::string reason;
     if (!info.missing.empty()) {
@@ -263,7 +287,8 @@ Context::Context(const std::string& selector, const ContextOptions& options)
       reason = fmt::format("'{}' comes first", info_.name);
     }
     if (reason.empty()) {
-      if (physical_ != VK_NULL_HANDLE) others += fmt::format("; not {} '{}': '{}' ({}) is preferred", info_.index, info_.name, info.name, info.type);
+      if (physical_ != VK_NULL_HANDLE)
+        others += fmt::format("; not {} '{}': '{}' ({}) is preferred", info_.index, info_.name, info.name, info.type);
       best_rank = rank;
       physical_ = devices[i];
       info_ = info;
@@ -274,9 +299,11 @@ Context::Context(const std::string& selector, const ContextOptions& options)
     }
   }
   if (physical_ == VK_NULL_HANDLE) {
-    throw Error(ExitCode::no_device,
-                fmt::format("No suitable Vulkan device for '--device {}' among {}{}; see 'etendue devices', or use --device reference.", selector,
-                            devices.size(), others));
+    throw Error(
+        ExitCode::no_device,
+        fmt::format(
+            "No suitable Vulkan device for '--device {}' among {}{}; see 'etendue devices', or use --device reference.",
+            selector, devices.size(), others));
   }
   choice_ = fmt::format("Device {} '{}' ({}, {}){}.", info_.index, info_.name, info_.type, info_.driver, others);
   open_device();
@@ -307,13 +334,15 @@ void Context::open_device() {
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 }
 
-std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const {
+std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,
+                                   VkMemoryPropertyFlags preferred) const {
   for (const VkMemoryPropertyFlags wanted : {required | preferred, required}) {
     for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
       if ((type_bits >> i & 1u) != 0 && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
     }
   }
-  throw Error(ExitCode::device_lost, fmt::format("The device '{}' has no memory type with the properties {:#x}.", info_.name, required));
+  throw Error(ExitCode::device_lost,
+              fmt::format("The device '{}' has no memory type with the properties {:#x}.", info_.name, required));
 }
 
 // The cache only saves time, so every failure to read or write it is silent: the render must not depend on it.
@@ -323,8 +352,9 @@ void Context::load_pipeline_cache() {
     std::ifstream file(path, std::ios::binary);
     bytes.assign(std::istreambuf_iterator<char>(file), {});
   }
-  VkPipelineCacheCreateInfo info{
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, .initialDataSize = bytes.size(), .pInitialData = bytes.data()};
+  VkPipelineCacheCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
+                                 .initialDataSize = bytes.size(),
+                                 .pInitialData = bytes.data()};
   VkPipelineCache cache = VK_NULL_HANDLE;
   if (vkCreatePipelineCache(device_, &info, nullptr, &cache) != VK_SUCCESS) {
     info.initialDataSize = 0;

@@ -12,14 +12,14 @@ namespace etendue::vulkan {
 
 /// What is known of a physical device before it is opened.
 struct DeviceInfo {
-  std::uint32_t index = 0;      ///< in the order of vkEnumeratePhysicalDevices; what --device takes
+  std::uint32_t index = 0;  ///< in the order of vkEnumeratePhysicalDevices; what --device takes
   std::string name;
-  std::string driver;           ///< driver name and version text
-  std::string type;             ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other"
+  std::string driver;  ///< driver name and version text
+  std::string type;    ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other"
   std::uint32_t api_version = 0;
   std::uint64_t memory_bytes = 0;  ///< largest device-local heap
   std::uint32_t subgroup_size = 0;
-  std::string missing;          ///< why it cannot be used; empty when it can
+  std::string missing;  ///< why it cannot be used; empty when it can
 };
 
 /// Options of the Vulkan instance.
@@ -39,11 +39,12 @@ class Instance;
 /// Every physical device, usable or not. Throws Error(no_device) when there is no Vulkan loader.
 std::vector<DeviceInfo> list_devices(const ContextOptions& options);
 
-/// An open device. Not thread-safe: one thread submits at a time. Several may be open, each used by a thread of its own.
+/// An open device. Not thread-safe: one thread submits at a time. Several may be open, each used by a thread of its
+/// own.
 class Context {
  public:
-  /// `selector`: "auto" (discrete > integrated > virtual > CPU), an index, or a part of the name (case-insensitive). Throws Error(no_device) that
-  /// says why each device was not taken.
+  /// `selector`: "auto" (discrete > integrated > virtual > CPU), an index, or a part of the name (case-insensitive).
+  /// Throws Error(no_device) that says why each device was not taken.
   Context(const std::string& selector, const ContextOptions& options);
   ~Context();
   Context(const Context&) = delete;
@@ -59,8 +60,10 @@ class Context {
   VkPipelineCache pipeline_cache() const { return pipeline_cache_.get(); }
   /// One sentence: which device was taken and why.
   const std::string& choice() const { return choice_; }
-  /// Index of a memory type allowed by `type_bits` with all of `required`, preferring `preferred`; throws Error(device_lost) if there is none.
-  std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
+  /// Index of a memory type allowed by `type_bits` with all of `required`, preferring `preferred`; throws
+  /// Error(device_lost) if there is none.
+  std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,
+                            VkMemoryPropertyFlags preferred) const;
 
  private:
   void open_device();

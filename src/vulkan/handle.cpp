@@ -25,6 +25,8 @@ bool is_abandoned(VkDevice device) {
   return g_devices.contains(device);
 }
 
-bool any_abandoned() { return g_any; }
+bool any_abandoned() {
+  return g_any;
+}
 
 }  // namespace etendue::vulkan

@@ -9,12 +9,15 @@
 
 namespace etendue::vulkan {
 
-BindingLayout::BindingLayout(const Context& context, std::span<const Binding> bindings, std::uint32_t push_constant_bytes)
+BindingLayout::BindingLayout(const Context& context, std::span<const Binding> bindings,
+                             std::uint32_t push_constant_bytes)
     : bindings_(bindings.begin(), bindings.end()), push_constant_bytes_(push_constant_bytes) {
   std::vector<VkDescriptorSetLayoutBinding> entries;
   for (const Binding& b : bindings_) {
-    entries.push_back(
-        {.binding = b.number, .descriptorType = b.type, .descriptorCount = 1, .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT});
+    entries.push_back({.binding = b.number,
+                       .descriptorType = b.type,
+                       .descriptorCount = 1,
+                       .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT});
   }
   const VkDescriptorSetLayoutCreateInfo set_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                                  .bindingCount = static_cast<std::uint32_t>(entries.size()),
@@ -34,7 +37,8 @@ BindingLayout::BindingLayout(const Context& context, std::span<const Binding> bi
   pipeline_layout_ = {context.device(), pipeline_layout};
 }
 
-BindingSet::BindingSet(const Context& context, const BindingLayout& layout) : device_(context.device()), layout_(&layout) {
+BindingSet::BindingSet(const Context& context, const BindingLayout& layout)
+    : device_(context.device()), layout_(&layout) {
   std::map<VkDescriptorType, std::uint32_t> counts;
   for (const Binding& b : layout.bindings()) ++counts[b.type];
   std::vector<VkDescriptorPoolSize> sizes;
@@ -82,7 +86,8 @@ Kernel::Kernel(const Context& context, const BindingLayout& layout, std::span<co
   const VkShaderModuleCreateInfo module_info{
       .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = spirv.size_bytes(), .pCode = spirv.data()};
   VkShaderModule raw_module = VK_NULL_HANDLE;
-  check(vkCreateShaderModule(context.device(), &module_info, nullptr, &raw_module), fmt::format("load the kernel '{}'", name));
+  check(vkCreateShaderModule(context.device(), &module_info, nullptr, &raw_module),
+        fmt::format("load the kernel '{}'", name));
   const Handle<VkShaderModule, &vkDestroyShaderModule> module(context.device(), raw_module);
 
   std::vector<VkSpecializationMapEntry> entries;

@@ -17,8 +17,11 @@ using testing::HasSubstr;
 class DeviceFaults : public RenderTest {
  protected:
   static ProcessOptions fault(const std::string& kind, int after, const std::string& times = "1000000") {
-    return {.environment = {{"VK_LAYER_PATH", FAULT_LAYER_FOLDER}, {"VK_INSTANCE_LAYERS", "VK_LAYER_ETENDUE_fault"}, {"ETENDUE_FAULT", kind},
-                            {"ETENDUE_FAULT_AFTER", std::to_string(after)}, {"ETENDUE_FAULT_TIMES", times}}};
+    return {.environment = {{"VK_LAYER_PATH", FAULT_LAYER_FOLDER},
+                            {"VK_INSTANCE_LAYERS", "VK_LAYER_ETENDUE_fault"},
+                            {"ETENDUE_FAULT", kind},
+                            {"ETENDUE_FAULT_AFTER", std::to_string(after)},
+                            {"ETENDUE_FAULT_TIMES", times}}};
   }
   static std::size_t count(const std::string& text, const std::string& word) {
     std::size_t n = 0;
@@ -41,8 +44,8 @@ class DeviceFaults : public RenderTest {
 TEST_F(DeviceFaults, ALostDeviceIsReplacedAndTheBytesAreTheSame) {
   expect_ok(render({"--spp", "300", "--film", "-o", "one.exr"}));
   // Short passes and rounds: something is home when the device is lost.
-  const ProcessResult result = run(render({"--spp", "300", "--film", "-o", "two.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms",
-                                           "--pass-samples", "2"}),
+  const ProcessResult result = run(render({"--spp", "300", "--film", "-o", "two.exr", "--checkpoint", "ck.exr",
+                                           "--checkpoint-every", "1ms", "--pass-samples", "2"}),
                                    fault("lost", 20, "2"));
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(count(result.err, "Opening the device afresh"), 2u) << result.err;
@@ -51,7 +54,9 @@ TEST_F(DeviceFaults, ALostDeviceIsReplacedAndTheBytesAreTheSame) {
 
 TEST_F(DeviceFaults, ADeviceThatIsLostAgainAndAgainEndsTheRender) {
   prepare();
-  const ProcessResult result = run(render({"--spp", "300", "--film", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr"}), fault("lost", 0));
+  const ProcessResult result =
+      run(render({"--spp", "300", "--film", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr"}),
+          fault("lost", 0));
   expect_error(result, 5, "VK_ERROR_DEVICE_LOST");
   EXPECT_EQ(count(result.err, "Opening the device afresh"), 3u) << result.err;
   expect_untouched();
@@ -59,8 +64,9 @@ TEST_F(DeviceFaults, ADeviceThatIsLostAgainAndAgainEndsTheRender) {
 
 TEST_F(DeviceFaults, WhatWasDeliveredBeforeTheLossIsInTheCheckpoint) {
   write_text(folder_ / "x.exr", "old");
-  const ProcessResult result =
-      run(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms", "--pass-samples", "1"}), fault("lost", 30));
+  const ProcessResult result = run(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr",
+                                           "--checkpoint-every", "1ms", "--pass-samples", "1"}),
+                                   fault("lost", 30));
   expect_error(result, 5, "VK_ERROR_DEVICE_LOST");
   EXPECT_EQ(read_text(folder_ / "x.exr"), "old");
   expect_ok(render({"--spp", samples_of("ck.exr"), "--film", "-o", "one.exr"}));
@@ -69,7 +75,8 @@ TEST_F(DeviceFaults, WhatWasDeliveredBeforeTheLossIsInTheCheckpoint) {
 
 TEST_F(DeviceFaults, ExhaustedMemoryIsNotTriedAgain) {
   prepare();
-  const ProcessResult result = run(render({"--spp", "300", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr"}), fault("memory", 3));
+  const ProcessResult result =
+      run(render({"--spp", "300", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr"}), fault("memory", 3));
   expect_error(result, 5, "VK_ERROR_OUT_OF_DEVICE_MEMORY");
   EXPECT_EQ(count(result.err, "afresh"), 0u) << result.err;
   expect_untouched();
@@ -78,7 +85,8 @@ TEST_F(DeviceFaults, ExhaustedMemoryIsNotTriedAgain) {
 TEST_F(DeviceFaults, ADispatchThatNeverEndsEndsTheProcess) {
   prepare();
   for (const char* device : {"0", "0,0"}) {
-    Process process(render({"--spp", "300", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr", "--device-timeout", "2s", "--device", device}),
+    Process process(render({"--spp", "300", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr",
+                            "--device-timeout", "2s", "--device", device}),
                     folder_, fault("hang", 0));
     const ProcessResult result = process.wait(60.0);
     expect_error(result, 5, "did not finish within 2 s");
@@ -89,8 +97,8 @@ TEST_F(DeviceFaults, ADispatchThatNeverEndsEndsTheProcess) {
 
 TEST_F(DeviceFaults, AHangLosesNothingThatWasDelivered) {
   write_text(folder_ / "x.exr", "old");
-  Process process(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms", "--device-timeout", "2s",
-                          "--pass-samples", "1"}),
+  Process process(render({"--spp", "100000000", "-o", "x.exr", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms",
+                          "--device-timeout", "2s", "--pass-samples", "1"}),
                   folder_, fault("hang", 30));
   expect_error(process.wait(60.0), 5, "did not finish");
   EXPECT_EQ(read_text(folder_ / "x.exr"), "old");
@@ -135,8 +143,8 @@ TEST_F(FileFaults, AFullDiskUnderTheCheckpointKeepsTheLastOne) {
   const std::string before = read_text(mounted_ / "ck.exr");
   write_text(mounted_ / "ballast", std::string(40000, 'x'));
   write_text(folder_ / "x.exr", "old");
-  const ProcessResult result = run({"render", kScene, "--size", "16x16", "--spp", "4000", "--checkpoint", "full/ck.exr", "--checkpoint-every", "50ms",
-                                    "--resume", "full/ck.exr", "-o", "x.exr"});
+  const ProcessResult result = run({"render", kScene, "--size", "16x16", "--spp", "4000", "--checkpoint", "full/ck.exr",
+                                    "--checkpoint-every", "50ms", "--resume", "full/ck.exr", "-o", "x.exr"});
   expect_error(result, 6, "No space left");
   EXPECT_TRUE(before == read_text(mounted_ / "ck.exr"));
   EXPECT_EQ(read_text(folder_ / "x.exr"), "old");
@@ -154,7 +162,8 @@ TEST_F(FileFaults, AReadOnlyFolderIsReportedBeforeTheRender) {
   } else {
     std::filesystem::create_directories(folder_ / "locked");
     write_text(folder_ / "locked/x.exr", "old");
-    std::filesystem::permissions(folder_ / "locked", std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+    std::filesystem::permissions(folder_ / "locked",
+                                 std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   }
   const auto start = std::chrono::steady_clock::now();
   expect_error(run(render({"--spp", "10000000", "-o", "locked/x.exr"})), 6, words);
@@ -162,21 +171,25 @@ TEST_F(FileFaults, AReadOnlyFolderIsReportedBeforeTheRender) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
   EXPECT_EQ(read_text(folder_ / "locked/x.exr"), "old");
   std::error_code read_only;
-  std::filesystem::permissions(folder_ / "locked", std::filesystem::perms::owner_all, std::filesystem::perm_options::add, read_only);
+  std::filesystem::permissions(folder_ / "locked", std::filesystem::perms::owner_all,
+                               std::filesystem::perm_options::add, read_only);
 }
 
 TEST_F(FileFaults, AFileSizeLimitIsAFileError) {
   prepare();
   const ProcessOptions limit{.file_size_limit = 4096};
   expect_error(run(render({"--spp", "4", "-o", "x.exr"}), limit), 6, "File too large");
-  expect_error(run(render({"--spp", "9", "--checkpoint", "ck.exr", "--resume", "ck.exr", "-o", "x.exr"}), limit), 6, "File too large");
+  expect_error(run(render({"--spp", "9", "--checkpoint", "ck.exr", "--resume", "ck.exr", "-o", "x.exr"}), limit), 6,
+               "File too large");
   expect_untouched();
   expect_no_leftovers(folder_);
 }
 
 TEST_F(FileFaults, AFolderThatVanishesIsAFileErrorAndTheCheckpointIsWhole) {
   std::filesystem::create_directories(folder_ / "gone");
-  Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "100ms", "--pass-samples", "4", "-o", "gone/x.exr"}), folder_);
+  Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "100ms",
+                          "--pass-samples", "4", "-o", "gone/x.exr"}),
+                  folder_);
   ASSERT_TRUE(wait_until([&] { return exists("ck.exr"); }));
   std::filesystem::remove_all(folder_ / "gone");
   process.signal(SIGTERM);
@@ -190,11 +203,13 @@ TEST_F(FileFaults, NothingIsWrittenBesideTheScene) {
   std::filesystem::copy(SCENES_DIR "/cbox-sphere.xml", folder_ / "scene");
   std::filesystem::create_directories(folder_ / "scene/meshes");
   for (const auto& entry : std::filesystem::directory_iterator(SCENES_DIR "/meshes")) {
-    if (entry.path().filename().string().starts_with("cbox-")) std::filesystem::copy(entry.path(), folder_ / "scene/meshes");
+    if (entry.path().filename().string().starts_with("cbox-"))
+      std::filesystem::copy(entry.path(), folder_ / "scene/meshes");
   }
   const auto list = [&] {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "scene")) names.push_back(entry.path());
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "scene"))
+      names.push_back(entry.path());
     std::sort(names.begin(), names.end());
     return names;
   };

@@ -54,7 +54,8 @@ struct Delivered {
 
   void add(const FinishedSamples& finished) {
     film.merge(*finished.film);
-    for (const auto& range : samples) EXPECT_TRUE(finished.range.end <= range.first || range.second <= finished.range.begin) << "delivered twice";
+    for (const auto& range : samples)
+      EXPECT_TRUE(finished.range.end <= range.first || range.second <= finished.range.begin) << "delivered twice";
     samples.emplace_back(finished.range.begin, finished.range.end);
     samples = canonical(samples);
     names.push_back(finished.renderer->device_name());
@@ -67,8 +68,10 @@ OpenRenderer opener(const std::string& name, FakeRenderer::Fault fault) {
 
 const auto always = [](std::uint64_t) { return true; };
 
-void render(DeviceTeam& team, SampleQueue& queue, Delivered& out, const std::function<bool(std::uint64_t)>& go_on = always) {
-  team.render(queue, 2, 2, 20, [&](const FinishedSamples& finished) { out.add(finished); }, go_on);
+void render(DeviceTeam& team, SampleQueue& queue, Delivered& out,
+            const std::function<bool(std::uint64_t)>& go_on = always) {
+  team.render(
+      queue, 2, 2, 20, [&](const FinishedSamples& finished) { out.add(finished); }, go_on);
 }
 
 void expect_whole(const Delivered& out, std::uint32_t end) {

@@ -1,6 +1,7 @@
 /// A Vulkan layer that makes a healthy device fail, for tests. The environment says how:
 /// - ETENDUE_FAULT=lost: a dispatch returns VK_ERROR_DEVICE_LOST, and so does whatever its device is given later.
-/// - ETENDUE_FAULT=hang: a dispatch never reaches the driver, its fence is never signalled, and to close its device takes for ever.
+/// - ETENDUE_FAULT=hang: a dispatch never reaches the driver, its fence is never signalled, and to close its device
+/// takes for ever.
 /// - ETENDUE_FAULT=memory: an allocation returns VK_ERROR_OUT_OF_DEVICE_MEMORY.
 /// - ETENDUE_FAULT_AFTER=N: the first N dispatches or allocations of the process are good.
 /// - ETENDUE_FAULT_TIMES=N: faults in all; unlimited by default.
@@ -88,7 +89,8 @@ VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const 
   return next(queue, count, infos, fence);
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL wait(VkDevice device, std::uint32_t count, const VkFence* fences, VkBool32 all, std::uint64_t timeout) {
+VKAPI_ATTR VkResult VKAPI_CALL wait(VkDevice device, std::uint32_t count, const VkFence* fences, VkBool32 all,
+                                    std::uint64_t timeout) {
   DeviceTable table;
   {
     const std::lock_guard lock(g_mutex);
@@ -102,8 +104,8 @@ VKAPI_ATTR VkResult VKAPI_CALL wait(VkDevice device, std::uint32_t count, const 
   return table.wait(device, count, fences, all, timeout);
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* callbacks,
-                                        VkDeviceMemory* memory) {
+VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo* info,
+                                        const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory) {
   PFN_vkAllocateMemory next = nullptr;
   {
     const std::lock_guard lock(g_mutex);
@@ -145,7 +147,8 @@ VKAPI_ATTR void VKAPI_CALL destroy_instance(VkInstance instance, const VkAllocat
   next(instance, callbacks);
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks, VkInstance* instance) {
+VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                                               VkInstance* instance) {
   auto* link = static_cast<VkLayerInstanceCreateInfo*>(const_cast<void*>(info->pNext));
   while (link->sType != VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO || link->function != VK_LAYER_LINK_INFO) {
     link = static_cast<VkLayerInstanceCreateInfo*>(const_cast<void*>(link->pNext));
@@ -160,8 +163,8 @@ VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info,
   return VK_SUCCESS;
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info, const VkAllocationCallbacks* callbacks,
-                                             VkDevice* device) {
+VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
+                                             const VkAllocationCallbacks* callbacks, VkDevice* device) {
   auto* link = static_cast<VkLayerDeviceCreateInfo*>(const_cast<void*>(info->pNext));
   while (link->sType != VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO || link->function != VK_LAYER_LINK_INFO) {
     link = static_cast<VkLayerDeviceCreateInfo*>(const_cast<void*>(link->pNext));

@@ -56,10 +56,14 @@ TEST_F(Pieces, MergeRefusesWhatDoesNotFit) {
   expect_ok(render({"--spp", "4", "-o", "picture.exr"}));
   write_text(folder_ / "text.exr", "not an image");
   write_text(folder_ / "old.exr", "old");
-  const std::pair<const char*, const char*> cases[] = {{"overlap.exr", "both hold the samples 3:4"}, {"seed.exr", "seeds"},
-                                                       {"integrator.exr", "integrator settings"},    {"size.exr", "sizes"},
-                                                       {"scene.exr", "scenes"},                      {"picture.exr", "holds no film"},
-                                                       {"text.exr", "not an EXR"},                   {"missing.exr", "No such file"}};
+  const std::pair<const char*, const char*> cases[] = {{"overlap.exr", "both hold the samples 3:4"},
+                                                       {"seed.exr", "seeds"},
+                                                       {"integrator.exr", "integrator settings"},
+                                                       {"size.exr", "sizes"},
+                                                       {"scene.exr", "scenes"},
+                                                       {"picture.exr", "holds no film"},
+                                                       {"text.exr", "not an EXR"},
+                                                       {"missing.exr", "No such file"}};
   for (const auto& [file, words] : cases) {
     SCOPED_TRACE(file);
     expect_error(run({"merge", "a.exr", file, "-o", "old.exr"}), 6, words);
@@ -124,7 +128,8 @@ TEST_F(Pieces, ErrorBoundStopsAtTheSameSampleWhateverHappens) {
   ASSERT_GE(count, 16);
   ASSERT_LT(count, 3000);
   expect_ok(render({"--samples", "0:5", "-o", "start.exr"}));
-  expect_ok(render({"--until-error", "60%", "--spp", "3000", "--resume", "start.exr", "--film", "-o", "resumed.exr", "--device", "0,0"}));
+  expect_ok(render({"--until-error", "60%", "--spp", "3000", "--resume", "start.exr", "--film", "-o", "resumed.exr",
+                    "--device", "0,0"}));
   expect_same("one.exr", "resumed.exr");
 }
 
@@ -140,7 +145,9 @@ TEST_F(Pieces, TimeBudgetIsKept) {
 
 TEST_F(Pieces, SignalsSaveWhatIsDone) {
   for (const int signal : {SIGINT, SIGTERM}) {
-    Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "200ms", "--pass-samples", "4", "--film", "-o", "x.exr"}), folder_);
+    Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "200ms",
+                            "--pass-samples", "4", "--film", "-o", "x.exr"}),
+                    folder_);
     ASSERT_TRUE(wait_until([&] { return exists("ck.exr"); }));
     EXPECT_FALSE(exists("x.exr"));
     process.signal(signal);
@@ -158,7 +165,9 @@ TEST_F(Pieces, ASecondSignalAborts) {
   // The device hangs, so that the pass that the first signal lets finish never does.
   write_text(folder_ / "x.exr", "old");
   Process process(render({"--spp", "1000", "-o", "x.exr"}), folder_,
-                  {.environment = {{"VK_LAYER_PATH", FAULT_LAYER_FOLDER}, {"VK_INSTANCE_LAYERS", "VK_LAYER_ETENDUE_fault"}, {"ETENDUE_FAULT", "hang"}}});
+                  {.environment = {{"VK_LAYER_PATH", FAULT_LAYER_FOLDER},
+                                   {"VK_INSTANCE_LAYERS", "VK_LAYER_ETENDUE_fault"},
+                                   {"ETENDUE_FAULT", "hang"}}});
   std::this_thread::sleep_for(std::chrono::seconds(1));
   process.signal(SIGINT);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
@@ -180,8 +189,10 @@ TEST_F(Pieces, Usr1WritesTheCurrentImage) {
 }
 
 /// Renders `spp` samples while it kills the renderer `kills` times at random instants, then lets it finish.
-void render_with_kills(const std::filesystem::path& folder, std::vector<std::string> arguments, int kills, std::mt19937& random) {
-  arguments.insert(arguments.end(), {"--checkpoint", "ck.exr", "--checkpoint-every", "50ms", "--pass-samples", "4", "--film", "-o", "killed.exr", "-q"});
+void render_with_kills(const std::filesystem::path& folder, std::vector<std::string> arguments, int kills,
+                       std::mt19937& random) {
+  arguments.insert(arguments.end(), {"--checkpoint", "ck.exr", "--checkpoint-every", "50ms", "--pass-samples", "4",
+                                     "--film", "-o", "killed.exr", "-q"});
   int killed = 0;
   for (int run = 0; killed < kills; ++run) {
     ASSERT_LT(run, 20 * kills);
@@ -252,7 +263,9 @@ std::int64_t growth(Process& process, const std::filesystem::path& checkpoint, d
 
 TEST_F(Pieces, MemoryIsFlat) {
   // The reference, so that nothing but the job, its films and its files is measured.
-  Process process(render({"--spp", "4000000000", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms", "--device", "reference", "-o", "x.exr"}), folder_);
+  Process process(render({"--spp", "4000000000", "--checkpoint", "ck.exr", "--checkpoint-every", "1ms", "--device",
+                          "reference", "-o", "x.exr"}),
+                  folder_);
   EXPECT_LT(growth(process, folder_ / "ck.exr", 3.0), std::int64_t{2} << 20);
 }
 
@@ -264,12 +277,26 @@ TEST_F(Pieces, SoakMemoryOfTheDeviceIsFlat) {
 }
 
 TEST_F(Pieces, BadNumbersAreRefusedBeforeAnythingIsDone) {
-  const std::vector<std::vector<std::string>> cases = {
-      {"--samples", "4"},     {"--samples", "4:4"},        {"--samples", "5:4"},       {"--samples", "-1:4"},  {"--samples", "0:4294967296"},
-      {"--samples", "0:4 "},  {"--samples", "0:8", "--spp", "7"}, {"--time", "10"},     {"--time", "0s"},       {"--time", "-1s"},
-      {"--time", "1e3s"},     {"--time", "10 m"},           {"--time", "infs"},         {"--until-error", "0"}, {"--until-error", "100%"},
-      {"--until-error", "1%%"}, {"--until-error", "nan"},   {"--checkpoint-every", "3s"}, {"--checkpoint", "ck.exr", "--checkpoint-every", "often"},
-      {"-o", "x.jpg"}};
+  const std::vector<std::vector<std::string>> cases = {{"--samples", "4"},
+                                                       {"--samples", "4:4"},
+                                                       {"--samples", "5:4"},
+                                                       {"--samples", "-1:4"},
+                                                       {"--samples", "0:4294967296"},
+                                                       {"--samples", "0:4 "},
+                                                       {"--samples", "0:8", "--spp", "7"},
+                                                       {"--time", "10"},
+                                                       {"--time", "0s"},
+                                                       {"--time", "-1s"},
+                                                       {"--time", "1e3s"},
+                                                       {"--time", "10 m"},
+                                                       {"--time", "infs"},
+                                                       {"--until-error", "0"},
+                                                       {"--until-error", "100%"},
+                                                       {"--until-error", "1%%"},
+                                                       {"--until-error", "nan"},
+                                                       {"--checkpoint-every", "3s"},
+                                                       {"--checkpoint", "ck.exr", "--checkpoint-every", "often"},
+                                                       {"-o", "x.jpg"}};
   for (const std::vector<std::string>& more : cases) {
     SCOPED_TRACE(testing::PrintToString(more));
     const ProcessResult result = run(render(more));

@@ -17,7 +17,8 @@ namespace etendue::faults {
 namespace {
 
 // Between fork and exec: system calls only.
-[[noreturn]] void become(char* const argv[], char* const envp[], const char* folder, int out, int err, std::uint64_t file_size_limit) {
+[[noreturn]] void become(char* const argv[], char* const envp[], const char* folder, int out, int err,
+                         std::uint64_t file_size_limit) {
   if (chdir(folder) != 0) _exit(126);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
@@ -47,9 +48,12 @@ std::vector<std::string> ProcessResult::errors() const {
   return lines;
 }
 
-Process::Process(const std::vector<std::string>& arguments, const std::filesystem::path& folder, const ProcessOptions& options) {
+Process::Process(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                 const ProcessOptions& options) {
   static std::atomic<int> serial{0};
-  const std::string stem = (std::filesystem::temp_directory_path() / ("etendue-faults-" + std::to_string(getpid()) + "-" + std::to_string(serial++))).string();
+  const std::string stem = (std::filesystem::temp_directory_path() /
+                            ("etendue-faults-" + std::to_string(getpid()) + "-" + std::to_string(serial++)))
+                               .string();
   out_file_ = stem + ".out";
   err_file_ = stem + ".err";
   std::vector<std::string> argument_strings = {ETENDUE_BINARY};
@@ -101,7 +105,8 @@ ProcessResult Process::wait(double seconds) {
   return {WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_), read_text(out_file_), read_text(err_file_)};
 }
 
-ProcessResult etendue(const std::vector<std::string>& arguments, const std::filesystem::path& folder, const ProcessOptions& options) {
+ProcessResult etendue(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                      const ProcessOptions& options) {
   return Process(arguments, folder, options).wait();
 }
 

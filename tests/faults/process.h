@@ -19,12 +19,13 @@ struct ProcessResult {
 
 struct ProcessOptions {
   std::map<std::string, std::string> environment;  ///< added to our own
-  std::uint64_t file_size_limit = 0;                ///< RLIMIT_FSIZE in bytes; 0: none
+  std::uint64_t file_size_limit = 0;               ///< RLIMIT_FSIZE in bytes; 0: none
 };
 
 class Process {
  public:
-  Process(const std::vector<std::string>& arguments, const std::filesystem::path& folder, const ProcessOptions& options = {});
+  Process(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+          const ProcessOptions& options = {});
   ~Process();  ///< kills what still runs
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -44,7 +45,8 @@ class Process {
 };
 
 /// Runs etendue to its end.
-ProcessResult etendue(const std::vector<std::string>& arguments, const std::filesystem::path& folder, const ProcessOptions& options = {});
+ProcessResult etendue(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                      const ProcessOptions& options = {});
 
 std::string read_text(const std::filesystem::path& path);
 void write_text(const std::filesystem::path& path, const std::string& text);

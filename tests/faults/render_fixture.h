@@ -17,8 +17,8 @@ namespace etendue::faults {
 class RenderTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("etendue-" + std::to_string(getpid()) + "-" + testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ = std::filesystem::temp_directory_path() / ("etendue-" + std::to_string(getpid()) + "-" +
+                                                        testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder_);
     if (etendue({"render", kScene, "--size", "8x8", "--spp", "1", "-o", "probe.png", "-q"}, folder_).code == 4) {
       GTEST_SKIP() << "no Vulkan device";

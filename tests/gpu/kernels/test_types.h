@@ -19,9 +19,9 @@ struct WordsAnswer {
 const uint kWarpDisk = 0u;
 const uint kWarpCosineHemisphere = 1u;
 const uint kWarpTriangle = 2u;
-const uint kWarpCone = 3u;        // parameter: 1 − cos of the half angle
-const uint kWarpOctant = 4u;      // (cos, sin) of u.x, radians
-const uint kWarpTurn = 5u;        // (cos, sin) of u.x turns
+const uint kWarpCone = 3u;    // parameter: 1 − cos of the half angle
+const uint kWarpOctant = 4u;  // (cos, sin) of u.x, radians
+const uint kWarpTurn = 5u;    // (cos, sin) of u.x turns
 struct WarpCase {
   vec2 u;
   float parameter;
@@ -140,7 +140,7 @@ struct TraceAnswer {
   uint any;               // 1 when the any-hit walk found something
   float brute_t;
   uint brute_shape, brute_primitive;
-  uint ties;              // primitives at exactly brute_t
+  uint ties;  // primitives at exactly brute_t
 };
 
 // A ray that hits something and a direction to leave to.
@@ -154,11 +154,11 @@ struct SpawnCase {
 };
 struct SpawnAnswer {
   vec3 p;
-  uint shape;      // kNone: the first ray hit nothing
+  uint shape;  // kNone: the first ray hit nothing
   vec3 ng;
   uint primitive;
   float error;
-  float t;         // of the second ray
+  float t;  // of the second ray
   uint next_shape, next_primitive;
 };
 
