@@ -5,7 +5,9 @@
 #include "cli/units.h"
 #include "core/log.h"
 #include "core/parallel.h"
+#include "gpu/bsdf_probe.h"
 #include "gpu/gpu_renderer.h"
+#include "reference/material_probe.h"
 #include "reference/reference_renderer.h"
 #include "vulkan/context.h"
 
@@ -63,12 +65,18 @@ std::vector<std::string> all_devices() {
   return gpus.empty() ? cpus : gpus;
 }
 
-RendererFactory device_factory(const std::string& selector, const DeviceOption& option) {
+GpuOptions device_options(const std::string& selector, const DeviceOption& option) {
   GpuOptions options;
   options.device = selector;
   options.fixed_samples = option.pass_samples;
   if (!option.timeout.empty()) options.context.max_wait_seconds = parse_duration("--device-timeout", option.timeout);
-  return [options](const Scene& scene, const RenderSettings& settings) { return make_gpu_renderer(scene, settings, options); };
+  return options;
+}
+
+RendererFactory device_factory(const std::string& selector, const DeviceOption& option) {
+  return [options = device_options(selector, option)](const Scene& scene, const RenderSettings& settings) {
+    return make_gpu_renderer(scene, settings, options);
+  };
 }
 
 }  // namespace
@@ -77,6 +85,18 @@ RendererFactory DeviceOption::factory() const {
   set_thread_count(threads);
   if (selector == "reference") return make_reference_renderer;
   return device_factory(selector, *this);
+}
+
+BsdfProbeFactory DeviceOption::probe_factory() const {
+  set_thread_count(threads);
+  if (selector == "reference") return make_reference_bsdf_probe;
+  return [options = device_options(selector, *this)](const Bsdf& bsdf) { return make_gpu_bsdf_probe(bsdf, options); };
+}
+
+GpuOptions DeviceOption::gpu_options() const {
+  set_thread_count(threads);
+  if (selector == "reference") throw Error(ExitCode::usage, "--device reference is no Vulkan device; name one that 'etendue devices' lists.");
+  return device_options(selector, *this);
 }
 
 std::vector<RendererFactory> DeviceOption::factories() const {

@@ -8,6 +8,8 @@
 #include <CLI/CLI.hpp>
 
 #include "core/errors.h"
+#include "gpu/gpu_renderer.h"
+#include "render/bsdf_probe.h"
 #include "scene/xml_reader.h"
 #include "validate/renderer_factory.h"
 
@@ -23,6 +25,9 @@ void add_ttest_command(CLI::App& app, Action& action);
 void add_merge_command(CLI::App& app, Action& action);
 void add_compare_command(CLI::App& app, Action& action);
 void add_validate_command(CLI::App& app, Action& action);
+void add_chi2_command(CLI::App& app, Action& action);
+void add_selftest_command(CLI::App& app, Action& action);
+void add_mutate_command(CLI::App& app, Action& action);
 
 /// Options that several commands share.
 struct SceneOptions {
@@ -43,6 +48,10 @@ struct DeviceOption {
   void add_to(CLI::App& command);
   /// Renderers on the chosen device; "reference" is the CPU reference.
   RendererFactory factory() const;
+  /// Materials on the chosen device.
+  BsdfProbeFactory probe_factory() const;
+  /// The chosen Vulkan device. Throws Error(usage) for "reference".
+  GpuOptions gpu_options() const;
   /// One for each device where the selector names several: indices with commas between them, or "all", which leaves drivers that run on the CPU out
   /// when there is anything else. Throws Error(usage, no_device).
   std::vector<RendererFactory> factories() const;

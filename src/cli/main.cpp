@@ -30,6 +30,9 @@ ExitCode run(int argc, char** argv) {
   etendue::cli::add_merge_command(app, action);
   etendue::cli::add_compare_command(app, action);
   etendue::cli::add_validate_command(app, action);
+  etendue::cli::add_chi2_command(app, action);
+  etendue::cli::add_selftest_command(app, action);
+  etendue::cli::add_mutate_command(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

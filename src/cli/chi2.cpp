@@ -1,0 +1,71 @@
+#include "validate/chi2.h"
+
+#include <cstdio>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "cli/command.h"
+#include "cli/result_files.h"
+
+namespace etendue::cli {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  SceneOptions scene;
+  DeviceOption device;
+  Chi2Options test;
+  bool json = false;
+  std::string junit;  ///< path; empty: not wanted
+};
+
+ExitCode run_files(const Options& options) {
+  // All files are read before the first device is touched.
+  std::vector<Chi2Test> tests;
+  for (const std::string& file : options.files) {
+    SceneFile read = read_scene_file(file, options.scene.read_options());
+    auto* test = std::get_if<Chi2Test>(&read);
+    if (test == nullptr) {
+      throw Error(ExitCode::scene_error, fmt::format("{}: holds no <test type=\"chi2test\">; use 'etendue {}'.", file,
+                                                     std::holds_alternative<TTest>(read) ? "ttest" : "render"));
+    }
+    tests.push_back(std::move(*test));
+  }
+  bool passed = true;
+  auto out = nlohmann::json::array();
+  std::vector<JunitCase> cases;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    const Chi2Report report = run_chi2(tests[i], options.files[i], options.device.probe_factory(), options.test);
+    passed = passed && report.passed();
+    for (JunitCase& junit : chi2_junit(report)) cases.push_back(std::move(junit));
+    if (options.json) {
+      out.push_back(chi2_json(report));
+    } else {
+      fmt::print("{}\n", chi2_table(report));
+      std::fflush(stdout);
+    }
+  }
+  if (options.json) fmt::print("{}\n", out.dump(2));
+  if (!options.junit.empty()) write_text(options.junit, junit_xml("chi2", cases));
+  return passed ? ExitCode::ok : ExitCode::test_failed;
+}
+
+}  // namespace
+
+void add_chi2_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("chi2", "test whether the sampling of bsdfs follows their density");
+  const auto options = std::make_shared<Options>();
+  command->add_option("FILE", options->files, "files with a <test type=\"chi2test\">")->required();
+  options->scene.add_to(*command);
+  options->device.add_to(*command);
+  command->add_option("--seed", options->test.seed, "seed of the first test: its direction and its samples")
+      ->capture_default_str();
+  command->add_option("--samples", options->test.sample_count, "samples per test instead of the file's sampleCount")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--json", options->json, "machine-readable output");
+  command->add_option("--junit", options->junit, "write the results as JUnit XML to this file");
+  command->callback([&action, options] { action = [options] { return run_files(*options); }; });
+}
+
+}  // namespace etendue::cli

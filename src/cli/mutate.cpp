@@ -1,0 +1,51 @@
+#include "validate/mutate.h"
+
+#include <cstdio>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "cli/command.h"
+#include "cli/result_files.h"
+#include "core/log.h"
+#include "validate/compare.h"
+
+namespace etendue::cli {
+namespace {
+
+struct Options {
+  DeviceOption device;
+  MutateOptions test;
+  bool markdown = false;
+  ResultFiles files;
+};
+
+ExitCode run(const Options& options) {
+  MutateOptions test = options.test;
+  test.gpu = options.device.gpu_options();
+  test.progress = [](const MutantOutcome& outcome) {
+    if (log::stderr_is_terminal()) fmt::print(stderr, "\r\033[K{} {}", outcome.mutant.id, outcome.mutant.name);
+  };
+  const MutateReport report = run_mutate(test);
+  if (log::stderr_is_terminal()) fmt::print(stderr, "\r\033[K");
+  fmt::print("{}", options.markdown ? mutate_markdown(report) : mutate_text(report));
+  if (!options.files.json.empty()) write_text(options.files.json, json_text(mutate_json(report)));
+  if (!options.files.junit.empty()) write_text(options.files.junit, junit_xml("mutate", mutate_junit(report)));
+  return report.passed() ? ExitCode::ok : ExitCode::test_failed;
+}
+
+}  // namespace
+
+void add_mutate_command(CLI::App& app, Action& action) {
+  auto* command =
+      app.add_subcommand("mutate", "plant errors in the kernels and demand that the tests notice each of them");
+  const auto options = std::make_shared<Options>();
+  options->device.add_to(*command);
+  command->add_option("--only", options->test.only, "numbers of the mutants to run")->delimiter(',');
+  command->add_flag("--all", options->test.all_tests, "run every test on every mutant, not only until one notices");
+  command->add_flag("--markdown", options->markdown, "print the table of docs/validation.md");
+  options->files.add_to(*command, false);
+  command->callback([&action, options] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace etendue::cli

@@ -1,0 +1,60 @@
+#include "validate/selftest.h"
+
+#include <memory>
+#include <random>
+
+#include <fmt/core.h>
+
+#include "cli/command.h"
+#include "cli/result_files.h"
+#include "core/log.h"
+#include "validate/compare.h"
+
+namespace etendue::cli {
+namespace {
+
+struct Options {
+  DeviceOption device;
+  SelftestOptions test;
+  std::optional<std::uint64_t> seed;
+  ResultFiles files;
+};
+
+ExitCode run(const Options& options) {
+  SelftestOptions test = options.test;
+  test.seed = options.seed ? *options.seed
+                           : std::random_device()() & 0x7fffffffu;  // printed, so that a failure can be repeated
+  if (test.seeds > 1 && log::stderr_is_terminal()) {
+    test.progress = [&](std::uint32_t done) {
+      fmt::print(stderr, "\r{} of {} suites{}", done, test.seeds, done == test.seeds ? "\n" : "");
+    };
+  }
+  const SelftestReport report = run_selftest(options.device.factory(), options.device.probe_factory(), test);
+  fmt::print("{}", selftest_text(report));
+  if (!options.files.json.empty()) write_text(options.files.json, json_text(selftest_json(report)));
+  if (!options.files.junit.empty()) write_text(options.files.junit, junit_xml("selftest", selftest_junit(report)));
+  return report.passed() ? ExitCode::ok : ExitCode::test_failed;
+}
+
+}  // namespace
+
+void add_selftest_command(CLI::App& app, Action& action) {
+  auto* command =
+      app.add_subcommand("selftest", "test fresh random scenes and materials whose answer is known in closed form");
+  const auto options = std::make_shared<Options>();
+  options->device.add_to(*command);
+  command->add_option("--seed", options->seed, "seed of the first suite (default: a fresh one, printed)");
+  command->add_option("--seeds", options->test.seeds, "number of suites")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--samples", options->test.samples, "samples of each test")
+      ->check(CLI::Range(100, 1 << 30))
+      ->capture_default_str();
+  command->add_option("--significance", options->test.significance, "probability that a suite fails without an error")
+      ->check(CLI::Range(1e-12, 0.5))
+      ->capture_default_str();
+  options->files.add_to(*command, false);
+  command->callback([&action, options] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace etendue::cli

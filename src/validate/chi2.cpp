@@ -1,0 +1,291 @@
+#include "validate/chi2.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "reference/material_probe.h"
+#include "validate/closed_form.h"
+#include "validate/sphere_quadrature.h"
+
+namespace etendue {
+namespace {
+
+using glm::dvec3;
+
+/// Differences up to this are float32 rounding, whatever is compared.
+constexpr double kRounding = 1e-4;
+constexpr std::uint32_t kChunk = 1u << 18;       // samples drawn at a time
+constexpr std::size_t kContractSamples = 16384;  // samples whose pdf and weight are looked at one by one
+
+double largest(const dvec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// A delta lobe as theory has it.
+struct DeltaLobe {
+  ProbeLobe kind;
+  dvec3 wi;
+  double prob;
+  double weight;
+};
+
+std::vector<DeltaLobe> delta_lobes(const Bsdf& bsdf, const dvec3& wo) {
+  const dvec3 mirrored(-wo.x, -wo.y, wo.z);
+  if (std::holds_alternative<MirrorBsdf>(bsdf)) {
+    return wo.z > 0.0 ? std::vector<DeltaLobe>{{ProbeLobe::delta_reflection, mirrored, 1.0, 1.0}}
+                      : std::vector<DeltaLobe>{};
+  }
+  const auto* glass = std::get_if<DielectricBsdf>(&bsdf);
+  if (glass == nullptr || wo.z == 0.0) return {};
+  const double n_o = wo.z > 0.0 ? glass->ext_ior : glass->int_ior, n_t = wo.z > 0.0 ? glass->int_ior : glass->ext_ior;
+  const double f = closed_form::fresnel_reflectance(std::abs(wo.z), n_o, n_t), ratio = n_o / n_t;
+  std::vector<DeltaLobe> lobes{{ProbeLobe::delta_reflection, mirrored, f, 1.0}};
+  if (f < 1.0) {
+    const double x = -ratio * wo.x, y = -ratio * wo.y;
+    const double z = std::copysign(std::sqrt(1.0 - x * x - y * y), -wo.z);
+    lobes.push_back({ProbeLobe::delta_transmission, {x, y, z}, 1.0 - f, ratio * ratio});
+  }
+  return lobes;
+}
+
+/// Counts of one test: the cells of the sphere, then one per delta lobe, then the samples without a direction.
+class Histogram {
+ public:
+  Histogram(int rings, int sectors, std::vector<DeltaLobe> lobes)
+      : rings_(rings),
+        sectors_(sectors),
+        lobes_(std::move(lobes)),
+        counts_(static_cast<std::size_t>(rings) * sectors + lobes_.size() + 1) {}
+
+  void add(const BsdfDraw& draw) {
+    if (draw.pdf == 0.0 || draw.lobe == ProbeLobe::none) {
+      ++counts_.back();
+    } else if (draw.lobe == ProbeLobe::diffuse) {
+      const double turn = std::atan2(draw.wi.y, draw.wi.x) / (2.0 * std::numbers::pi);
+      const int ring = std::clamp(static_cast<int>(0.5 * (draw.wi.z + 1.0) * rings_), 0, rings_ - 1);
+      const int sector = std::clamp(static_cast<int>((turn < 0.0 ? turn + 1.0 : turn) * sectors_), 0, sectors_ - 1);
+      ++counts_[static_cast<std::size_t>(ring) * sectors_ + sector];
+    } else {
+      add_delta(draw);
+    }
+  }
+  const std::vector<double>& counts() const { return counts_; }
+  const std::vector<DeltaLobe>& lobes() const { return lobes_; }
+  double delta_error() const { return delta_error_; }
+
+ private:
+  void add_delta(const BsdfDraw& draw) {
+    const auto lobe =
+        std::find_if(lobes_.begin(), lobes_.end(), [&](const DeltaLobe& l) { return l.kind == draw.lobe; });
+    if (lobe == lobes_.end()) {  // a lobe the material does not have
+      delta_error_ = std::numeric_limits<double>::infinity();
+      return;
+    }
+    ++counts_[counts_.size() - 1 - lobes_.size() + static_cast<std::size_t>(lobe - lobes_.begin())];
+    const double error = std::max({largest(draw.wi - lobe->wi), std::abs(draw.pdf - lobe->prob),
+                                   largest(draw.weight - dvec3(lobe->weight)) / lobe->weight});
+    delta_error_ = std::isnan(error) ? std::numeric_limits<double>::infinity() : std::max(delta_error_, error);
+  }
+
+  int rings_, sectors_;
+  std::vector<DeltaLobe> lobes_;
+  std::vector<double> counts_;
+  double delta_error_ = 0;
+};
+
+/// Expectations in the order of the histogram. Fills in the integral, and the fault when it is more than 1.
+std::vector<double> expectations(BsdfProbe& probe, const dvec3& wo, const Chi2Test& settings,
+                                 const Histogram& histogram, double samples, BsdfChi2& result) {
+  const SphereDensity density = [&](std::span<const dvec3> wi) {
+    std::vector<double> values;
+    values.reserve(wi.size());
+    for (const BsdfValue& v : probe.evaluate(wo, wi)) values.push_back(v.pdf);
+    return values;
+  };
+  std::vector<double> expected =
+      integrate_cells(density, static_cast<int>(settings.resolution), static_cast<int>(2 * settings.resolution));
+  for (const double share : expected) result.pdf_integral += share;
+  double total = result.pdf_integral;
+  for (const DeltaLobe& lobe : histogram.lobes()) {
+    expected.push_back(lobe.prob);
+    total += lobe.prob;
+  }
+  if (!(total <= 1.0 + kRounding)) result.fault = fmt::format("the density integrates to {:.6g}, more than 1", total);
+  // What is missing to 1 are samples without a direction; less than rounding is none.
+  expected.push_back(total < 1.0 - kRounding ? 1.0 - total : 0.0);
+  for (double& share : expected) share *= samples;
+  return expected;
+}
+
+/// pdf and weight of samples against pdf and eval at their directions.
+void check_contract(BsdfProbe& probe, const dvec3& wo, std::span<const BsdfDraw> draws, BsdfChi2& result) {
+  std::vector<dvec3> directions;
+  std::vector<const BsdfDraw*> smooth;
+  for (const BsdfDraw& draw : draws) {
+    if (draw.pdf == 0.0 || draw.lobe != ProbeLobe::diffuse) continue;
+    directions.push_back(draw.wi);
+    smooth.push_back(&draw);
+  }
+  const std::vector<BsdfValue> values = probe.evaluate(wo, directions);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const BsdfDraw& draw = *smooth[i];
+    const double pdf_error = std::abs(draw.pdf - values[i].pdf) / draw.pdf;
+    const double weight_error = largest(draw.weight - values[i].eval / draw.pdf);
+    result.pdf_error =
+        std::isnan(pdf_error) ? std::numeric_limits<double>::infinity() : std::max(result.pdf_error, pdf_error);
+    result.weight_error = std::isnan(weight_error) ? std::numeric_limits<double>::infinity()
+                                                   : std::max(result.weight_error, weight_error);
+  }
+  if (result.pdf_error > kRounding) {
+    result.fault = fmt::format("the pdf of a sample differs from pdf(wo, wi) by {:.3g} of itself", result.pdf_error);
+  } else if (result.weight_error > kRounding) {
+    result.fault = fmt::format("the weight of a sample differs from eval/pdf by {:.3g}", result.weight_error);
+  }
+}
+
+/// Even over the hemisphere a material is lit from; materials with two sides are seen from both in turn.
+dvec3 incident_direction(const Bsdf& bsdf, std::uint32_t seed) {
+  std::mt19937_64 engine(seed);
+  const auto unit = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+  const double cosine = 0.02 + 0.98 * unit(), phi = 2.0 * std::numbers::pi * unit();
+  const bool behind = std::holds_alternative<DielectricBsdf>(bsdf) && seed % 2 == 1;
+  return spherical_direction(behind ? -cosine : cosine, phi);
+}
+
+std::string direction_text(const dvec3& d) {
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", d.x, d.y, d.z);
+}
+
+}  // namespace
+
+bool Chi2Report::passed() const {
+  return std::all_of(tests.begin(), tests.end(), [](const BsdfChi2& t) { return t.passed; });
+}
+
+BsdfChi2 test_bsdf(BsdfProbe& probe, const Bsdf& bsdf, const dvec3& wo, const Chi2Test& settings, std::uint64_t samples,
+                   std::uint32_t seed, double level) {
+  const auto start = std::chrono::steady_clock::now();
+  BsdfChi2 result;
+  result.wo = wo;
+  result.samples = samples;
+  Histogram histogram(static_cast<int>(settings.resolution), static_cast<int>(2 * settings.resolution),
+                      delta_lobes(bsdf, wo));
+  for (std::uint64_t done = 0; done < samples; done += kChunk) {
+    const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(kChunk, samples - done));
+    const std::vector<BsdfDraw> draws = probe.sample(wo, seed, static_cast<std::uint32_t>(done), count);
+    for (const BsdfDraw& draw : draws) histogram.add(draw);
+    if (done == 0)
+      check_contract(probe, wo, std::span(draws).first(std::min<std::size_t>(kContractSamples, count)), result);
+  }
+  result.without_direction = static_cast<std::uint64_t>(histogram.counts().back());
+  const std::vector<double> expected =
+      expectations(probe, wo, settings, histogram, static_cast<double>(samples), result);
+  result.test = chi_square_test(histogram.counts(), expected, {.min_expected = settings.min_exp_frequency});
+  result.delta_error = histogram.delta_error();
+  if (result.delta_error > kRounding)
+    result.fault = fmt::format("a delta sample differs from its closed form by {:.3g}", result.delta_error);
+  result.passed = result.fault.empty() && result.test.p_value >= level;
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+Chi2Report run_chi2(const Chi2Test& test, const std::string& file, const BsdfProbeFactory& make_probe,
+                    const Chi2Options& options) {
+  Chi2Report report;
+  report.file = file;
+  report.seed = options.seed;
+  report.significance_level = options.significance_level.value_or(test.significance_level);
+  report.test_level = sidak_level(report.significance_level, std::uint64_t{test.test_count} * test.bsdfs.size());
+  const std::uint64_t cells = std::uint64_t{2} * test.resolution * test.resolution;
+  const std::uint64_t samples = options.sample_count.value_or(test.sample_count > 0 ? test.sample_count : 5000 * cells);
+  if (samples == 0 || samples > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ExitCode::usage,
+                fmt::format("{}: {} samples a test is not between 1 and 2^32 − 1; set sampleCount", file, samples));
+  }
+  for (const TestBsdf& bsdf : test.bsdfs) {
+    const std::unique_ptr<BsdfProbe> probe = make_probe(bsdf.bsdf);
+    report.device = probe->device_name();
+    report.driver = probe->driver_name();
+    for (std::uint32_t i = 0; i < test.test_count; ++i) {
+      const std::uint32_t seed = options.seed + static_cast<std::uint32_t>(report.tests.size());
+      const dvec3 wo = incident_direction(bsdf.bsdf, seed);
+      BsdfChi2 result = test_bsdf(*probe, bsdf.bsdf, wo, test, samples, seed, report.test_level);
+      result.name = fmt::format("{}, wo {}", bsdf.name, direction_text(wo));
+      report.tests.push_back(std::move(result));
+    }
+  }
+  return report;
+}
+
+std::string chi2_table(const Chi2Report& report) {
+  std::string out = fmt::format("{} on {} ({}), seed {}\n", report.file, report.device, report.driver, report.seed);
+  out += fmt::format("{:<38} {:>10} {:>6} {:>6} {:>10} {:>10} {:>9}  verdict\n", "material", "samples", "cells",
+                     "pooled", "chi2", "p", "pdf sum");
+  std::size_t passed = 0;
+  for (const BsdfChi2& t : report.tests) {
+    passed += t.passed;
+    out += fmt::format("{:<38} {:>10} {:>6} {:>6} {:>10.4g} {:>10.4g} {:>9.6g}  {}{}\n", t.name, t.samples,
+                       t.test.cells, t.test.pooled, t.test.statistic, t.test.p_value, t.pdf_integral,
+                       t.passed ? "passed" : "FAILED", t.fault.empty() ? "" : ": " + t.fault);
+  }
+  return out + fmt::format("{}: {} of {} passed; false-alarm rate of the file {:.4g}, of one test {:.4g} (Šidák)\n",
+                           report.passed() ? "passed" : "FAILED", passed, report.tests.size(),
+                           report.significance_level, report.test_level);
+}
+
+nlohmann::json chi2_json(const Chi2Report& report) {
+  nlohmann::json tests = nlohmann::json::array();
+  for (const BsdfChi2& t : report.tests) {
+    tests.push_back({{"name", t.name},
+                     {"wo", {t.wo.x, t.wo.y, t.wo.z}},
+                     {"samples", t.samples},
+                     {"withoutDirection", t.without_direction},
+                     {"chi2", t.test.statistic},
+                     {"cells", t.test.cells},
+                     {"pooled", t.test.pooled},
+                     {"degreesOfFreedom", t.test.dof},
+                     {"p", t.test.p_value},
+                     {"impossible", t.test.impossible},
+                     {"pdfIntegral", t.pdf_integral},
+                     {"pdfError", t.pdf_error},
+                     {"weightError", t.weight_error},
+                     {"deltaError", t.delta_error},
+                     {"fault", t.fault},
+                     {"seconds", t.seconds},
+                     {"passed", t.passed}});
+  }
+  return {{"file", report.file},
+          {"device", report.device},
+          {"driver", report.driver},
+          {"seed", report.seed},
+          {"significanceLevel", report.significance_level},
+          {"testLevel", report.test_level},
+          {"tests", tests},
+          {"passed", report.passed()}};
+}
+
+std::vector<JunitCase> chi2_junit(const Chi2Report& report) {
+  std::vector<JunitCase> cases;
+  for (const BsdfChi2& t : report.tests) {
+    JunitCase c;
+    c.name = report.file + ": " + t.name;
+    c.seconds = t.seconds;
+    c.failed = !t.passed;
+    c.message = t.fault.empty() ? fmt::format("chi2 = {:.5g} with {} degrees of freedom, p = {:.3g} < {:.3g}",
+                                              t.test.statistic, t.test.dof, t.test.p_value, report.test_level)
+                                : t.fault;
+    c.details = fmt::format("n = {}, cells = {}, chi2 = {:.6g}, p = {:.5g}, integral of the pdf = {:.7g}", t.samples,
+                            t.test.cells, t.test.statistic, t.test.p_value, t.pdf_integral);
+    cases.push_back(std::move(c));
+  }
+  return cases;
+}
+
+}  // namespace etendue

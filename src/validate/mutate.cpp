@@ -1,0 +1,377 @@
+#include "validate/mutate.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "gpu/bsdf_probe.h"
+#include "image/film.h"
+#include "mutants.h"
+#include "reference/reference_renderer.h"
+#include "validate/chi2.h"
+#include "validate/closed_form.h"
+#include "validate/image_tests.h"
+
+namespace etendue {
+namespace {
+
+constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
+    {gpu::kMutantNone, "none", "no error: nothing may be found"},
+    {gpu::kMutantCosineDropped, "cosine dropped",
+     "a diffuse surface reflects f instead of f·cos θ when lights are sampled"},
+    {gpu::kMutantBsdfPdfScaled, "material pdf 2 % off",
+     "the density of diffuse sampling is 2 % too large, its weight follows"},
+    {gpu::kMutantLightPdfScaled, "light pdf 2 % off", "the density of light sampling is 2 % too large"},
+    {gpu::kMutantRouletteUncompensated, "roulette uncompensated",
+     "paths that survive roulette do not make up for those that ended"},
+    {gpu::kMutantEmissionTwice, "emission counted twice",
+     "emission met by chance counts in full although lights are sampled"},
+    {gpu::kMutantLightChoiceForgotten, "light choice forgotten",
+     "the probability of choosing the light is missing from its density"},
+    {gpu::kMutantFresnelSwapped, "Fresnel swapped", "glass reflects what it should refract"},
+    {gpu::kMutantEtaOmitted, "η² omitted", "radiance is not scaled on refraction"},
+    {gpu::kMutantShadowRayTooLong, "shadow ray too long", "the shadow ray reaches the light itself"},
+    {gpu::kMutantEmitterTwoSided, "emitter two-sided", "lights shine from their backs too"},
+    {gpu::kMutantDepthOffByOne, "depth off by one", "paths have one segment more than maxDepth"},
+    {gpu::kMutantDimensionReused, "dimension reused",
+     "every vertex samples its material with the numbers of the first"},
+    {gpu::kMutantJitterMissing, "jitter missing", "every camera ray goes through the pixel's centre"},
+    {gpu::kMutantEtaInverted, "η² inverted", "radiance is scaled by the inverse of the right factor"},
+    {gpu::kMutantShadowsIgnored, "shadows ignored", "sampled lights are never hidden"},
+    {gpu::kMutantSkyMirrored, "sky upside down", "the sky's gradient is mirrored at the horizon"},
+    {gpu::kMutantBlackSideLit, "black side lit", "a diffuse surface is lit from behind when lights are sampled"},
+    {gpu::kMutantMisChoiceForgotten, "MIS forgets the choice",
+     "the weight of light met by chance leaves out the choice of the light"},
+    {gpu::kMutantMisHeuristicsMixed, "MIS heuristics mixed",
+     "one strategy is weighted by the balance heuristic, the other by the power heuristic"},
+    {gpu::kMutantTriangleChoiceForgotten, "triangle choice forgotten",
+     "the probability of the triangle within its mesh is missing"},
+    {gpu::kMutantTriangleRootDropped, "triangle warp without root", "points crowd toward one corner of a triangle"},
+    {gpu::kMutantDistanceNotSquared, "distance not squared", "area turns into solid angle with d instead of d²"},
+    {gpu::kMutantConeTooWide, "cone 5 % too wide", "spheres are sampled in a cone wider than the one they fill"},
+    {gpu::kMutantHemisphereUniform, "uniform hemisphere",
+     "directions are even over the hemisphere, weighted as if cosine-distributed"},
+    {gpu::kMutantMirrorHalfTurned, "mirror half turned", "a mirror turns only one tangential component"},
+    {gpu::kMutantSnellIgnored, "no bending", "refracted rays go straight on"},
+    {gpu::kMutantFilterSignDropped, "filter sign dropped", "negative lobes of a filter count as positive"},
+    {gpu::kMutantNumbersEqual, "u equals v", "pairs of random numbers are twice the same number"},
+    {gpu::kMutantSampleIndexIgnored, "sample index ignored", "every sample of a pixel uses the same random numbers"},
+    {gpu::kMutantEmissionAfterDeltaLost, "emission after mirror lost",
+     "lights seen in mirrors are black when lights are sampled"},
+}};
+static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
+
+/// Samples looked at, one after the other, until a test is sure.
+constexpr std::array<std::uint32_t, 4> kLooks{4096, 16384, 65536, 262144};
+
+/// A test of the suite: gives the p-value with a number of samples. Made afresh for each mutant.
+class Trial {
+ public:
+  virtual ~Trial() = default;
+  virtual double p_value(std::uint32_t samples) = 0;
+};
+
+struct SuiteTest {
+  std::string name;
+  std::function<std::unique_ptr<Trial>(const GpuOptions& gpu)> make;
+};
+
+/// The mean luminance of a closed-form scene; samples add up from look to look.
+class SceneTrial final : public Trial {
+ public:
+  SceneTrial(const ClosedFormScene& scene, const GpuOptions& gpu)
+      : expected_(scene.expected),
+        renderer_(make_gpu_renderer(scene.scene, {.seed = 1, .quantity = FilmQuantity::luminance}, gpu)),
+        film_(scene.scene.camera.width, scene.scene.camera.height, film_exponent(scene.scene)) {}
+
+  double p_value(std::uint32_t samples) override {
+    std::vector<RejectedSample> rejected;
+    done_ = renderer_->render({done_, samples}, film_, {}, rejected);
+    const Moments m = film_moments(film_, 0);
+    if (film_.rejected() > 0 || m.n < 2) return 0.0;
+    return t_test(static_cast<double>(m.mean), static_cast<double>(m.variance), m.n, expected_).p_value;
+  }
+
+ private:
+  double expected_;
+  std::unique_ptr<Renderer> renderer_;
+  Film film_;
+  std::uint32_t done_ = 0;
+};
+
+/// Sampling of one material against its density.
+class MaterialTrial final : public Trial {
+ public:
+  MaterialTrial(const Bsdf& bsdf, const glm::dvec3& wo, const GpuOptions& gpu)
+      : bsdf_(bsdf), wo_(wo), probe_(make_gpu_bsdf_probe(bsdf, gpu)) {}
+
+  double p_value(std::uint32_t samples) override {
+    const BsdfChi2 result = test_bsdf(*probe_, bsdf_, wo_, Chi2Test{}, samples, 1, 0.0);
+    return result.fault.empty() ? result.test.p_value : 0.0;
+  }
+
+ private:
+  Bsdf bsdf_;
+  glm::dvec3 wo_;
+  std::unique_ptr<BsdfProbe> probe_;
+};
+
+/// A closed room with a mirror, a glass sphere and an open lamp: paths of every kind, no closed form.
+Scene room() {
+  Scene scene;
+  scene.name = scene.file = "room";
+  const auto add_square = [&](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, double albedo,
+                              std::optional<AreaEmitter> emitter) {
+    TriangleMesh mesh{.positions = {corner, corner + u, corner + u + v, corner + v},
+                      .normals = {},
+                      .triangles = {{0, 1, 2}, {0, 2, 3}}};
+    const DiffuseBsdf bsdf{glm::dvec3(albedo, 0.8 * albedo, 0.6 * albedo)};
+    scene.shapes.push_back(
+        {.geometry = std::move(mesh), .bsdf = bsdf, .emitter = emitter, .name = "square", .position = {}});
+  };
+  const auto add_sphere = [&](glm::dvec3 center, const Bsdf& bsdf) {
+    scene.shapes.push_back(
+        {.geometry = Sphere{center, 0.4}, .bsdf = bsdf, .emitter = {}, .name = "sphere", .position = {}});
+  };
+  add_square({-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, 0.7, {});
+  add_square({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, 0.6, {});
+  add_square({-1, -1, 1}, {0, 2, 0}, {2, 0, 0}, 0.5, {});
+  add_square({-1, -1, -1}, {0, 2, 0}, {0, 0, 2}, 0.8, {});
+  add_square({1, -1, -1}, {0, 0, 2}, {0, 2, 0}, 0.3, {});
+  add_square({-0.4, 0.98, -0.3}, {0.8, 0, 0}, {0, 0, 0.6}, 0.0, AreaEmitter{glm::dvec3(8.0, 7.0, 5.0)});
+  add_sphere({-0.45, -0.6, 0.3}, MirrorBsdf{});
+  add_sphere({0.45, -0.6, -0.1}, DielectricBsdf{});
+  scene.integrator.max_depth = 6;
+  scene.integrator.rr_depth = 3;
+  scene.camera.width = 12;
+  scene.camera.height = 9;
+  scene.camera.fov = 55.0;
+  scene.camera.world_from_camera[3] = glm::dvec4(0, 0, -3.0, 1);
+  return scene;
+}
+
+Image render_room(Renderer& renderer, const Scene& scene, std::uint32_t spp) {
+  Film film(scene.camera.width, scene.camera.height, film_exponent(scene));
+  std::vector<RejectedSample> rejected;
+  renderer.render({0, spp}, film, {}, rejected);
+  return image_from_film(film, {});
+}
+
+/// Pictures of the room by device and reference, with independent random numbers.
+class PictureTrial final : public Trial {
+ public:
+  explicit PictureTrial(const GpuOptions& gpu)
+      : scene_(room()), renderer_(make_gpu_renderer(scene_, {.seed = 1, .quantity = FilmQuantity::color}, gpu)) {}
+
+  double p_value(std::uint32_t samples) override {
+    const std::uint32_t spp = samples / (scene_.camera.width * scene_.camera.height) + 1;
+    const Image device = render_room(*renderer_, scene_, spp);
+    const ImageTests tests = test_images(device, reference(scene_), 0.01);
+    double smallest = 1.0;
+    for (const TestFamily& family : tests.families)
+      smallest = std::min(smallest, family.tests > 0 ? family.family_p : 1.0);
+    return smallest;
+  }
+
+ private:
+  /// Rendered once: it is the same for every mutant.
+  static const Image& reference(const Scene& scene) {
+    static const Image image = [&] {
+      const auto renderer = make_reference_renderer(scene, {.seed = 2, .quantity = FilmQuantity::color});
+      return render_room(*renderer, scene, 2048);
+    }();
+    return image;
+  }
+
+  Scene scene_;
+  std::unique_ptr<Renderer> renderer_;
+};
+
+/// The first scene of a family whose description holds `words`.
+SuiteTest scene_test(SceneFamily family, LightStrategy strategy, std::string_view words) {
+  for (std::uint64_t seed = 1; seed < 10000; ++seed) {
+    ClosedFormScene scene = make_closed_form(family, seed, strategy);
+    if (scene.name.find(words) == std::string::npos) continue;
+    return {scene.name,
+            [scene = std::move(scene)](const GpuOptions& gpu) { return std::make_unique<SceneTrial>(scene, gpu); }};
+  }
+  throw std::logic_error(fmt::format("no closed-form scene is called '{}'", words));
+}
+
+SuiteTest material_test(std::string name, const Bsdf& bsdf, const glm::dvec3& wo) {
+  return {std::move(name), [=](const GpuOptions& gpu) { return std::make_unique<MaterialTrial>(bsdf, wo, gpu); }};
+}
+
+/// The suite: every test is one that users can run by themselves (ttest, chi2, validate, selftest).
+std::vector<SuiteTest> make_suite() {
+  using enum LightStrategy;
+  return {
+      scene_test(SceneFamily::direct, nee, "0 polygon(s), 1 sphere"),
+      scene_test(SceneFamily::direct, nee, "3 polygon(s), 2 sphere"),
+      scene_test(SceneFamily::direct, naive, "3 polygon(s), 2 sphere"),
+      scene_test(SceneFamily::direct, mis, "3 polygon(s), 2 sphere"),
+      scene_test(SceneFamily::furnace, naive, "depth 7, roulette 3"),
+      scene_test(SceneFamily::interior, mis, "mirror sphere"),
+      scene_test(SceneFamily::sheet, naive, "from outside"),
+      scene_test(SceneFamily::glass, naive, "from inside"),
+      scene_test(SceneFamily::sky, naive, "diffuse square"),
+      scene_test(SceneFamily::sky, naive, "mirroring square"),
+      scene_test(SceneFamily::coverage, naive, "box"),
+      scene_test(SceneFamily::coverage, naive, "mitchell"),
+      material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
+      material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
+      material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),
+      {"picture against the reference", [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(gpu); }},
+  };
+}
+
+MutantFinding look(const SuiteTest& test, const GpuOptions& gpu, double level) {
+  MutantFinding finding{.test = test.name};
+  const std::unique_ptr<Trial> trial = test.make(gpu);
+  for (const std::uint32_t samples : kLooks) {
+    finding.samples = samples;
+    finding.p_value = trial->p_value(samples);
+    finding.caught = finding.p_value < level;
+    if (finding.caught) break;
+  }
+  return finding;
+}
+
+MutantOutcome run_mutant(const Mutant& mutant, const std::vector<SuiteTest>& suite, const MutateOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  MutantOutcome outcome{.mutant = mutant, .findings = {}};
+  GpuOptions gpu = options.gpu;
+  gpu.mutant = mutant.id;
+  for (const SuiteTest& test : suite) {
+    outcome.findings.push_back(look(test, gpu, options.level));
+    if (outcome.findings.back().caught && !options.all_tests) break;
+  }
+  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return outcome;
+}
+
+/// The finding that needed the fewest samples, if any test noticed.
+const MutantFinding* best_finding(const MutantOutcome& outcome) {
+  const MutantFinding* best = nullptr;
+  for (const MutantFinding& f : outcome.findings) {
+    if (f.caught && (best == nullptr || f.samples < best->samples)) best = &f;
+  }
+  return best;
+}
+
+std::string p_text(double p) {
+  return p == 0.0 ? "0" : fmt::format("{:.0e}", p);
+}
+
+}  // namespace
+
+std::span<const Mutant> mutants() {
+  return kMutants;
+}
+
+bool MutantOutcome::caught() const {
+  return std::any_of(findings.begin(), findings.end(), [](const MutantFinding& f) { return f.caught; });
+}
+
+bool MutateReport::passed() const {
+  return std::all_of(mutants.begin(), mutants.end(), [](const MutantOutcome& m) { return m.passed(); });
+}
+
+MutateReport run_mutate(const MutateOptions& options) {
+  for (const std::uint32_t id : options.only) {
+    if (id >= kMutants.size())
+      throw Error(ExitCode::usage,
+                  fmt::format("there is no mutant {}; they are numbered 0 to {}", id, kMutants.size() - 1));
+  }
+  const std::vector<SuiteTest> suite = make_suite();
+  MutateReport report;
+  report.level = options.level;
+  const auto renderer = make_gpu_renderer(room(), {}, options.gpu);
+  report.device = renderer->device_name();
+  report.driver = renderer->driver_name();
+  for (const Mutant& mutant : kMutants) {
+    if (!options.only.empty() && std::ranges::find(options.only, mutant.id) == options.only.end()) continue;
+    report.mutants.push_back(run_mutant(mutant, suite, options));
+    if (options.progress) options.progress(report.mutants.back());
+  }
+  return report;
+}
+
+std::string mutate_text(const MutateReport& report) {
+  std::string out =
+      fmt::format("mutants on {} ({}); a test notices below p = {:g}\n", report.device, report.driver, report.level);
+  out += fmt::format("{:>2}  {:<28} {:>5}  {:>8} {:>8}  {}\n", "id", "mutant", "tests", "samples", "p", "noticed by");
+  std::size_t caught = 0;
+  for (const MutantOutcome& m : report.mutants) {
+    const MutantFinding* best = best_finding(m);
+    caught += best != nullptr;
+    out += fmt::format("{:>2}  {:<28} {:>5}  ", m.mutant.id, m.mutant.name, m.findings.size());
+    if (best != nullptr)
+      out += fmt::format("{:>8} {:>8}  {}{}\n", best->samples, p_text(best->p_value), best->test,
+                         m.passed() ? "" : "  <- FALSE ALARM");
+    else
+      out += fmt::format("{:>8} {:>8}  {}\n", "-", "-",
+                         m.passed() ? "nothing, as it should be" : "NOTHING: a test is missing");
+  }
+  return out +
+         fmt::format("{}: {} of {} noticed\n", report.passed() ? "passed" : "FAILED", caught, report.mutants.size());
+}
+
+std::string mutate_markdown(const MutateReport& report) {
+  std::string out =
+      "| mutant | what is wrong | noticed first by | samples | p | tests that notice |\n|---|---|---|---|---|---|\n";
+  for (const MutantOutcome& m : report.mutants) {
+    const MutantFinding* best = best_finding(m);
+    const auto noticing =
+        std::count_if(m.findings.begin(), m.findings.end(), [](const MutantFinding& f) { return f.caught; });
+    out +=
+        fmt::format("| {} | {} | {} | {} | {} | {} of {} |\n", m.mutant.name, m.mutant.what,
+                    best != nullptr ? best->test : "nothing", best != nullptr ? fmt::format("{}", best->samples) : "–",
+                    best != nullptr ? p_text(best->p_value) : "–", noticing, m.findings.size());
+  }
+  return out;
+}
+
+nlohmann::json mutate_json(const MutateReport& report) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const MutantOutcome& m : report.mutants) {
+    nlohmann::json findings = nlohmann::json::array();
+    for (const MutantFinding& f : m.findings)
+      findings.push_back({{"test", f.test}, {"caught", f.caught}, {"samples", f.samples}, {"p", f.p_value}});
+    list.push_back({{"id", m.mutant.id},
+                    {"name", m.mutant.name},
+                    {"what", m.mutant.what},
+                    {"caught", m.caught()},
+                    {"passed", m.passed()},
+                    {"seconds", m.seconds},
+                    {"findings", findings}});
+  }
+  return {{"device", report.device},
+          {"driver", report.driver},
+          {"level", report.level},
+          {"mutants", list},
+          {"passed", report.passed()}};
+}
+
+std::vector<JunitCase> mutate_junit(const MutateReport& report) {
+  std::vector<JunitCase> cases;
+  for (const MutantOutcome& m : report.mutants) {
+    const MutantFinding* best = best_finding(m);
+    JunitCase c{.name = fmt::format("{}: {}", m.mutant.id, m.mutant.name)};
+    c.seconds = m.seconds;
+    c.failed = !m.passed();
+    c.message = best != nullptr ? "false alarm of " + best->test : "no test notices this error";
+    if (best != nullptr)
+      c.details = fmt::format("{}: {} samples, p = {:.3g}", best->test, best->samples, best->p_value);
+    cases.push_back(std::move(c));
+  }
+  return cases;
+}
+
+}  // namespace etendue

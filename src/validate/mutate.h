@@ -1,0 +1,67 @@
+#pragma once
+/// `etendue mutate`: do the tests notice an error? The device renders with kernels that have one planted error each
+/// (shaders/mutants.h), and the suite has to find every one, and nothing where there is none.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "gpu/gpu_renderer.h"
+#include "validate/junit.h"
+
+namespace etendue {
+
+struct Mutant {
+  std::uint32_t id = 0;
+  std::string_view name;
+  std::string_view what;
+};
+/// All of them, by id; the first (0) has no error.
+std::span<const Mutant> mutants();
+
+struct MutateOptions {
+  GpuOptions gpu;
+  bool all_tests = false;           ///< run every test on every mutant instead of stopping at the first that notices
+  std::vector<std::uint32_t> only;  ///< ids; empty: all
+  double level = 1e-6;              ///< false-alarm rate of one look of one test
+  std::function<void(const struct MutantOutcome&)> progress;  ///< called after each mutant, if set
+};
+
+/// What one test found about one mutant.
+struct MutantFinding {
+  std::string test;
+  bool caught = false;
+  std::uint64_t samples = 0;  ///< looked at until then
+  double p_value = 1;
+};
+
+struct MutantOutcome {
+  Mutant mutant;
+  std::vector<MutantFinding> findings;  ///< in the order of the tests
+  double seconds = 0;
+  bool caught() const;
+  /// An error is caught; where there is none, nothing is.
+  bool passed() const { return caught() == (mutant.id != 0); }
+};
+
+struct MutateReport {
+  std::string device, driver;
+  double level = 0;
+  std::vector<MutantOutcome> mutants;
+  bool passed() const;
+};
+
+/// Throws Error(usage) for an unknown id, and what the device throws.
+MutateReport run_mutate(const MutateOptions& options);
+
+std::string mutate_text(const MutateReport& report);
+/// The table of docs/validation.md.
+std::string mutate_markdown(const MutateReport& report);
+nlohmann::json mutate_json(const MutateReport& report);
+std::vector<JunitCase> mutate_junit(const MutateReport& report);
+
+}  // namespace etendue
