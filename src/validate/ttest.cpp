@@ -199,9 +199,9 @@ std::vector<JunitCase> ttest_junit(const TTestReport& report) {
             ? rejected_note(s)
             : fmt::format("mean {:.7g} is {:.4g} standard errors from the reference {:.7g}, p = {:.3g} < {:.3g}",
                           s.test.mean, s.test.t, s.test.reference, s.test.p_value, report.test_level);
-    c.details =
-        fmt::format("n = {}, mean = {:.9g}, reference = {:.9g}, t = {:.5g}, p = {:.5g}{}", s.test.n, s.test.mean,
-                    s.test.reference, s.test.t, s.test.p_value, s.tail.heavy() ? "\n" + tail_note(s.tail) : "");
+    c.details = fmt::format("n = {}, mean = {:.9g}, reference = {:.9g}, t = {:.5g}, p = {:.5g}{}", s.test.n,
+                            s.test.mean, s.test.reference, s.test.t, s.test.p_value,
+                            s.tail.heavy() ? fmt::format("\n{}", tail_note(s.tail)) : std::string());
     cases.push_back(std::move(c));
   }
   return cases;
