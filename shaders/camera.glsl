@@ -19,7 +19,7 @@ float sample_filter(float u, out float weight) {
   const float position = u * float(kFilterSteps);
   const uint i = min(uint(position), kFilterSteps - 1u);
   const float x = mix(fetch_filter_knot(i), fetch_filter_knot(i + 1u), position - float(i));
-  weight = frame.filter_negative != 0u && abs(x) > frame.filter_zero ? -frame.filter_weight : frame.filter_weight;
+  weight = abs(x) > frame.filter_zero ? -frame.filter_weight : frame.filter_weight;
   MUTATE(kMutantFilterSignDropped, weight = frame.filter_weight);
   return x;
 }

@@ -135,13 +135,13 @@ struct Frame {
   uint tiles_x;           // film tiles per row
   uint seed;
   uint max_depth;
-  uint rr_depth;
+  uint rr_depth;          // kNone: no roulette
   int film_exponent;
   uint light_shape_count;
-  uint filter_negative;   // 1 when the filter has negative lobes beyond filter_zero
-  float filter_zero;      // |x| in pixels where the filter changes sign
+  float filter_zero;      // |x| in pixels beyond which the filter is negative; infinite when it never is
   uint pad0;
   uint pad1;
+  uint pad2;
 };
 
 // The work of one dispatch.

@@ -33,6 +33,13 @@ vec3 shading_normal(Shape shape, uint primitive, float b1, float b2, vec3 ng) {
   return len > 0.0 ? n / len : ng;
 }
 
+// Barycentric weights kept a little inside the triangle. A point that rounds onto an edge may lie beyond the neighbour across the edge, and a
+// ray from there would leave a closed box; a point this far inside stays inside.
+vec3 inner_weights(float b1, float b2) {
+  const vec3 b = max(vec3(1.0 - b1 - b2, b1, b2), vec3(1.0 / 262144.0));
+  return b / (b.x + b.y + b.z);
+}
+
 Surface make_surface(Ray ray, Hit hit, out Shape shape) {
   const Primitive prim = fetch_primitive(hit.slot);
   shape = fetch_shape(prim.shape);
@@ -47,7 +54,8 @@ Surface make_surface(Ray ray, Hit hit, out Shape shape) {
     ns = s.ng;
   } else {
     s.ng = triangle_normal(prim);
-    s.p = (1.0 - hit.b1 - hit.b2) * prim.p0 + hit.b1 * prim.p1 + hit.b2 * prim.p2;
+    const vec3 b = inner_weights(hit.b1, hit.b2);
+    s.p = b.x * prim.p0 + b.y * prim.p1 + b.z * prim.p2;
     ns = shading_normal(shape, prim.primitive, hit.b1, hit.b2, s.ng);
   }
   s.frame = make_frame(ns);

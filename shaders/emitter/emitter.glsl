@@ -2,6 +2,7 @@
 #ifndef EMITTER_GLSL
 #define EMITTER_GLSL
 
+#include "../sampler.glsl"
 #include "../surface.glsl"
 #include "../warp.glsl"
 
@@ -19,11 +20,15 @@ struct LightSample {
 
 #include "area.glsl"
 
-// Last entry whose threshold is <= word, by bisection: integers, so every device chooses alike. 32 rounds suffice for any count.
+// Rounds of the bisections below: ceil(log2) of the number of emitting shapes, and of the primitives of the one with most. As constants, because
+// an exit test would not save the lanes of a SIMD group anything.
+layout(constant_id = 12) const uint kLightShapeRounds = 32u;
+layout(constant_id = 13) const uint kLightPrimitiveRounds = 32u;
+
+// Last entry whose threshold is <= word, by bisection: integers, so every device chooses alike. Further rounds change nothing.
 uint choose_light_shape(uint word) {
   uint first = 0u, count = frame.light_shape_count;
-  for (uint i = 0u; i < 32u; ++i) {
-    if (count <= 1u) break;
+  for (uint i = 0u; i < kLightShapeRounds; ++i) {
     const uint half_count = count >> 1u;
     const bool upper = fetch_light_shape(first + half_count).threshold <= word;
     first = upper ? first + half_count : first;
@@ -34,8 +39,7 @@ uint choose_light_shape(uint word) {
 
 uint choose_light_primitive(LightShape light, uint word) {
   uint first = light.first_primitive, count = light.primitive_count;
-  for (uint i = 0u; i < 32u; ++i) {
-    if (count <= 1u) break;
+  for (uint i = 0u; i < kLightPrimitiveRounds; ++i) {
     const uint half_count = count >> 1u;
     const bool upper = fetch_light_primitive(first + half_count).threshold <= word;
     first = upper ? first + half_count : first;

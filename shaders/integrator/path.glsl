@@ -11,7 +11,7 @@
 #include "../trace.glsl"
 
 layout(constant_id = 1) const uint kIntegrator = kIntegratorPath;
-layout(constant_id = 2) const bool kNee = true;
+layout(constant_id = 2) const bool kNee = true;  // and there are lights
 layout(constant_id = 3) const bool kMis = true;
 
 // A path under construction: the ray that is traced next and what it carries.
@@ -122,7 +122,7 @@ void scatter(inout Path path, Surface s, Shape shape, vec3 wo, inout Decisions d
   path.bsdf_pdf = bs.pdf;
   path.ray = spawn_ray(s.p, s.ng, s.error, wi);
   path.alive = true;
-  if (frame.rr_depth > 0u && path.segment >= frame.rr_depth) {
+  if (path.segment >= frame.rr_depth) {
     path.alive = survive_roulette(path, to_unit(words.w));
     decisions.survived = path.alive ? 1u : 0u;
   }
@@ -155,7 +155,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     decisions.lobe = kLobeNone;
     return;
   }
-  if (kNee && !bsdf_is_delta(shape) && frame.light_shape_count > 0u) sample_direct_light(path, s, shape, wo, decisions);
+  if (kNee && !bsdf_is_delta(shape)) sample_direct_light(path, s, shape, wo, decisions);
   scatter(path, s, shape, wo, decisions);
 }
 

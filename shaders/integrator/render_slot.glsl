@@ -21,14 +21,14 @@ void report_rejected(Path path) {
   if (i < kRejectedListed) rejected[i] = RejectedEntry(path.pixel, path.sample_index, path.segment, 0u);
 }
 
-// Pixel of a slot, kNone for padding; src/gpu/device_film.h describes the two layouts.
+// Pixel of a slot, kNone for padding; src/gpu/device_film.h describes the two layouts. Both are computed and one is selected: lavapipe compiles a
+// kernel anew for every dispatch when a branch depends on push constants alone.
 uint slot_pixel(uint group, uint lane) {
-  if (pass.packed_pixels > 0u) {
-    const uint i = group * kWorkgroupSize + lane;
-    return i < pass.packed_pixels * pass.lanes_per_pixel ? i % pass.packed_pixels : kNone;
-  }
+  const uint i = group * kWorkgroupSize + lane;
+  const uint packed_pixel = i < pass.packed_pixels * pass.lanes_per_pixel ? i % max(pass.packed_pixels, 1u) : kNone;
   const uvec2 xy = uvec2(group % frame.tiles_x, group / frame.tiles_x) * kTileSize + uvec2(lane % kTileSize, lane / kTileSize);
-  return xy.x < frame.width && xy.y < frame.height ? xy.y * frame.width + xy.x : kNone;
+  const uint tiled_pixel = xy.x < frame.width && xy.y < frame.height ? xy.y * frame.width + xy.x : kNone;
+  return mix(tiled_pixel, packed_pixel, pass.packed_pixels > 0u);
 }
 
 void finish_sample(Path path, inout FilmSlot sums) {

@@ -198,13 +198,12 @@ class Compiler {
     f.height = camera.height;
     f.tiles_x = (camera.width + gpu::kTileSize - 1) / gpu::kTileSize;
     f.max_depth = scene_.integrator.max_depth;
-    f.rr_depth = scene_.integrator.rr_depth;
+    f.rr_depth = scene_.integrator.rr_depth > 0 ? scene_.integrator.rr_depth : gpu::kNone;
     f.film_exponent = film_exponent(scene_);
     f.light_shape_count = static_cast<gpu::uint>(out_.light_shapes.size());
     const FilterTable table = make_filter_table(camera.filter);
     f.filter_weight = static_cast<float>(table.weight);
-    f.filter_negative = table.has_negative_lobes ? 1 : 0;
-    f.filter_zero = static_cast<float>(table.zero);
+    f.filter_zero = table.has_negative_lobes ? static_cast<float>(table.zero) : INFINITY;
     out_.filter_knots = table.knots;
   }
 

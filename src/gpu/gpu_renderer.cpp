@@ -40,12 +40,16 @@ class Timer {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Iterations of the two bisections that choose a light.
-std::uint32_t light_iterations(const CompiledScene& scene) {
-  std::uint32_t most = 0;
-  for (const gpu::LightShape& light : scene.light_shapes) most = std::max(most, light.primitive_count);
-  return static_cast<std::uint32_t>(std::bit_width(scene.light_shapes.size()) + std::bit_width(most)) + 2;
-}
+// Rounds of the two bisections that choose a light: ceil(log2) of what there is to choose from.
+struct LightRounds {
+  std::uint32_t shapes = 0, primitives = 0;
+  explicit LightRounds(const CompiledScene& scene) {
+    std::uint32_t most = 1;
+    for (const gpu::LightShape& light : scene.light_shapes) most = std::max(most, light.primitive_count);
+    shapes = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_shapes.size(), 1) - 1));
+    primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
+  }
+};
 
 // Sizes dispatches by the rate measured so far. It decides when samples are computed, never their values.
 class PassSizer {
@@ -94,17 +98,20 @@ class GpuRenderer final : public Renderer {
     timings_.upload = timer.seconds();
     const bool has_tree = compiled.few_triangles + compiled.few_spheres == 0;
     const std::uint32_t steps_per_round = has_tree ? kStepsPerRound : 1;
+    const LightRounds light_rounds(compiled);
     constants_ = {{0, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
                   {1, scene.integrator.type == Integrator::Type::path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
-                  {2, scene.integrator.nee ? 1u : 0u},
+                  {2, scene.integrator.nee && !compiled.light_shapes.empty() ? 1u : 0u},
                   {3, scene.integrator.mis ? 1u : 0u},
                   {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
                   {5, steps_per_round},
-                  {6, steps_per_round + 1 + light_iterations(compiled)},
+                  {6, steps_per_round + 1 + light_rounds.shapes + light_rounds.primitives},
                   {8, std::max(1u, compiled.tree_depth)},
                   {9, compiled.has_spheres ? 1u : 0u},
                   {10, compiled.few_triangles},
-                  {11, compiled.few_spheres}};
+                  {11, compiled.few_spheres},
+                  {12, light_rounds.shapes},
+                  {13, light_rounds.primitives}};
     constants_.insert(constants_.end(), kernels_.constants.begin(), kernels_.constants.end());
     step_budget_ = context_.is_cpu() ? kCpuIterations : kGpuIterations;
   }
