@@ -20,7 +20,7 @@ using uvec4 = glm::uvec4;
 
 // Bindings of set 0. Kernels leave out what they do not use.
 const uint kBindingFrame = 0u;
-const uint kBindingRecords = 1u;       // uniform texel buffer
+const uint kBindingRecords = 1u;       // tables are uniform texel buffers, see scene.glsl
 const uint kBindingRays = 2u;
 const uint kBindingShapes = 3u;
 const uint kBindingTriangles = 4u;

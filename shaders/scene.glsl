@@ -5,15 +5,15 @@
 #include "gpu_types.h"
 
 layout(set = 0, binding = kBindingFrame, std140) uniform FrameBlock { Frame frame; };
-// Records come through a texel buffer: one 128-bit load a texel where storage buffers are loaded word by word (lavapipe), the texture
-// cache on GPUs, and up to 2^27 texels where a storage buffer may end at 128 MiB.
+// Tables come through texel buffers: one 128-bit load a texel where storage buffers are loaded word by word (lavapipe), the texture cache on GPUs,
+// and up to 2^27 texels where a storage buffer may end at 128 MiB.
 layout(set = 0, binding = kBindingRecords) uniform usamplerBuffer record_texels;
 layout(set = 0, binding = kBindingFewPrimitives, std140) uniform FewPrimitivesBlock { Record few_primitives[kFewPrimitives]; };
-layout(set = 0, binding = kBindingShapes, std430) readonly buffer ShapeBuffer { Shape shapes[]; };
-layout(set = 0, binding = kBindingTriangles, std430) readonly buffer TriangleBuffer { uvec4 triangles[]; };
-layout(set = 0, binding = kBindingNormals, std430) readonly buffer NormalBuffer { vec4 normals[]; };
-layout(set = 0, binding = kBindingLightShapes, std430) readonly buffer LightShapeBuffer { LightShape light_shapes[]; };
-layout(set = 0, binding = kBindingLightPrimitives, std430) readonly buffer LightPrimitiveBuffer { LightPrimitive light_primitives[]; };
+layout(set = 0, binding = kBindingShapes) uniform usamplerBuffer shape_texels;
+layout(set = 0, binding = kBindingTriangles) uniform usamplerBuffer triangle_texels;
+layout(set = 0, binding = kBindingNormals) uniform usamplerBuffer normal_texels;
+layout(set = 0, binding = kBindingLightShapes) uniform usamplerBuffer light_shape_texels;
+layout(set = 0, binding = kBindingLightPrimitives) uniform usamplerBuffer light_primitive_texels;
 layout(set = 0, binding = kBindingFilter, std430) readonly buffer FilterBuffer { float filter_knots[]; };
 
 Record fetch_record(uint i) {
@@ -26,12 +26,24 @@ Primitive to_primitive(Record r) {
 // For a constant index and scenes of few primitives: a load that all lanes share.
 Primitive fetch_few_primitive(uint slot) { return to_primitive(few_primitives[slot]); }
 Primitive fetch_primitive(uint slot) { return to_primitive(fetch_record(slot)); }
-Shape fetch_shape(uint i) { return shapes[i]; }
-LightShape fetch_light_shape(uint i) { return light_shapes[i]; }
-LightPrimitive fetch_light_primitive(uint i) { return light_primitives[i]; }
+Shape fetch_shape(uint i) {
+  const uvec4 a = texelFetch(shape_texels, int(3u * i));
+  const uvec4 b = texelFetch(shape_texels, int(3u * i + 1u));
+  const uvec4 c = texelFetch(shape_texels, int(3u * i + 2u));
+  return Shape(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), uintBitsToFloat(b.w), uintBitsToFloat(c.x), uintBitsToFloat(c.y),
+               uintBitsToFloat(c.z), c.w);
+}
+LightShape fetch_light_shape(uint i) {
+  const uvec4 a = texelFetch(light_shape_texels, int(i));
+  return LightShape(a.x, a.y, a.z, a.w);
+}
+LightPrimitive fetch_light_primitive(uint i) {
+  const uvec4 a = texelFetch(light_primitive_texels, int(i));
+  return LightPrimitive(a.x, a.y, uintBitsToFloat(a.z), a.w);
+}
 // Vertex indices of a triangle in xyz; only for shapes with vertex normals.
-uvec3 fetch_triangle(uint i) { return triangles[i].xyz; }
-vec3 fetch_normal(uint i) { return normals[i].xyz; }
+uvec3 fetch_triangle(uint i) { return texelFetch(triangle_texels, int(i)).xyz; }
+vec3 fetch_normal(uint i) { return uintBitsToFloat(texelFetch(normal_texels, int(i)).xyz); }
 // Offset in pixels at u = i / kFilterSteps.
 float fetch_filter_knot(uint i) { return filter_knots[i]; }
 

@@ -9,13 +9,9 @@
 namespace etendue {
 namespace {
 
-void check_range(const vulkan::Context& context, const char* what, std::uint64_t needed) {
-  const std::uint64_t available = context.limits().maxStorageBufferRange;
-  if (needed <= available) return;
-  throw Error(ExitCode::device_lost, fmt::format("The {} need {} bytes, but '{}' binds at most {} "
-                                                 "(maxStorageBufferRange); use a smaller mesh or another --device.",
-                                                 what, needed, context.info().name, available));
-}
+// Every table the kernels read through texelFetch; the rest of the scene is uniform.
+constexpr std::uint32_t kTables[] = {gpu::kBindingRecords, gpu::kBindingShapes,      gpu::kBindingTriangles,
+                                     gpu::kBindingNormals, gpu::kBindingLightShapes, gpu::kBindingLightPrimitives};
 
 }  // namespace
 
@@ -24,54 +20,57 @@ std::vector<vulkan::Binding> kernel_bindings() {
   for (std::uint32_t i = 0; i < gpu::kBindingCount; ++i) bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   bindings[gpu::kBindingFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   bindings[gpu::kBindingFewPrimitives].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-  bindings[gpu::kBindingRecords].type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+  for (const std::uint32_t table : kTables) bindings[table].type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   return bindings;
 }
 
-DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene) {
-  const auto add = [&](std::uint32_t binding, auto items, const char* what) {
-    const auto bytes = std::as_bytes(std::span(items));
-    const bool uniform = binding == gpu::kBindingFrame || binding == gpu::kBindingFewPrimitives;
-    if (!uniform) check_range(context, what, bytes.size());
-    vulkan::Buffer buffer(context, bytes.size(),
-                          uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                          vulkan::Buffer::Memory::device, what);
-    commands.upload(buffer, 0, bytes);
-    entries_.push_back({binding, std::move(buffer)});
-  };
-  add(gpu::kBindingFrame, std::span(&scene.frame, 1), "frame constants");
+DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene)
+    : context_(context), commands_(commands) {
+  add_uniform(gpu::kBindingFrame, std::as_bytes(std::span(&scene.frame, 1)), "frame constants");
   std::vector<gpu::Record> few(scene.records.begin(), scene.records.begin() + scene.few_triangles + scene.few_spheres);
   few.resize(gpu::kFewPrimitives);
-  add(gpu::kBindingFewPrimitives, std::span(few), "primitives");
-  add(gpu::kBindingShapes, std::span(scene.shapes), "shapes");
-  add(gpu::kBindingTriangles, std::span(scene.triangles), "triangle indices");
-  add(gpu::kBindingNormals, std::span(scene.normals), "vertex normals");
-  add(gpu::kBindingLightShapes, std::span(scene.light_shapes), "emitters");
-  add(gpu::kBindingLightPrimitives, std::span(scene.light_primitives), "emitting primitives");
-  add(gpu::kBindingFilter, std::span(scene.filter_knots), "reconstruction filter");
-  upload_records(context, commands, scene.records);
+  add_uniform(gpu::kBindingFewPrimitives, std::as_bytes(std::span(few)), "primitives");
+  add_table(gpu::kBindingRecords, std::as_bytes(std::span(scene.records)), "tree");
+  add_table(gpu::kBindingShapes, std::as_bytes(std::span(scene.shapes)), "shapes");
+  add_table(gpu::kBindingTriangles, std::as_bytes(std::span(scene.triangles)), "triangle indices");
+  add_table(gpu::kBindingNormals, std::as_bytes(std::span(scene.normals)), "vertex normals");
+  add_table(gpu::kBindingLightShapes, std::as_bytes(std::span(scene.light_shapes)), "emitters");
+  add_table(gpu::kBindingLightPrimitives, std::as_bytes(std::span(scene.light_primitives)), "emitting primitives");
+  const auto knots = std::as_bytes(std::span(scene.filter_knots));
+  entries_.push_back({gpu::kBindingFilter, upload(knots, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "reconstruction filter"), {}});
 }
 
-void DeviceScene::upload_records(const vulkan::Context& context, vulkan::Commands& commands,
-                                 const std::vector<gpu::Record>& records) {
-  const auto bytes = std::as_bytes(std::span(records));
+vulkan::Buffer DeviceScene::upload(std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* what) {
+  vulkan::Buffer buffer(context_, bytes.size(), usage, vulkan::Buffer::Memory::device, what);
+  commands_.upload(buffer, 0, bytes);
+  return buffer;
+}
+
+void DeviceScene::add_uniform(std::uint32_t binding, std::span<const std::byte> bytes, const char* what) {
+  entries_.push_back({binding, upload(bytes, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, what), {}});
+}
+
+void DeviceScene::add_table(std::uint32_t binding, std::span<const std::byte> bytes, const char* what) {
   const std::uint64_t texels = bytes.size() / sizeof(gpu::uvec4);
-  const std::uint64_t available = context.limits().maxTexelBufferElements;
+  const std::uint64_t available = context_.limits().maxTexelBufferElements;
   if (texels > available) {
-    throw Error(ExitCode::device_lost, fmt::format("The tree and the primitives need {} texels, but '{}' reads at most "
-                                                   "{} (maxTexelBufferElements); use a smaller mesh "
-                                                   "or another --device.",
-                                                   texels, context.info().name, available));
+    throw Error(ExitCode::device_lost, fmt::format("The table '{}' needs {} texels, but '{}' reads at most {} "
+                                                   "(maxTexelBufferElements); use a smaller mesh or another --device.",
+                                                   what, texels, context_.info().name, available));
   }
-  records_ = vulkan::Buffer(context, bytes.size(), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
-                            vulkan::Buffer::Memory::device, "tree");
-  commands.upload(records_, 0, bytes);
-  record_view_ = vulkan::make_texel_view(context, records_, VK_FORMAT_R32G32B32A32_UINT);
+  vulkan::Buffer buffer = upload(bytes, VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what);
+  vulkan::TexelView view = vulkan::make_texel_view(context_, buffer, VK_FORMAT_R32G32B32A32_UINT);
+  entries_.push_back({binding, std::move(buffer), std::move(view)});
 }
 
 void DeviceScene::bind(vulkan::BindingSet& set) const {
-  set.bind(gpu::kBindingRecords, record_view_);
-  for (const Entry& entry : entries_) set.bind(entry.binding, entry.buffer);
+  for (const Entry& entry : entries_) {
+    if (entry.view) {
+      set.bind(entry.binding, entry.view);
+    } else {
+      set.bind(entry.binding, entry.buffer);
+    }
+  }
 }
 
 }  // namespace etendue

@@ -11,7 +11,7 @@ std::vector<vulkan::Binding> kernel_bindings();
 
 class DeviceScene {
  public:
-  /// Throws Error(device_lost) naming limit, needed and available when a buffer is larger than the device can bind.
+  /// Throws Error(device_lost) naming limit, needed and available when a table is larger than the device can read.
   DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene);
   void bind(vulkan::BindingSet& set) const;
 
@@ -19,13 +19,15 @@ class DeviceScene {
   struct Entry {
     std::uint32_t binding;
     vulkan::Buffer buffer;
+    vulkan::TexelView view;  // of a table
   };
-  void upload_records(const vulkan::Context& context, vulkan::Commands& commands,
-                      const std::vector<gpu::Record>& records);
+  vulkan::Buffer upload(std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* what);
+  void add_uniform(std::uint32_t binding, std::span<const std::byte> bytes, const char* what);
+  void add_table(std::uint32_t binding, std::span<const std::byte> bytes, const char* what);
 
+  const vulkan::Context& context_;
+  vulkan::Commands& commands_;
   std::vector<Entry> entries_;
-  vulkan::Buffer records_;
-  vulkan::TexelView record_view_;
 };
 
 }  // namespace etendue
