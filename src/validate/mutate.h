@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,7 @@ struct Mutant {
   std::uint32_t id = 0;
   std::string_view name;
   std::string_view what;
+  std::string_view try_first;  ///< how the name of the test begins that noticed it so far
 };
 /// All of them, by id; the first (0) has no error.
 std::span<const Mutant> mutants();

@@ -1,0 +1,171 @@
+/// The chi-square test of materials: quadrature, false alarms, and materials with a planted error.
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "reference/material_probe.h"
+#include "validate/chi2.h"
+#include "validate/sphere_quadrature.h"
+
+namespace etendue {
+namespace {
+
+using glm::dvec3;
+constexpr double kPi = std::numbers::pi;
+
+std::vector<double> clamped_cosine(std::span<const dvec3> directions, const dvec3& axis) {
+  std::vector<double> values;
+  for (const dvec3& d : directions) values.push_back(std::max(0.0, glm::dot(d, axis)) / kPi);
+  return values;
+}
+
+TEST(SphereQuadrature, CellsAddUpAcrossKinks) {
+  for (const dvec3& axis : {dvec3(0, 0, 1), glm::normalize(dvec3(0.3, -0.5, 0.2)), dvec3(1, 0, 0)}) {
+    for (const int rings : {1, 3, 10}) {
+      double sum = 0.0;
+      for (const double cell : integrate_cells([&](auto d) { return clamped_cosine(d, axis); }, rings, 2 * rings))
+        sum += cell;
+      EXPECT_NEAR(sum, 1.0, 2e-5) << rings;
+    }
+  }
+}
+
+TEST(SphereQuadrature, EachCellIsItsOwn) {
+  const std::vector<double> cells = integrate_cells([](auto d) { return clamped_cosine(d, {0, 0, 1}); }, 4, 8);
+  for (int sector = 0; sector < 8; ++sector) {
+    EXPECT_EQ(cells[sector], 0.0);
+    EXPECT_NEAR(cells[2 * 8 + sector], 0.25 / 8, 1e-9);  // cos θ from 0 to 1/2
+    EXPECT_NEAR(cells[3 * 8 + sector], 0.75 / 8, 1e-9);
+  }
+}
+
+/// The reference's diffuse material with its answers changed on the way out.
+class WrongProbe final : public BsdfProbe {
+ public:
+  std::function<void(BsdfDraw&)> change_draw = [](BsdfDraw&) {};
+  std::function<void(BsdfValue&)> change_value = [](BsdfValue&) {};
+
+  explicit WrongProbe(const Bsdf& bsdf) : right_(make_reference_bsdf_probe(bsdf)) {}
+  std::string device_name() const override { return "wrong"; }
+  std::string driver_name() const override { return "wrong"; }
+  std::vector<BsdfDraw> sample(const dvec3& wo, std::uint32_t seed, std::uint32_t first, std::uint32_t count) override {
+    std::vector<BsdfDraw> draws = right_->sample(wo, seed, first, count);
+    for (BsdfDraw& draw : draws) change_draw(draw);
+    return draws;
+  }
+  std::vector<BsdfValue> evaluate(const dvec3& wo, std::span<const dvec3> wi) override {
+    std::vector<BsdfValue> values = right_->evaluate(wo, wi);
+    for (BsdfValue& value : values) change_value(value);
+    return values;
+  }
+
+ private:
+  std::unique_ptr<BsdfProbe> right_;
+};
+
+const dvec3 kWo = glm::normalize(dvec3(0.3, -0.2, 0.6));
+
+BsdfChi2 test(BsdfProbe& probe, const Bsdf& bsdf, std::uint32_t seed = 1, std::uint64_t samples = 200000,
+              double level = 1e-3) {
+  return test_bsdf(probe, bsdf, kWo, Chi2Test{}, samples, seed, level);
+}
+
+TEST(Chi2, TheReferencePasses) {
+  for (const Bsdf& bsdf : {Bsdf(DiffuseBsdf{{0.9, 0.5, 0.1}}), Bsdf(MirrorBsdf{}), Bsdf(DielectricBsdf{}),
+                           Bsdf(DielectricBsdf{1.0, 2.4})}) {
+    const auto probe = make_reference_bsdf_probe(bsdf);
+    const BsdfChi2 result = test(*probe, bsdf);
+    EXPECT_TRUE(result.passed) << result.fault << ' ' << result.test.p_value;
+  }
+}
+
+TEST(Chi2, FalseAlarmRateIsWhatItSays) {
+  const auto probe = make_reference_bsdf_probe(DiffuseBsdf{});
+  std::uint64_t failed = 0;
+  for (std::uint32_t seed = 0; seed < 400; ++seed) failed += !test(*probe, DiffuseBsdf{}, seed, 4000, 0.05).passed;
+  EXPECT_GT(binomial_two_sided(failed, 400, 0.05), 1e-3) << failed;
+}
+
+TEST(Chi2, DensitiesOffByTwoPercentFail) {
+  WrongProbe both{DiffuseBsdf{}};  // consistent with itself, but no density
+  both.change_draw = [](BsdfDraw& d) { d.pdf *= 1.02, d.weight /= 1.02; };
+  both.change_value = [](BsdfValue& v) { v.pdf *= 1.02; };
+  EXPECT_NE(test(both, DiffuseBsdf{}).fault.find("integrates to 1.02"), std::string::npos);
+  WrongProbe small{DiffuseBsdf{}};
+  small.change_draw = [](BsdfDraw& d) { d.pdf *= 0.98, d.weight /= 0.98; };
+  small.change_value = [](BsdfValue& v) { v.pdf *= 0.98; };
+  EXPECT_FALSE(test(small, DiffuseBsdf{}).passed);  // 2 % of the samples should have had no direction
+  WrongProbe sampled{DiffuseBsdf{}};
+  sampled.change_draw = [](BsdfDraw& d) { d.pdf *= 1.02; };
+  EXPECT_NE(test(sampled, DiffuseBsdf{}).fault.find("pdf of a sample"), std::string::npos);
+}
+
+TEST(Chi2, WrongWeightsFail) {
+  WrongProbe probe{DiffuseBsdf{}};
+  probe.change_draw = [](BsdfDraw& d) { d.weight *= 1.01; };
+  EXPECT_NE(test(probe, DiffuseBsdf{}).fault.find("weight"), std::string::npos);
+}
+
+TEST(Chi2, DirectionsBesideTheDensityFail) {
+  WrongProbe turned{DiffuseBsdf{}};  // 3 % steeper than the density says
+  turned.change_draw = [](BsdfDraw& d) { d.wi = glm::normalize(dvec3(d.wi.x, d.wi.y, 1.03 * d.wi.z)); };
+  turned.change_value = [](BsdfValue&) {};
+  EXPECT_FALSE(test(turned, DiffuseBsdf{}).passed);
+  std::mt19937_64 engine(5);
+  WrongProbe lost{DiffuseBsdf{}};  // one sample in a thousand has no direction
+  lost.change_draw = [&](BsdfDraw& d) {
+    if (engine() % 1000 == 0) d = {};
+  };
+  EXPECT_FALSE(test(lost, DiffuseBsdf{}).passed);
+  WrongProbe below{DiffuseBsdf{}};  // one in a thousand leaves below the surface
+  below.change_draw = [&](BsdfDraw& d) {
+    if (engine() % 1000 == 0) d.wi.z = -d.wi.z;
+  };
+  EXPECT_FALSE(test(below, DiffuseBsdf{}).passed);
+  WrongProbe nan{DiffuseBsdf{}};
+  nan.change_value = [](BsdfValue& v) { v.pdf = std::nan(""); };
+  EXPECT_FALSE(test(nan, DiffuseBsdf{}).passed);
+}
+
+TEST(Chi2, WrongDeltaLobesFail) {
+  const Bsdf glass = DielectricBsdf{};
+  WrongProbe bent{glass};
+  bent.change_draw = [](BsdfDraw& d) { d.wi = glm::normalize(d.wi + dvec3(0.001, 0, 0)); };
+  EXPECT_NE(test(bent, glass).fault.find("delta sample"), std::string::npos);
+  WrongProbe unscaled{glass};
+  unscaled.change_draw = [](BsdfDraw& d) { d.weight = dvec3(1.0); };
+  EXPECT_FALSE(test(unscaled, glass).passed);
+  std::mt19937_64 engine(6);
+  WrongProbe biased{glass};  // reflects a little too often, with the probabilities still right
+  const auto lobes = make_reference_bsdf_probe(glass)->sample(kWo, 1, 0, 1000);
+  const auto reflection = std::ranges::find(lobes, ProbeLobe::delta_reflection, &BsdfDraw::lobe);
+  biased.change_draw = [&](BsdfDraw& d) {
+    if (engine() % 100 == 0) d = *reflection;
+  };
+  EXPECT_FALSE(test(biased, glass).passed);
+  WrongProbe missing{glass};
+  missing.change_draw = [](BsdfDraw& d) { d.lobe = ProbeLobe::diffuse; };
+  EXPECT_FALSE(test(missing, glass).passed);
+}
+
+TEST(BsdfTTest, FindsAWrongAlbedo) {
+  TTest file;
+  file.angles = {0, 45};
+  file.bsdfs.push_back({.bsdf = DielectricBsdf{1.5, 1.0}, .name = "dielectric 1", .position = {}});
+  const double f = 0.04, g = 0.0502399;  // at 45°
+  file.references = {f + (1 - f) / 2.25, g + (1 - g) / 2.25};
+  EXPECT_TRUE(run_bsdf_ttest(file, "glass", make_reference_bsdf_probe).passed());
+  file.references[1] = 1.0;  // energy instead of radiance
+  const TTestReport report = run_bsdf_ttest(file, "glass", make_reference_bsdf_probe);
+  EXPECT_TRUE(report.scenes[0].passed);
+  EXPECT_FALSE(report.scenes[1].passed);
+  file.references.pop_back();
+  EXPECT_THROW(run_bsdf_ttest(file, "glass", make_reference_bsdf_probe), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace etendue
