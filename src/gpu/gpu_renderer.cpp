@@ -23,7 +23,7 @@ constexpr std::uint32_t kGpuIterations = 1u << 22;
 // Where lanes count for themselves, their walks may be laid end to end: a group of 8 takes as many rounds as all of
 // them.
 constexpr std::uint32_t kCpuIterationsDivergent = kCpuIterations / 8;
-constexpr std::uint32_t kStepsPerRound = 4;
+constexpr std::uint32_t kStepsPerRound = 8;
 constexpr double kCpuPassSeconds = 0.5;     // no watchdog there, and fewer dispatches waste less
 constexpr double kDispatchTimeout = 300.0;  // seconds; passes are sized to a fraction of one
 
@@ -60,20 +60,24 @@ class PassSizer {
   void measured(double slot_samples, double seconds) {
     if (seconds > 0.0) rate_ = slot_samples / seconds;
   }
-  std::uint32_t groups(std::uint32_t available) const {
+  std::uint32_t groups(std::uint32_t available, std::uint32_t samples) const {
     if (fixed_groups_ > 0) return std::min(fixed_groups_, available);
-    const double affordable = seconds_ * rate_ / gpu::kWorkgroupSize;
+    const double affordable = seconds_ * rate_ / (samples * gpu::kWorkgroupSize);
     return static_cast<std::uint32_t>(std::clamp(affordable, 1.0, static_cast<double>(available)));
   }
   std::uint32_t samples(std::uint64_t slots) const {
     if (fixed_samples_ > 0) return fixed_samples_;
-    return static_cast<std::uint32_t>(std::clamp(seconds_ * rate_ / static_cast<double>(slots), 1.0, 64.0));
+    // A pass over the film is several dispatches of some groups each: lanes that have several samples to do wait less for each other than
+    // lanes with one, and a pass must still end soon enough for signals and time limits.
+    constexpr double kDispatchesPerPass = 6.0;
+    const double affordable = kDispatchesPerPass * seconds_ * rate_ / static_cast<double>(slots);
+    return static_cast<std::uint32_t>(std::clamp(affordable, 1.0, 64.0));
   }
 
  private:
   double seconds_;
   std::uint32_t fixed_samples_, fixed_groups_;
-  double rate_ = 1e6;  // slot samples per second; a careful first guess
+  double rate_ = 2e5;  // slot samples per second; a careful first guess
 };
 
 class GpuRenderer final : public Renderer {
@@ -262,7 +266,7 @@ void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, 
   pass.packed_pixels = slots.packed() ? slots.pixels() : 0;
   for (std::uint32_t done = 0; done < band.group_count();) {
     const std::uint32_t groups =
-        std::min({sizer_->groups(band.group_count() - done), context_.limits().maxComputeWorkGroupCount[0]});
+        std::min({sizer_->groups(band.group_count() - done, samples), context_.limits().maxComputeWorkGroupCount[0]});
     pass.first_group = band.first_group() + done;
     run_groups(set, pass, groups, samples);
     done += groups;
