@@ -26,7 +26,9 @@ ReadOptions SceneOptions::read_options() const {
   for (const std::string& text : overrides) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {
-      throw Error(ExitCode::usage, fmt::format("'-D {}' has no '='; write -D tag.property=value, for example -D sampler.sampleCount=64.", text));
+      throw Error(
+          ExitCode::usage,
+          fmt::format("'-D {}' has no '='; write -D tag.property=value, for example -D sampler.sampleCount=64.", text));
     }
     options.overrides.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
@@ -34,17 +36,23 @@ ReadOptions SceneOptions::read_options() const {
 }
 
 void DeviceOption::add_to(CLI::App& command) {
-  command.add_option("--device", selector, "'auto', an index or a part of the name as 'etendue devices' lists them, or 'reference'")
+  command
+      .add_option("--device", selector,
+                  "'auto', an index or a part of the name as 'etendue devices' lists them, or 'reference'")
       ->type_name("SEL")
       ->capture_default_str();
-  command.add_option("--device-timeout", timeout, "a dispatch that takes longer means that the device hangs (default and at most 5m)")->type_name("TIME");
+  command
+      .add_option("--device-timeout", timeout,
+                  "a dispatch that takes longer means that the device hangs (default and at most 5m)")
+      ->type_name("TIME");
   command.add_option("--pass-samples", pass_samples, "samples of each lane per dispatch; for tests")->group("");
   command.add_option("--threads", threads, "host threads; 0: as many as there are cores")->check(CLI::Range(0, 1024));
 }
 
 namespace {
 
-// The indices in "0,1,1"; empty when the text is anything else. Device names may hold commas, so only numbers make a list.
+// The indices in "0,1,1"; empty when the text is anything else. Device names may hold commas, so only numbers make a
+// list.
 std::vector<std::string> index_list(const std::string& selector) {
   std::vector<std::string> indices;
   std::size_t start = 0;
@@ -95,14 +103,17 @@ BsdfProbeFactory DeviceOption::probe_factory() const {
 
 GpuOptions DeviceOption::gpu_options() const {
   set_thread_count(threads);
-  if (selector == "reference") throw Error(ExitCode::usage, "--device reference is no Vulkan device; name one that 'etendue devices' lists.");
+  if (selector == "reference")
+    throw Error(ExitCode::usage, "--device reference is no Vulkan device; name one that 'etendue devices' lists.");
   return device_options(selector, *this);
 }
 
 std::vector<RendererFactory> DeviceOption::factories() const {
   const std::vector<std::string> list = selector == "all" ? all_devices() : index_list(selector);
   if (list.size() < 2 && selector != "all") return {factory()};
-  if (list.empty()) throw Error(ExitCode::no_device, "No suitable Vulkan device for '--device all'; see 'etendue devices', or use --device reference.");
+  if (list.empty())
+    throw Error(ExitCode::no_device,
+                "No suitable Vulkan device for '--device all'; see 'etendue devices', or use --device reference.");
   set_thread_count(threads);
   std::vector<RendererFactory> factories;
   for (const std::string& index : list) factories.push_back(device_factory(index, *this));

@@ -41,9 +41,9 @@ struct SceneOptions {
 
 struct DeviceOption {
   std::string selector = "auto";
-  std::string timeout;   ///< of one dispatch, "30s"; empty: the default of vulkan::ContextOptions
+  std::string timeout;             ///< of one dispatch, "30s"; empty: the default of vulkan::ContextOptions
   std::uint32_t pass_samples = 0;  ///< see GpuOptions::fixed_samples; for tests
-  unsigned threads = 0;  ///< of the reference and of scene compilation; 0: as many as there are cores
+  unsigned threads = 0;            ///< of the reference and of scene compilation; 0: as many as there are cores
 
   void add_to(CLI::App& command);
   /// Renderers on the chosen device; "reference" is the CPU reference.
@@ -52,8 +52,8 @@ struct DeviceOption {
   BsdfProbeFactory probe_factory() const;
   /// The chosen Vulkan device. Throws Error(usage) for "reference".
   GpuOptions gpu_options() const;
-  /// One for each device where the selector names several: indices with commas between them, or "all", which leaves drivers that run on the CPU out
-  /// when there is anything else. Throws Error(usage, no_device).
+  /// One for each device where the selector names several: indices with commas between them, or "all", which leaves
+  /// drivers that run on the CPU out when there is anything else. Throws Error(usage, no_device).
   std::vector<RendererFactory> factories() const;
 };
 

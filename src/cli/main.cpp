@@ -3,8 +3,8 @@
 #include <exception>
 #include <new>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include "cli/command.h"
 #include "core/errors.h"
@@ -20,8 +20,10 @@ ExitCode run(int argc, char** argv) {
   CLI::App app("Etendue: a Vulkan path tracer that gives the same light on every device, and proves it.", "etendue");
   app.set_version_flag("--version", std::string("etendue ") + etendue::version());
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 ok, 1 comparison or test failed, 2 usage, 3 scene error, 4 no suitable device, 5 device lost or out of memory, "
-             "6 file error, 77 skipped, 130 interrupted.");
+  app.footer(
+      "Exit codes: 0 ok, 1 comparison or test failed, 2 usage, 3 scene error, 4 no suitable device, 5 device lost or "
+      "out of memory, "
+      "6 file error, 77 skipped, 130 interrupted.");
   etendue::cli::Action action;
   etendue::cli::add_render_command(app, action);
   etendue::cli::add_devices_command(app, action);
@@ -41,7 +43,8 @@ ExitCode run(int argc, char** argv) {
   const ExitCode code = action();
   // A run under the validation layer is only good when the layer had nothing to say.
   if (code == ExitCode::ok && etendue::vulkan::validation_message_count() > 0) {
-    etendue::log::error(fmt::format("The validation layer sent {} messages.", etendue::vulkan::validation_message_count()));
+    etendue::log::error(
+        fmt::format("The validation layer sent {} messages.", etendue::vulkan::validation_message_count()));
     return ExitCode::test_failed;
   }
   return code;

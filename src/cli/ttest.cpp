@@ -34,8 +34,10 @@ ExitCode run_files(const Options& options) {
   auto out = nlohmann::json::array();
   std::vector<JunitCase> cases;
   for (std::size_t i = 0; i < tests.size(); ++i) {
-    const TTestReport report = tests[i].bsdfs.empty() ? run_ttest(tests[i], options.files[i], options.device.factory(), options.test)
-                                                      : run_bsdf_ttest(tests[i], options.files[i], options.device.probe_factory(), options.test);
+    const TTestReport report =
+        tests[i].bsdfs.empty()
+            ? run_ttest(tests[i], options.files[i], options.device.factory(), options.test)
+            : run_bsdf_ttest(tests[i], options.files[i], options.device.probe_factory(), options.test);
     passed = passed && report.passed();
     for (JunitCase& junit : ttest_junit(report)) cases.push_back(std::move(junit));
     if (options.json) {
@@ -53,7 +55,8 @@ ExitCode run_files(const Options& options) {
 }  // namespace
 
 void add_ttest_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("ttest", "test the mean luminance of scenes, or the albedo of bsdfs, against known values");
+  auto* command =
+      app.add_subcommand("ttest", "test the mean luminance of scenes, or the albedo of bsdfs, against known values");
   const auto options = std::make_shared<Options>();
   command->add_option("FILE", options->files, "files with a <test type=\"ttest\">")->required();
   options->scene.add_to(*command);

@@ -37,7 +37,8 @@ DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& comma
   add_table(gpu::kBindingLightShapes, std::as_bytes(std::span(scene.light_shapes)), "emitters");
   add_table(gpu::kBindingLightPrimitives, std::as_bytes(std::span(scene.light_primitives)), "emitting primitives");
   const auto knots = std::as_bytes(std::span(scene.filter_knots));
-  entries_.push_back({gpu::kBindingFilter, upload(knots, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "reconstruction filter"), {}});
+  entries_.push_back(
+      {gpu::kBindingFilter, upload(knots, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "reconstruction filter"), {}});
 }
 
 vulkan::Buffer DeviceScene::upload(std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* what) {

@@ -67,8 +67,8 @@ class PassSizer {
   }
   std::uint32_t samples(std::uint64_t slots) const {
     if (fixed_samples_ > 0) return fixed_samples_;
-    // A pass over the film is several dispatches of some groups each: lanes that have several samples to do wait less for each other than
-    // lanes with one, and a pass must still end soon enough for signals and time limits.
+    // A pass over the film is several dispatches of some groups each: lanes that have several samples to do wait less
+    // for each other than lanes with one, and a pass must still end soon enough for signals and time limits.
     constexpr double kDispatchesPerPass = 6.0;
     const double affordable = kDispatchesPerPass * seconds_ * rate_ / static_cast<double>(slots);
     return static_cast<std::uint32_t>(std::clamp(affordable, 1.0, 64.0));
