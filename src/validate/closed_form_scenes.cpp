@@ -176,30 +176,41 @@ std::vector<dvec3> polygon_in_cone(Dice& dice, const Cone& cone, double distance
   return vertices;
 }
 
+struct LightCounts {
+  int polygons = 0, spheres = 0;
+  int turned = 0;  ///< polygons that emit the other way
+  int hidden = 0;  ///< lights partly behind something
+};
+
 /// Adds a polygonal light and returns the irradiance it sends to the origin.
-dvec3 add_polygon_light(Scene& scene, Dice& dice, const Cone& cone, const dvec3& radiance) {
+dvec3 add_polygon_light(Scene& scene, Dice& dice, const Cone& cone, const dvec3& radiance, LightCounts& counts) {
+  ++counts.polygons;
   std::vector<dvec3> light = polygon_in_cone(dice, cone, dice.between(0.6, 2.5));
   double irradiance = closed_form::polygon_irradiance(light, {0, 1, 0});
   if (dice.chance(0.3)) {  // half of it, or all, is hidden by a smaller copy nearer by
     std::vector<dvec3> blocker(light.begin(), light.begin() + (light.size() + 2) / 2);
     irradiance -= closed_form::polygon_irradiance(blocker, {0, 1, 0});
     for (dvec3& p : blocker) p *= 0.6;
+    ++counts.hidden;
     scene.shapes.push_back(make_shape(polygon_mesh(blocker), DiffuseBsdf{dvec3(0.0)}));
   }
   if (dice.chance(0.25)) {  // turned away
     std::reverse(light.begin(), light.end());
     irradiance = 0.0;
+    ++counts.turned;
   }
   scene.shapes.push_back(make_shape(polygon_mesh(light), DiffuseBsdf{dvec3(0.0)}, radiance));
   return irradiance * radiance;
 }
 
-dvec3 add_sphere_light(Scene& scene, Dice& dice, const Cone& cone, const dvec3& radiance) {
+dvec3 add_sphere_light(Scene& scene, Dice& dice, const Cone& cone, const dvec3& radiance, LightCounts& counts) {
+  ++counts.spheres;
   const double distance = dice.between(0.6, 2.5);
   const Sphere light{distance * cone.axis, distance * std::sin(cone.angle)};
   double irradiance = closed_form::sphere_irradiance(light.center, light.radius, {0, 1, 0});
   if (dice.chance(0.3)) {  // its middle is hidden
     const double near = 0.4 * distance;
+    ++counts.hidden;
     const Sphere blocker{near * cone.axis, near * std::sin(0.6 * cone.angle)};
     irradiance -= closed_form::sphere_irradiance(blocker.center, blocker.radius, {0, 1, 0});
     scene.shapes.push_back(make_shape(blocker, DiffuseBsdf{dvec3(0.0)}));
@@ -213,19 +224,18 @@ ClosedFormScene direct_scene(Dice& dice, LightStrategy strategy) {
   Scene& scene = result.scene;
   dvec3 irradiance(0.0);
   double hit_share = 0.0;
-  int polygons = 0, spheres = 0;
+  LightCounts counts;
   // Light that chance hardly ever finds would make the naive estimator too skewed for a t-test.
   while (hit_share < 0.05) {
     scene.shapes.clear();
     irradiance = dvec3(0.0);
-    hit_share = polygons = spheres = 0;
-    const dvec3 albedo(0.0);
+    hit_share = 0.0;
+    counts = {};
     for (const Cone& cone : disjoint_cones(dice, dice.between_int(1, 6))) {
       const dvec3 radiance = dice.color(0.2, 4.0);
       const bool sphere = dice.chance(0.4);
-      ++(sphere ? spheres : polygons);
-      const dvec3 e =
-          sphere ? add_sphere_light(scene, dice, cone, radiance) : add_polygon_light(scene, dice, cone, radiance);
+      const dvec3 e = sphere ? add_sphere_light(scene, dice, cone, radiance, counts)
+                             : add_polygon_light(scene, dice, cone, radiance, counts);
       irradiance += e;
       hit_share += luminance(e / radiance) / kPi;
     }
@@ -238,8 +248,8 @@ ClosedFormScene direct_scene(Dice& dice, LightStrategy strategy) {
   scene.camera = look_along({0, 0.01, 0}, {0, -1, 0}, kPointFov);
   move_scene(scene, dice, true);
   result.expected = luminance(albedo / kPi * irradiance);
-  result.name =
-      fmt::format("direct light, {} polygon(s), {} sphere(s), {}", polygons, spheres, light_strategy_name(strategy));
+  result.name = fmt::format("direct light, {} polygon(s), {} sphere(s), {} turned away, {} hidden, {}", counts.polygons,
+                            counts.spheres, counts.turned, counts.hidden, light_strategy_name(strategy));
   return result;
 }
 
@@ -384,7 +394,8 @@ ClosedFormScene sheet_scene(Dice& dice) {
     radiance += (1.0 - f) * ratio * ratio * sky_radiance(scene.sky, wt);
   }
   result.expected = luminance(radiance);
-  result.name = fmt::format("dielectric sheet from {}, {:.3g} to {:.3g}", outside ? "outside" : "inside", n_o, n_t);
+  result.name = fmt::format("{} sheet from {}, {:.3g} to {:.3g}", f < 1.0 ? "refracting" : "totally reflecting",
+                            outside ? "outside" : "inside", n_o, n_t);
   return result;
 }
 
@@ -410,7 +421,8 @@ ClosedFormScene glass_scene(Dice& dice) {
       inside ? (f < 1.0 ? ratio * ratio * (1.0 - std::pow(f, depth - 1.0)) : 0.0) : sphere_throughput(f, depth);
   result.expected = luminance(share * radiance);
   result.name =
-      fmt::format("glass sphere from {}, {:.3g} to {:.3g}, depth {}", inside ? "inside" : "outside", n_o, n_t, depth);
+      fmt::format("{} sphere from {}, {:.3g} to {:.3g}, depth {}", f < 1.0 ? "refracting" : "totally reflecting",
+                  inside ? "inside" : "outside", n_o, n_t, depth);
   return result;
 }
 
