@@ -8,7 +8,7 @@
 namespace etendue {
 namespace {
 
-/// Nodes and weights of the 4-point rule on [0, 1] [Abramowitz1964, table 25.4].
+/// Nodes and weights of the 4-point Gauss–Legendre rule on [0, 1].
 constexpr std::array<double, 4> kNodes{0.06943184420297371, 0.33000947820757187, 0.6699905217924281,
                                        0.9305681557970263};
 constexpr std::array<double, 4> kWeights{0.17392742256872692, 0.32607257743127307, 0.32607257743127307,
