@@ -33,10 +33,10 @@ vec3 shading_normal(Shape shape, uint primitive, float b1, float b2, vec3 ng) {
   return len > 0.0 ? n / len : ng;
 }
 
-// Barycentric weights kept a little inside the triangle. A point that rounds onto an edge may lie beyond the neighbour across the edge, and a
-// ray from there would leave a closed box; a point this far inside stays inside.
+// Barycentric weights kept a little inside the triangle: a few units in the last place of its size. A point that rounds onto an edge may lie beyond
+// the neighbour across the edge, and a ray from there would leave a closed box.
 vec3 inner_weights(float b1, float b2) {
-  const vec3 b = max(vec3(1.0 - b1 - b2, b1, b2), vec3(1.0 / 262144.0));
+  const vec3 b = max(vec3(1.0 - b1 - b2, b1, b2), vec3(1.0 / 4194304.0));
   return b / (b.x + b.y + b.z);
 }
 

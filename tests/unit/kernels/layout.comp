@@ -18,6 +18,8 @@ layout(set = 0, binding = 9, std430) buffer ResultBuffer { SampleResult results[
 layout(set = 0, binding = 10, std430) buffer RayRequestBuffer { RayRequest ray_requests[]; };
 layout(set = 0, binding = 11, std430) buffer RayResultBuffer { RayResult ray_results[]; };
 layout(set = 0, binding = 12, std430) buffer VertexBuffer { TracedVertex vertices[]; };
+layout(set = 0, binding = 13, std430) buffer ProbePassBuffer { BsdfProbePass probe_passes[]; };
+layout(set = 0, binding = 14, std430) buffer ProbeResultBuffer { BsdfProbeResult probe_results[]; };
 
 void main() {
   records[0].a.x = pass.pad0 + frame.seed + requests[0].pixel + floatBitsToUint(ray_requests[0].t_min);
@@ -31,4 +33,6 @@ void main() {
   results[0].stuck = 0u;
   ray_results[0].steps = 0u;
   vertices[0].shape = 0u;
+  probe_passes[0].seed = 0u;
+  probe_results[0].lobe = 0u;
 }
