@@ -16,7 +16,7 @@ finish() {
   code=$?
   for pid in $pids; do kill "$pid" 2>/dev/null; done
   for pid in $pids; do wait "$pid" 2>/dev/null; done
-  [ "$code" -eq 0 ] || tail -n 30 "$folder"/*.log "$folder"/work/*.log 2>/dev/null
+  [ "$code" -eq 0 ] || tail -n 30 "$folder"/*.log "$folder"/jobs/*.log 2>/dev/null
   rm -rf "$folder"
   exit "$code"
 }
@@ -88,14 +88,14 @@ drain() {
   squeue
   fail 'jobs do not end'
 }
-cd "$folder/work" || exit 1
+cd "$folder/jobs" || exit 1
 scene=$source/scenes/cbox-sphere.xml
 options='--size 40x30'
 $ETENDUE render "$scene" $options --spp 20 --film -o one.exr -q || { [ $? -eq 4 ] && exit 77; fail 'the render in one go'; }
 
 # Four shards; the third finds its film's place taken by a folder and fails, so the merge must not run.
 mkdir -p result.exr.shards/shard-2.part.exr
-"$source/tools/farm/etendue-farm" "$scene" 20 4 "$folder/work/result.exr" $options || fail 'submitting'
+"$source/tools/farm/etendue-farm" "$scene" 20 4 "$folder/jobs/result.exr" $options || fail 'submitting'
 drain
 for shard in 0 1 3; do [ -f "result.exr.shards/shard-$shard.exr" ] || fail "shard $shard is missing"; done
 [ ! -e result.exr.shards/shard-2.exr ] || fail 'shard 2 was to fail'
@@ -104,14 +104,14 @@ for shard in 0 1 3; do [ -f "result.exr.shards/shard-$shard.exr" ] || fail "shar
 # Run again: only the failed shard is rendered, then all are merged.
 rmdir result.exr.shards/shard-2.part.exr
 touch -d @1 result.exr.shards/shard-0.exr
-said=$("$source/tools/farm/etendue-farm" "$scene" 20 4 "$folder/work/result.exr" $options) || fail 'submitting again'
+said=$("$source/tools/farm/etendue-farm" "$scene" 20 4 "$folder/jobs/result.exr" $options) || fail 'submitting again'
 case $said in "shards 2: "*) ;; *) fail "expected shard 2 alone: $said" ;; esac
 drain
 cmp one.exr result.exr || fail 'the merged film differs from one render'
 [ "$(stat -c %Y result.exr.shards/shard-0.exr)" -eq 1 ] || fail 'a good shard was rendered again'
 
 # A task that gets SIGTERM, as before its time limit, saves a checkpoint and goes on from it when it is submitted again.
-"$source/tools/farm/etendue-farm" "$scene" 4000 1 "$folder/work/long.exr" $options > submitted || fail 'submitting the long one'
+"$source/tools/farm/etendue-farm" "$scene" 4000 1 "$folder/jobs/long.exr" $options > submitted || fail 'submitting the long one'
 job=$(sed -n 's/^shards 0: job //p' submitted)
 for _ in $(seq 300); do [ "$(squeue -h -j "$job" -o %T)" = RUNNING ] && break; sleep 0.1; done
 sleep 3
