@@ -21,7 +21,7 @@ finish() {
   exit "$code"
 }
 trap finish EXIT
-mkdir -p "$folder"/{state,spool,munge,work}
+mkdir -p "$folder"/{state,spool,munge,jobs}
 chmod 755 "$folder"
 chmod 700 "$folder/munge"
 dd if=/dev/urandom of="$folder/munge/key" bs=1 count=1024 status=none
