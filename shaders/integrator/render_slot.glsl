@@ -21,8 +21,7 @@ void report_rejected(Path path) {
   if (i < kRejectedListed) rejected[i] = RejectedEntry(path.pixel, path.sample_index, path.segment, 0u);
 }
 
-// Pixel of a slot, kNone for padding; src/gpu/device_film.h describes the two layouts. Both are computed and one is selected: lavapipe compiles a
-// kernel anew for every dispatch when a branch depends on push constants alone.
+// Pixel of a slot, kNone for padding; src/gpu/device_film.h describes the two layouts. Both are computed and one is selected.
 uint slot_pixel(uint group, uint lane) {
   const uint i = group * kWorkgroupSize + lane;
   const uint packed_pixel = i < pass.packed_pixels * pass.lanes_per_pixel ? i % max(pass.packed_pixels, 1u) : kNone;
