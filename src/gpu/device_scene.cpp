@@ -1,5 +1,6 @@
 #include "gpu/device_scene.h"
 
+#include <algorithm>
 #include <span>
 
 #include <fmt/core.h>
@@ -22,6 +23,13 @@ std::vector<vulkan::Binding> kernel_bindings() {
   bindings[gpu::kBindingFewPrimitives].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   for (const std::uint32_t table : kTables) bindings[table].type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   return bindings;
+}
+
+std::vector<vulkan::Specialization> tree_constants(const CompiledScene& scene) {
+  return {{8, std::max(1u, scene.tree_depth)},
+          {9, scene.has_spheres ? 1u : 0u},
+          {10, scene.few_triangles},
+          {11, scene.few_spheres}};
 }
 
 DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene)

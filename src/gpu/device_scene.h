@@ -9,6 +9,9 @@ namespace etendue {
 /// Bindings of every kernel, as shaders/gpu_types.h numbers them.
 std::vector<vulkan::Binding> kernel_bindings();
 
+/// Specialization constants of every kernel that walks the tree (shaders/trace.glsl, shaders/intersect.glsl).
+std::vector<vulkan::Specialization> tree_constants(const CompiledScene& scene);
+
 class DeviceScene {
  public:
   /// Throws Error(device_lost) naming limit, needed and available when a table is larger than the device can read.

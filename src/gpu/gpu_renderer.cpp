@@ -110,13 +110,10 @@ class GpuRenderer final : public Renderer {
                   {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
                   {5, steps_per_round},
                   {6, steps_per_round + 1 + light_rounds.shapes + light_rounds.primitives},
-                  {8, std::max(1u, compiled.tree_depth)},
-                  {9, compiled.has_spheres ? 1u : 0u},
-                  {10, compiled.few_triangles},
-                  {11, compiled.few_spheres},
                   {12, light_rounds.shapes},
                   {13, light_rounds.primitives}};
-    constants_.insert(constants_.end(), kernels_.constants.begin(), kernels_.constants.end());
+    for (const auto& more : {tree_constants(compiled), kernels_.constants})
+      constants_.insert(constants_.end(), more.begin(), more.end());
     step_budget_ = context_.is_cpu() ? kCpuIterations : kGpuIterations;
   }
 

@@ -7,12 +7,11 @@
 namespace etendue {
 
 KernelSet kernel_set(std::optional<std::uint32_t> mutant) {
-  if (!mutant) return {kernels::render, kernels::trace_samples, kernels::trace_path, kernels::bsdf_samples, {}};
-  return {kernels::render_mutant,
-          kernels::trace_samples_mutant,
-          kernels::trace_path_mutant,
-          kernels::bsdf_samples_mutant,
-          {{gpu::kMutantConstant, *mutant}}};
+  if (!mutant)
+    return {kernels::render,     kernels::trace_samples, kernels::trace_path,
+            kernels::trace_rays, kernels::bsdf_samples,  {}};
+  return {kernels::render_mutant,     kernels::trace_samples_mutant, kernels::trace_path_mutant,
+          kernels::trace_rays_mutant, kernels::bsdf_samples_mutant,  {{gpu::kMutantConstant, *mutant}}};
 }
 
 }  // namespace etendue

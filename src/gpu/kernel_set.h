@@ -11,7 +11,7 @@
 namespace etendue {
 
 struct KernelSet {
-  std::span<const std::uint32_t> render, trace_samples, trace_path, bsdf_samples;  ///< SPIR-V words
+  std::span<const std::uint32_t> render, trace_samples, trace_path, trace_rays, bsdf_samples;  ///< SPIR-V words
   std::vector<vulkan::Specialization> constants;  ///< to be added to those of the scene
 };
 

@@ -1,12 +1,38 @@
 #include "vulkan/buffer.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include <fmt/core.h>
 
 #include "vulkan/check.h"
 
 namespace etendue::vulkan {
+
+namespace {
+
+std::atomic<std::uint64_t> g_bytes{0}, g_peak{0};
+
+}  // namespace
+
+MemoryUse memory_use() {
+  return {g_bytes, g_peak};
+}
+
+void reset_memory_peak() {
+  g_peak = g_bytes.load();
+}
+
+CountedBytes::CountedBytes(std::uint64_t bytes) : bytes_(bytes) {
+  const std::uint64_t now = g_bytes += bytes;
+  std::uint64_t peak = g_peak;
+  while (peak < now && !g_peak.compare_exchange_weak(peak, now)) {
+  }
+}
+
+CountedBytes::~CountedBytes() {
+  g_bytes -= bytes_;
+}
 
 Buffer::Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usage, Memory memory, const char* what)
     : size_(std::max<VkDeviceSize>(size, 16)) {
@@ -32,6 +58,7 @@ Buffer::Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usa
   check(vkAllocateMemory(context.device(), &allocation, nullptr, &device_memory),
         fmt::format("allocate {} bytes for the {}", needs.size, what));
   memory_ = {context.device(), device_memory};
+  counted_ = CountedBytes(needs.size);
   check(vkBindBufferMemory(context.device(), buffer, device_memory, 0), fmt::format("bind the memory of the {}", what));
   if (host)
     check(vkMapMemory(context.device(), device_memory, 0, VK_WHOLE_SIZE, 0, &mapped_), fmt::format("map the {}", what));

@@ -2,11 +2,36 @@
 /// Device memory and the way bytes get in and out of it.
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <utility>
 
 #include "vulkan/context.h"
 
 namespace etendue::vulkan {
+
+/// Bytes of device memory that the buffers of this process hold, and the most they held since the last reset.
+struct MemoryUse {
+  std::uint64_t now = 0, peak = 0;
+};
+MemoryUse memory_use();
+void reset_memory_peak();
+
+/// Counts an allocation in memory_use for as long as it lives.
+class CountedBytes {
+ public:
+  CountedBytes() = default;
+  explicit CountedBytes(std::uint64_t bytes);
+  CountedBytes(CountedBytes&& other) noexcept : bytes_(std::exchange(other.bytes_, 0)) {}
+  CountedBytes& operator=(CountedBytes&& other) noexcept {
+    std::swap(bytes_, other.bytes_);
+    return *this;
+  }
+  ~CountedBytes();
+
+ private:
+  std::uint64_t bytes_ = 0;
+};
 
 /// A buffer with memory of its own.
 class Buffer {
@@ -23,6 +48,7 @@ class Buffer {
 
  private:
   VkDeviceSize size_ = 0;
+  CountedBytes counted_;
   Handle<VkDeviceMemory, &vkFreeMemory> memory_;
   Handle<VkBuffer, &vkDestroyBuffer> buffer_;
   void* mapped_ = nullptr;

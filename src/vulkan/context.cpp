@@ -348,7 +348,7 @@ std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlag
 // The cache only saves time, so every failure to read or write it is silent: the render must not depend on it.
 void Context::load_pipeline_cache() {
   std::string bytes;
-  if (const auto path = pipeline_cache_path(physical_); !path.empty()) {
+  if (const auto path = pipeline_cache_path(physical_); options_.pipeline_cache && !path.empty()) {
     std::ifstream file(path, std::ios::binary);
     bytes.assign(std::istreambuf_iterator<char>(file), {});
   }
@@ -366,7 +366,9 @@ void Context::load_pipeline_cache() {
 void Context::save_pipeline_cache() const {
   const auto path = pipeline_cache_path(physical_);
   std::size_t size = 0;
-  if (path.empty() || vkGetPipelineCacheData(device_, pipeline_cache_.get(), &size, nullptr) != VK_SUCCESS) return;
+  if (!options_.pipeline_cache || path.empty() ||
+      vkGetPipelineCacheData(device_, pipeline_cache_.get(), &size, nullptr) != VK_SUCCESS)
+    return;
   std::string bytes(size, '\0');
   if (vkGetPipelineCacheData(device_, pipeline_cache_.get(), &size, bytes.data()) != VK_SUCCESS) return;
   bytes.resize(size);

@@ -30,6 +30,8 @@ struct ContextOptions {
   bool validation_extra = false;
   /// Upper bound of the time any submission may take.
   double max_wait_seconds = 300.0;
+  /// Kernels are kept compiled in a file of the user's cache folder.
+  bool pipeline_cache = true;
   /// True when the environment variable ETENDUE_VALIDATION is "1", or "2" for the extra kinds.
   static ContextOptions from_environment();
 };

@@ -75,10 +75,7 @@ void DeviceTest::run_bytes(const KernelRun& run, std::span<const std::byte> inpu
   set.bind(gpu::kBindingRequests, in);
   set.bind(gpu::kBindingResults, out);
   std::vector<vulkan::Specialization> constants = run.constants;
-  constants.push_back({8, std::max(1u, compiled.tree_depth)});  // as in gpu/gpu_renderer.cpp
-  constants.push_back({9, compiled.has_spheres ? 1u : 0u});
-  constants.push_back({10, compiled.few_triangles});
-  constants.push_back({11, compiled.few_spheres});
+  for (const vulkan::Specialization& c : tree_constants(compiled)) constants.push_back(c);
   const vulkan::Kernel kernel(d.context, d.layout, run.spirv, constants, run.name);
   gpu::Pass pass{};
   pass.request_count = lanes;

@@ -27,10 +27,11 @@ gpu compile vulkan render scene image core
 reference render scene image core
 sculpt core
 validate gpu compile vulkan reference render scene image core
-cli validate gpu compile vulkan reference render scene image core
+bench gpu compile vulkan reference render scene image core
+cli bench validate gpu compile vulkan reference render scene image core
 RULES
 # A new folder has to be given its place above.
-known=" core image scene render compile vulkan gpu reference sculpt validate cli "
+known=" core image scene render compile vulkan gpu reference sculpt validate bench cli "
 for folder in */; do
   case $known in
     *" ${folder%/} "*) ;;

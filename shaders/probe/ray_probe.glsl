@@ -1,0 +1,23 @@
+// Rays on their own: the walk of the tree without shading, for measuring it and for comparing its hits with those of others.
+#ifndef RAY_PROBE_GLSL
+#define RAY_PROBE_GLSL
+
+#include "../trace.glsl"
+
+layout(constant_id = 7) const bool kAnyHit = false;  // any hit ends the walk, as it does for shadow rays
+
+layout(push_constant) uniform PassBlock { Pass pass; };
+layout(set = 0, binding = kBindingRays, std430) readonly buffer RayBuffer { RayRequest rays[]; };
+layout(set = 0, binding = kBindingResults, std430) writeonly buffer ResultBuffer { RayResult results[]; };
+
+// One ray a lane. A walk that exceeds the budget says so by its steps.
+void cast_ray(uint i) {
+  if (i >= pass.request_count) return;
+  const RayRequest request = rays[i];
+  uint steps = 0u;
+  const Hit hit = trace(Ray(request.o, request.t_min, request.d, request.t_max), kAnyHit, pass.step_budget, steps);
+  const Primitive prim = fetch_primitive(hit.slot == kNone ? 0u : hit.slot);
+  results[i] = RayResult(hit.t, hit.slot == kNone ? kNone : prim.shape, prim.primitive, steps);
+}
+
+#endif

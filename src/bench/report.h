@@ -1,0 +1,28 @@
+#pragma once
+/// What was measured, for people and for programs.
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "bench/scene_bench.h"
+
+namespace etendue {
+
+struct BenchReport {
+  std::string device, driver;
+  std::string processor;  ///< model name of the host's CPU
+  unsigned host_threads = 0;
+  std::uint32_t repetitions = 0;
+  std::vector<SceneReport> scenes;
+  bool passed() const;
+};
+
+std::string bench_table(const BenchReport& report);
+nlohmann::json bench_json(const BenchReport& report);
+
+/// The CPU's model name as Linux gives it; empty where it does not.
+std::string processor_name();
+
+}  // namespace etendue

@@ -1,0 +1,136 @@
+#include <filesystem>
+
+#include <fmt/core.h>
+
+#include "bench/report.h"
+#include "cli/command.h"
+#include "cli/units.h"
+#include "core/log.h"
+#include "core/parallel.h"
+
+namespace etendue::cli {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  SceneOptions scene;
+  DeviceOption device;
+  std::uint32_t repetitions = 5;
+  std::string time = "1s";
+  std::size_t rays = 0;
+  std::uint32_t seed = 0;
+  std::string size;
+  std::vector<std::string> parts;
+  bool quick = false;
+  bool json = false;
+};
+
+// What --quick measures with: enough to see that everything works.
+constexpr std::size_t kQuickRays = 1 << 14;
+constexpr double kQuickSeconds = 0.02;
+
+// Measured when nothing is named: few primitives, and a tree of half a million.
+std::vector<std::string> default_scenes() {
+  std::vector<std::string> files;
+  for (const char* name : {"cbox-sphere", "cbox-bumpy", "bubble"}) {
+    const std::filesystem::path path = std::filesystem::path("scenes") / (std::string(name) + ".xml");
+    if (!std::filesystem::exists(path))
+      throw Error(ExitCode::usage,
+                  fmt::format("There is no {} here to measure; name scenes, or start in the folder of the "
+                              "sources.",
+                              path.string()));
+    files.push_back(path.string());
+  }
+  return files;
+}
+
+BenchOptions bench_options(const Options& options) {
+  BenchOptions out{.rays = options.rays, .seconds = parse_duration("--time", options.time), .seed = options.seed};
+  if (options.device.selector == "reference") {
+    options.device.factory();  // sets the number of threads
+  } else {
+    out.gpu = options.device.gpu_options();
+  }
+  if (options.quick) {
+    out.rays = options.rays > 0 ? options.rays : kQuickRays;
+    out.seconds = kQuickSeconds;
+  }
+  if (!options.parts.empty()) {
+    const auto asked = [&](const char* part) { return std::ranges::find(options.parts, part) != options.parts.end(); };
+    out.start_up = asked("start");
+    out.cast_rays = asked("rays");
+    out.render = asked("samples");
+  }
+  return out;
+}
+
+std::vector<std::unique_ptr<SceneBench>> read_scenes(const Options& options, const BenchOptions& bench) {
+  std::vector<std::unique_ptr<SceneBench>> benches;
+  for (const std::string& file : options.files.empty() ? default_scenes() : options.files) {
+    Scene scene = read_scene(file, options.scene.read_options());
+    if (!options.size.empty()) {
+      const Size size = parse_size(options.size);
+      scene.camera.width = size.width;
+      scene.camera.height = size.height;
+    }
+    benches.push_back(std::make_unique<SceneBench>(std::move(scene), bench));
+  }
+  return benches;
+}
+
+ExitCode run_bench(const Options& options) {
+  const BenchOptions bench = bench_options(options);
+  const auto benches = read_scenes(options, bench);
+  const std::uint32_t repetitions = options.quick ? std::min(options.repetitions, 2u) : options.repetitions;
+  // Scenes take turns within every repetition.
+  for (std::uint32_t i = 0; i < repetitions; ++i) {
+    for (const auto& scene : benches) scene->repeat_start_up();
+  }
+  for (const auto& scene : benches) scene->open();
+  for (std::uint32_t i = 0; i < repetitions; ++i) {
+    for (const auto& scene : benches) scene->repeat();
+  }
+  BenchReport report{.device = benches.front()->device_name(),
+                     .driver = benches.front()->driver_name(),
+                     .processor = processor_name(),
+                     .host_threads = thread_count(),
+                     .repetitions = repetitions};
+  for (const auto& scene : benches) report.scenes.push_back(scene->report());
+  if (options.json) {
+    fmt::print("{}\n", bench_json(report).dump(2));
+  } else {
+    fmt::print("{}", bench_table(report));
+  }
+  if (report.passed()) return ExitCode::ok;
+  log::error("Rays hit something else than in the reference; the rates above are worth nothing.");
+  return ExitCode::test_failed;
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("bench", "measure rays and samples per second, start-up and memory");
+  const auto options = std::make_shared<Options>();
+  command->add_option("SCENE", options->files, "scene files (default: three of the folder scenes)");
+  command->add_option("--repetitions", options->repetitions, "measurements of everything, of which the median is told")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--time", options->time, "time of the samples in one repetition, about")
+      ->type_name("TIME")
+      ->capture_default_str();
+  command->add_option("--rays", options->rays, "primary rays; 0: as many as suit the device")
+      ->check(CLI::Range(0, 1 << 22))
+      ->capture_default_str();
+  command->add_option("--part", options->parts, "measure this only: start, rays or samples; may be repeated")
+      ->check(CLI::IsMember({"start", "rays", "samples"}))
+      ->allow_extra_args(false);
+  command->add_option("--seed", options->seed, "seed of the rays and of the samples")->capture_default_str();
+  command->add_option("--size", options->size, "film size instead of the scene's, WxH");
+  options->scene.add_to(*command);
+  options->device.add_to(*command);
+  command->add_flag("--quick", options->quick, "few rays, short repetitions, two of them: does everything work?");
+  command->add_flag("--json", options->json, "machine-readable output");
+  command->callback([&action, options] { action = [options] { return run_bench(*options); }; });
+}
+
+}  // namespace etendue::cli

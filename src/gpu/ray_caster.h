@@ -1,0 +1,12 @@
+#pragma once
+/// The device's walk of the tree on its own: the kernel trace_rays.
+
+#include "gpu/gpu_renderer.h"
+#include "render/ray_caster.h"
+
+namespace etendue {
+
+/// Opens the device and uploads the scene. Throws Error(no_device, device_lost).
+std::unique_ptr<RayCaster> make_gpu_ray_caster(const Scene& scene, const GpuOptions& options = {});
+
+}  // namespace etendue
