@@ -34,8 +34,7 @@ const uint kBindingReport = 11u;
 const uint kBindingRequests = 12u;
 const uint kBindingResults = 13u;
 const uint kBindingVertices = 14u;
-const uint kBindingFewPrimitives = 15u;
-const uint kBindingCount = 16u;
+const uint kBindingCount = 15u;
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
 const uint kTileSize = 8u;        // pixels
@@ -73,9 +72,10 @@ const uint kRecordNode = 0x80000000u;
 const uint kRecordChildCountShift = 28u;  // 3 bits
 const uint kMaxTreeDepth = 64u;           // the builder's bound on wide levels
 
-// A scene of few primitives has no tree: its records are the primitives, triangles first, which are also bound as a uniform block and
-// tested one after the other.
+// A scene of few primitives has no tree: its records are the primitives, triangles first. Kernels know their floats as specialization
+// constants, nine a primitive from this id on, and test one after the other.
 const uint kFewPrimitives = 24u;
+const uint kFewConstants = 32u;
 
 // One analytic primitive, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in
 // p0 and its radius in p1.x.

@@ -2,8 +2,6 @@
 #ifndef INTERSECT_GLSL
 #define INTERSECT_GLSL
 
-#extension GL_EXT_control_flow_attributes : require
-
 #include "frame.glsl"
 #include "ray.glsl"
 #include "scene.glsl"
@@ -12,6 +10,17 @@ layout(constant_id = 9) const bool kHasSpheres = true;
 // Not 0 for scenes of at most kFewPrimitives primitives, which have no tree.
 layout(constant_id = 10) const uint kFewTriangles = 0u;
 layout(constant_id = 11) const uint kFewSpheres = 0u;
+
+// The primitives of such a scene: kFew<i>_<k> is float k of p0, p1, p2 of record i.
+#define FOR_EACH_FEW(X) \
+  X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11) X(12) X(13) X(14) X(15) X(16) X(17) X(18) X(19) X(20) X(21) X(22) X(23)
+#define FEW_VALUE(i, k) layout(constant_id = kFewConstants + 9 * i + k) const float kFew##i##_##k = 0.0;
+#define FEW_VALUES_OF(i)                                                                                    \
+  FEW_VALUE(i, 0) FEW_VALUE(i, 1) FEW_VALUE(i, 2) FEW_VALUE(i, 3) FEW_VALUE(i, 4) FEW_VALUE(i, 5) FEW_VALUE(i, 6) \
+  FEW_VALUE(i, 7) FEW_VALUE(i, 8)
+FOR_EACH_FEW(FEW_VALUES_OF)
+#define FEW_VALUES(i) \
+  vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), vec3(kFew##i##_3, kFew##i##_4, kFew##i##_5), vec3(kFew##i##_6, kFew##i##_7, kFew##i##_8)
 
 struct Hit {
   float t;
@@ -35,10 +44,10 @@ RayFrame make_ray_frame(Ray ray) {
 // seen from the other side, so no ray passes between them (the idea of [Woop2013], with a rotation in place of their shear). `precise`
 // keeps a driver from fusing the products, which would break that symmetry. Points on an edge count as hits; a triangle seen
 // edge-on or of zero area has determinant 0 and is never hit.
-bool intersect_triangle(RayFrame rf, Primitive tri, float t_max, out float t, out float b1, out float b2) {
-  const vec3 a = tri.p0 - rf.ray.o;
-  const vec3 b = tri.p1 - rf.ray.o;
-  const vec3 c = tri.p2 - rf.ray.o;
+bool intersect_triangle(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out float t, out float b1, out float b2) {
+  const vec3 a = p0 - rf.ray.o;
+  const vec3 b = p1 - rf.ray.o;
+  const vec3 c = p2 - rf.ray.o;
   precise const vec2 pa = vec2(rf.s.x * a.x + rf.s.y * a.y + rf.s.z * a.z, rf.t.x * a.x + rf.t.y * a.y + rf.t.z * a.z);
   precise const vec2 pb = vec2(rf.s.x * b.x + rf.s.y * b.y + rf.s.z * b.z, rf.t.x * b.x + rf.t.y * b.y + rf.t.z * b.z);
   precise const vec2 pc = vec2(rf.s.x * c.x + rf.s.y * c.y + rf.s.z * c.z, rf.t.x * c.x + rf.t.y * c.y + rf.t.z * c.z);
@@ -83,27 +92,26 @@ void shorten(inout Hit hit, bool found, float t, uint slot, float b1, float b2) 
 bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
   const Primitive prim = to_primitive(record);
   float t, b1, b2;
-  bool found = intersect_triangle(rf, prim, hit.t, t, b1, b2);
+  bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, hit.t, t, b1, b2);
   if (kHasSpheres && prim.kind == kPrimitiveSphere) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, hit.t, t);
   shorten(hit, found, t, slot, b1, b2);
   return found;
 }
 
-// All primitives of a scene without a tree. The loops are unrolled: every index is a constant, so all lanes share each load and no lane
-// waits for another.
+// All primitives of a scene without a tree: everything about them is a constant, so nothing is loaded, vertices that triangles share are
+// projected once, and no lane waits for another.
+#define TEST_FEW(i)                                                                                                  \
+  if (i < kFewTriangles) {                                                                                           \
+    const bool found = intersect_triangle(rf, FEW_VALUES(i), hit.t, t, b1, b2);                                      \
+    shorten(hit, found, t, i, b1, b2);                                                                               \
+  } else if (i < kFewTriangles + kFewSpheres) {                                                                      \
+    const bool found = intersect_sphere(rf.ray, vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), kFew##i##_3, hit.t, t); \
+    shorten(hit, found, t, i, 0.0, 0.0);                                                                             \
+  }
 Hit intersect_few_primitives(RayFrame rf) {
   Hit hit = Hit(rf.ray.t_max, kNone, 0.0, 0.0);
-  [[unroll]] for (uint i = 0u; i < kFewTriangles; ++i) {
-    float t, b1, b2;
-    const bool found = intersect_triangle(rf, fetch_few_primitive(i), hit.t, t, b1, b2);
-    shorten(hit, found, t, i, b1, b2);
-  }
-  [[unroll]] for (uint i = kFewTriangles; i < kFewTriangles + kFewSpheres; ++i) {
-    const Primitive sphere = fetch_few_primitive(i);
-    float t;
-    const bool found = intersect_sphere(rf.ray, sphere.p0, sphere.p1.x, hit.t, t);
-    shorten(hit, found, t, i, 0.0, 0.0);
-  }
+  float t, b1, b2;
+  FOR_EACH_FEW(TEST_FEW)
   return hit;
 }
 

@@ -8,7 +8,6 @@ layout(set = 0, binding = kBindingFrame, std140) uniform FrameBlock { Frame fram
 // Tables come through texel buffers: one 128-bit load a texel where storage buffers are loaded word by word (lavapipe), the texture cache on GPUs,
 // and up to 2^27 texels where a storage buffer may end at 128 MiB.
 layout(set = 0, binding = kBindingRecords) uniform usamplerBuffer record_texels;
-layout(set = 0, binding = kBindingFewPrimitives, std140) uniform FewPrimitivesBlock { Record few_primitives[kFewPrimitives]; };
 layout(set = 0, binding = kBindingShapes) uniform usamplerBuffer shape_texels;
 layout(set = 0, binding = kBindingTriangles) uniform usamplerBuffer triangle_texels;
 layout(set = 0, binding = kBindingNormals) uniform usamplerBuffer normal_texels;
@@ -23,8 +22,6 @@ Record fetch_record(uint i) {
 Primitive to_primitive(Record r) {
   return Primitive(uintBitsToFloat(r.a.xyz), r.a.w, uintBitsToFloat(r.b.xyz), r.b.w, uintBitsToFloat(r.c.xyz), r.c.w);
 }
-// For a constant index and scenes of few primitives: a load that all lanes share.
-Primitive fetch_few_primitive(uint slot) { return to_primitive(few_primitives[slot]); }
 Primitive fetch_primitive(uint slot) { return to_primitive(fetch_record(slot)); }
 Shape fetch_shape(uint i) {
   const uvec4 a = texelFetch(shape_texels, int(3u * i));

@@ -1,6 +1,7 @@
 #include "gpu/device_scene.h"
 
 #include <algorithm>
+#include <bit>
 #include <span>
 
 #include <fmt/core.h>
@@ -16,28 +17,45 @@ constexpr std::uint32_t kTables[] = {gpu::kBindingRecords, gpu::kBindingShapes, 
 
 }  // namespace
 
+LightRounds::LightRounds(const CompiledScene& scene) {
+  std::uint32_t most = 1;
+  for (const gpu::LightShape& light : scene.light_shapes) most = std::max(most, light.primitive_count);
+  shapes = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_shapes.size(), 1) - 1));
+  primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
+}
+
 std::vector<vulkan::Binding> kernel_bindings() {
   std::vector<vulkan::Binding> bindings;
   for (std::uint32_t i = 0; i < gpu::kBindingCount; ++i) bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   bindings[gpu::kBindingFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-  bindings[gpu::kBindingFewPrimitives].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   for (const std::uint32_t table : kTables) bindings[table].type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   return bindings;
 }
 
-std::vector<vulkan::Specialization> tree_constants(const CompiledScene& scene) {
-  return {{8, std::max(1u, scene.tree_depth)},
-          {9, scene.has_spheres ? 1u : 0u},
-          {10, scene.few_triangles},
-          {11, scene.few_spheres}};
+std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) {
+  const LightRounds light_rounds(scene);
+  std::vector<vulkan::Specialization> constants = {{8, std::max(1u, scene.tree_depth)},
+                                                   {9, scene.has_spheres ? 1u : 0u},
+                                                   {10, scene.few_triangles},
+                                                   {11, scene.few_spheres},
+                                                   {12, light_rounds.shapes},
+                                                   {13, light_rounds.primitives}};
+  for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) {
+    const gpu::Record& record = scene.records[i];
+    const std::uint32_t first = gpu::kFewConstants + 9 * i;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const int axis = static_cast<int>(k);
+      constants.push_back({first + k, record.a[axis]});
+      constants.push_back({first + 3 + k, record.b[axis]});
+      constants.push_back({first + 6 + k, record.c[axis]});
+    }
+  }
+  return constants;
 }
 
 DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene)
     : context_(context), commands_(commands) {
   add_uniform(gpu::kBindingFrame, std::as_bytes(std::span(&scene.frame, 1)), "frame constants");
-  std::vector<gpu::Record> few(scene.records.begin(), scene.records.begin() + scene.few_triangles + scene.few_spheres);
-  few.resize(gpu::kFewPrimitives);
-  add_uniform(gpu::kBindingFewPrimitives, std::as_bytes(std::span(few)), "primitives");
   add_table(gpu::kBindingRecords, std::as_bytes(std::span(scene.records)), "tree");
   add_table(gpu::kBindingShapes, std::as_bytes(std::span(scene.shapes)), "shapes");
   add_table(gpu::kBindingTriangles, std::as_bytes(std::span(scene.triangles)), "triangle indices");

@@ -3,14 +3,21 @@
 
 #include "compile/compiled_scene.h"
 #include "vulkan/commands.h"
+#include "vulkan/kernel.h"
 
 namespace etendue {
 
 /// Bindings of every kernel, as shaders/gpu_types.h numbers them.
 std::vector<vulkan::Binding> kernel_bindings();
 
-/// Specialization constants of every kernel that walks the tree (shaders/trace.glsl, shaders/intersect.glsl).
-std::vector<vulkan::Specialization> tree_constants(const CompiledScene& scene);
+/// Rounds of the two bisections that choose a light: ceil(log2) of what there is to choose from.
+struct LightRounds {
+  std::uint32_t shapes = 0, primitives = 0;
+  explicit LightRounds(const CompiledScene& scene);
+};
+
+/// Specialization constants of every kernel that traces rays: tree depth, lights, and the primitives of a scene of few.
+std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene);
 
 class DeviceScene {
  public:

@@ -40,17 +40,6 @@ class Timer {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Rounds of the two bisections that choose a light: ceil(log2) of what there is to choose from.
-struct LightRounds {
-  std::uint32_t shapes = 0, primitives = 0;
-  explicit LightRounds(const CompiledScene& scene) {
-    std::uint32_t most = 1;
-    for (const gpu::LightShape& light : scene.light_shapes) most = std::max(most, light.primitive_count);
-    shapes = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_shapes.size(), 1) - 1));
-    primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
-  }
-};
-
 // Sizes dispatches by the rate measured so far. It decides when samples are computed, never their values.
 class PassSizer {
  public:
@@ -109,10 +98,8 @@ class GpuRenderer final : public Renderer {
                   {3, scene.integrator.mis ? 1u : 0u},
                   {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
                   {5, steps_per_round},
-                  {6, steps_per_round + 1 + light_rounds.shapes + light_rounds.primitives},
-                  {12, light_rounds.shapes},
-                  {13, light_rounds.primitives}};
-    for (const auto& more : {tree_constants(compiled), kernels_.constants})
+                  {6, steps_per_round + 1 + light_rounds.shapes + light_rounds.primitives}};
+    for (const auto& more : {scene_constants(compiled), kernels_.constants})
       constants_.insert(constants_.end(), more.begin(), more.end());
     step_budget_ = context_.is_cpu() ? kCpuIterations : kGpuIterations;
   }

@@ -33,7 +33,7 @@ class GpuRayCaster final : public RayCaster {
         set_(context_, layout_) {
     const CompiledScene compiled = compile_scene(scene);
     scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled);
-    constants_ = tree_constants(compiled);
+    constants_ = scene_constants(compiled);
     constants_.insert(constants_.end(), kernels_.constants.begin(), kernels_.constants.end());
     closest_ = make_kernel(RayQuery::closest);
     any_ = make_kernel(RayQuery::any);
