@@ -2,6 +2,8 @@
 #ifndef TRACE_GLSL
 #define TRACE_GLSL
 
+#extension GL_EXT_control_flow_attributes : require
+
 #include "intersect.glsl"
 
 layout(constant_id = 8) const uint kStackSize = 16u;  // levels of the tree, so that the stack cannot overflow
@@ -102,9 +104,10 @@ void walk_step(inout Walk walk) {
   const bool drop = pop && left <= 1u;
   const uint next = pop ? ((top >> 7u) & 0x1fffffeu) + (top & 3u) : record.b.w + (keys.x & 3u);
   uint below = 0u;
-  for (uint i = kStackSize - 1u; i > 0u; --i) {
+  // A signed counter: lavapipe does not unroll a loop that counts an unsigned one down, and then the stack lies in memory.
+  [[unroll]] for (int i = int(kStackSize) - 1; i > 0; --i) {
     const uint here = walk_stack[i];
-    walk_stack[i] = push ? walk_stack[i - 1u] : drop ? below : here;
+    walk_stack[i] = push ? walk_stack[i - 1] : drop ? below : here;
     below = here;
   }
   walk_stack[0] = push ? pushed : drop ? below : pop ? taken : top;
