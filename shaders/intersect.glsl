@@ -29,6 +29,8 @@ struct Hit {
   float b2;
 };
 
+bool is_sphere(Primitive prim) { return kHasSpheres && prim.kind == kPrimitiveSphere; }
+
 // A ray with the plane it is seen along: every primitive is projected onto (s, t), perpendicular to the ray, and tested in 2D.
 struct RayFrame {
   Ray ray;
@@ -93,7 +95,7 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
   const Primitive prim = to_primitive(record);
   float t, b1, b2;
   bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, hit.t, t, b1, b2);
-  if (kHasSpheres && prim.kind == kPrimitiveSphere) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, hit.t, t);
+  if (is_sphere(prim)) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, hit.t, t);
   shorten(hit, found, t, slot, b1, b2);
   return found;
 }

@@ -4,6 +4,8 @@
 
 #include "intersect.glsl"
 
+layout(constant_id = 15) const bool kVertexNormals = true;  // of any mesh
+
 struct Surface {
   vec3 p;
   float error;         // see surface_error
@@ -16,7 +18,7 @@ struct Surface {
 // Bound on the distance between a computed point of the primitive and the true surface, with room for the next ray's own intersection
 // error: 8 units in the last place of the largest coordinate involved.
 float surface_error(Primitive prim) {
-  const float scale = prim.kind == kPrimitiveSphere
+  const float scale = is_sphere(prim)
                           ? max_component(abs(prim.p0)) + prim.p1.x
                           : max(max_component(abs(prim.p0)), max(max_component(abs(prim.p1)), max_component(abs(prim.p2))));
   return scale * (8.0 / 8388608.0);
@@ -26,7 +28,7 @@ vec3 triangle_normal(Primitive tri) { return normalize(cross(tri.p1 - tri.p0, tr
 
 // Interpolated vertex normal; ng where the mesh has none or they cancel.
 vec3 shading_normal(Shape shape, uint primitive, float b1, float b2, vec3 ng) {
-  if (shape.first_triangle == kNone) return ng;
+  if (!kVertexNormals || shape.first_triangle == kNone) return ng;
   const uvec3 v = fetch_triangle(shape.first_triangle + primitive);
   const vec3 n = (1.0 - b1 - b2) * fetch_normal(v.x) + b1 * fetch_normal(v.y) + b2 * fetch_normal(v.z);
   const float len = length(n);
@@ -48,7 +50,7 @@ Surface make_surface(Ray ray, Hit hit, out Shape shape) {
   s.primitive = prim.primitive;
   s.error = surface_error(prim);
   vec3 ns;
-  if (prim.kind == kPrimitiveSphere) {
+  if (is_sphere(prim)) {
     s.ng = normalize(ray.o + hit.t * ray.d - prim.p0);
     s.p = prim.p0 + prim.p1.x * s.ng;  // back onto the sphere: the error no longer grows with the distance
     ns = s.ng;

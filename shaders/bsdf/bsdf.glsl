@@ -26,22 +26,29 @@ bool is_delta(uint lobe) { return lobe == kLobeDeltaReflection || lobe == kLobeD
 #include "diffuse.glsl"
 #include "mirror.glsl"
 
+// The scene's materials, bit i for kBsdf… = i. A constant, because a SIMD machine computes all materials for all lanes: those that no
+// surface has should not be there.
+layout(constant_id = 14) const uint kBsdfsUsed = 0xffffffffu;
+
+bool bsdf_is(Shape m, uint bsdf) {
+  const uint bit = 1u << bsdf;
+  return (kBsdfsUsed & bit) != 0u && (kBsdfsUsed == bit || m.bsdf == bsdf);
+}
+
 // True when the material has only delta lobes, so that light sampling cannot contribute.
-bool bsdf_is_delta(Shape m) { return m.bsdf != kBsdfDiffuse; }
+bool bsdf_is_delta(Shape m) { return !bsdf_is(m, kBsdfDiffuse); }
 
 // True when the material is black seen from behind.
-bool bsdf_is_one_sided(Shape m) { return m.bsdf != kBsdfDielectric; }
+bool bsdf_is_one_sided(Shape m) { return !bsdf_is(m, kBsdfDielectric); }
 
-vec3 bsdf_eval(Shape m, vec3 wo, vec3 wi) { return m.bsdf == kBsdfDiffuse ? diffuse_eval(m, wo, wi) : vec3(0.0); }
+vec3 bsdf_eval(Shape m, vec3 wo, vec3 wi) { return bsdf_is(m, kBsdfDiffuse) ? diffuse_eval(m, wo, wi) : vec3(0.0); }
 
-float bsdf_pdf(Shape m, vec3 wo, vec3 wi) { return m.bsdf == kBsdfDiffuse ? diffuse_pdf(wo, wi) : 0.0; }
+float bsdf_pdf(Shape m, vec3 wo, vec3 wi) { return bsdf_is(m, kBsdfDiffuse) ? diffuse_pdf(wo, wi) : 0.0; }
 
 BsdfSample bsdf_sample(Shape m, vec3 wo, float u_lobe, vec2 u) {
-  switch (m.bsdf) {
-    case kBsdfDiffuse: return diffuse_sample(m, wo, u);
-    case kBsdfMirror: return mirror_sample(wo);
-    case kBsdfDielectric: return dielectric_sample(m, wo, u_lobe);
-  }
+  if (bsdf_is(m, kBsdfDiffuse)) return diffuse_sample(m, wo, u);
+  if (bsdf_is(m, kBsdfMirror)) return mirror_sample(wo);
+  if (bsdf_is(m, kBsdfDielectric)) return dielectric_sample(m, wo, u_lobe);
   return kNoBsdfSample;
 }
 

@@ -59,7 +59,7 @@ LightSample area_sample(vec3 p, uint shape_index, LightPrimitive choice, vec2 u)
   const Shape shape = fetch_shape(shape_index);
   const Primitive prim = fetch_primitive(choice.slot);
   LightSample ls;
-  if (prim.kind == kPrimitiveSphere) {
+  if (kSphereLights && prim.kind == kPrimitiveSphere) {
     ls = area_sample_sphere(p, prim, shape, u);
   } else {
     ls = area_sample_triangle(p, prim, shape, choice.prob, u);
@@ -74,10 +74,10 @@ LightSample area_sample(vec3 p, uint shape_index, LightPrimitive choice, vec2 u)
 }
 
 float area_pdf(vec3 p, vec3 wi, Surface s, Shape shape, uint slot) {
-  const Primitive prim = fetch_primitive(slot);
-  if (prim.kind == kPrimitiveSphere) {
+  if (kSphereLights) {
+    const Primitive prim = fetch_primitive(slot);
     const float one_minus_cos = sphere_one_minus_cos(p, prim.p0, prim.p1.x);
-    return one_minus_cos > 0.0 ? shape.light_prob / (2.0 * kPi * one_minus_cos) : 0.0;
+    if (prim.kind == kPrimitiveSphere) return one_minus_cos > 0.0 ? shape.light_prob / (2.0 * kPi * one_minus_cos) : 0.0;
   }
   const vec3 v = s.p - p;
   const float cos_light = -dot(wi, s.ng);

@@ -18,6 +18,8 @@ struct LightSample {
   uint primitive;
 };
 
+layout(constant_id = 16) const bool kSphereLights = true;
+
 #include "area.glsl"
 
 // Rounds of the bisections below: ceil(log2) of the number of emitting shapes, and of the primitives of the one with most. As constants, because

@@ -16,9 +16,15 @@ layout(set = 0, binding = kBindingReport, std430) buffer ReportBuffer {
   RejectedEntry rejected[];
 };
 
-void report_rejected(Path path) {
+// The first of a lane's samples that the film refused, kept until the lane ends: a store in the loop costs every round.
+struct Rejected {
+  uint sample_index;  // kNone: none so far
+  uint segment;
+};
+
+void report_rejected(uint pixel, Rejected first) {
   const uint i = atomicAdd(report.rejected_count, 1u);
-  if (i < kRejectedListed) rejected[i] = RejectedEntry(path.pixel, path.sample_index, path.segment, 0u);
+  if (i < kRejectedListed) rejected[i] = RejectedEntry(pixel, first.sample_index, first.segment, 0u);
 }
 
 // Pixel of a slot, kNone for padding; src/gpu/device_film.h describes the two layouts. Both are computed and one is selected.
@@ -30,9 +36,10 @@ uint slot_pixel(uint group, uint lane) {
   return mix(tiled_pixel, packed_pixel, pass.packed_pixels > 0u);
 }
 
-void finish_sample(Path path, inout FilmSlot sums) {
+void finish_sample(Path path, inout FilmSlot sums, inout Rejected first_rejected) {
   const vec3 value = kLuminance ? vec3(luminance(path_value(path))) : path_value(path);
-  if (!film_add(sums, value, frame.film_exponent)) report_rejected(path);
+  const bool added = film_add(sums, value, frame.film_exponent);
+  if (!added && first_rejected.sample_index == kNone) first_rejected = Rejected(path.sample_index, path.segment);
 }
 
 // The lane's samples one after the other, with a single traversal site: every round of the loop takes up to kStepsPerRound traversal steps,
@@ -50,6 +57,7 @@ void render_slot(uint group, uint lane) {
   if (first_sample >= pass.sample_end) return;
   Path path = begin_path(pixel, first_sample);
   Walk walk = begin_walk(path.ray, false);
+  Rejected first_rejected = Rejected(kNone, 0u);
   uint iterations = 0u;
   while (path.sample_index < pass.sample_end) {
     if (iterations > pass.step_budget) break;
@@ -66,7 +74,7 @@ void render_slot(uint group, uint lane) {
       arrive(path, walk.hit, decisions);
     }
     if (!path.alive && !path.shadow_pending) {
-      finish_sample(path, sums);
+      finish_sample(path, sums, first_rejected);
       path = begin_path(pixel, path.sample_index + pass.lanes_per_pixel);
     }
     if (path.shadow_pending) {
@@ -79,6 +87,7 @@ void render_slot(uint group, uint lane) {
     atomicAdd(report.unfinished, 1u);
     if (path.sample_index == first_sample) atomicAdd(report.stuck, 1u);
   }
+  if (first_rejected.sample_index != kNone) report_rejected(pixel, first_rejected);
   film[slot] = sums;
   next_sample[slot] = path.sample_index;
 }

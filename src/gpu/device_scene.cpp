@@ -15,6 +15,19 @@ namespace {
 constexpr std::uint32_t kTables[] = {gpu::kBindingRecords, gpu::kBindingShapes,      gpu::kBindingTriangles,
                                      gpu::kBindingNormals, gpu::kBindingLightShapes, gpu::kBindingLightPrimitives};
 
+// Bit i for the material kBsdf… = i.
+std::uint32_t bsdfs_used(const CompiledScene& scene) {
+  std::uint32_t used = 0;
+  for (const gpu::Shape& shape : scene.shapes) used |= 1u << shape.bsdf;
+  return used;
+}
+
+bool has_sphere_lights(const CompiledScene& scene) {
+  return std::any_of(scene.light_primitives.begin(), scene.light_primitives.end(), [&](const gpu::LightPrimitive& light) {
+    return scene.records[light.slot].c.w == gpu::kPrimitiveSphere;
+  });
+}
+
 }  // namespace
 
 LightRounds::LightRounds(const CompiledScene& scene) {
@@ -39,7 +52,10 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                                    {10, scene.few_triangles},
                                                    {11, scene.few_spheres},
                                                    {12, light_rounds.shapes},
-                                                   {13, light_rounds.primitives}};
+                                                   {13, light_rounds.primitives},
+                                                   {14, bsdfs_used(scene)},
+                                                   {15, scene.normals.empty() ? 0u : 1u},
+                                                   {16, has_sphere_lights(scene) ? 1u : 0u}};
   for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) {
     const gpu::Record& record = scene.records[i];
     const std::uint32_t first = gpu::kFewConstants + 9 * i;
