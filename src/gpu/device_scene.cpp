@@ -23,9 +23,9 @@ std::uint32_t bsdfs_used(const CompiledScene& scene) {
 }
 
 bool has_sphere_lights(const CompiledScene& scene) {
-  return std::any_of(scene.light_primitives.begin(), scene.light_primitives.end(), [&](const gpu::LightPrimitive& light) {
-    return scene.records[light.slot].c.w == gpu::kPrimitiveSphere;
-  });
+  return std::any_of(
+      scene.light_primitives.begin(), scene.light_primitives.end(),
+      [&](const gpu::LightPrimitive& light) { return scene.records[light.slot].c.w == gpu::kPrimitiveSphere; });
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ cmp one.exr result.exr || fail 'the merged film differs from one render'
 [ "$(stat -c %Y result.exr.shards/shard-0.exr)" -eq 1 ] || fail 'a good shard was rendered again'
 
 # A task that gets SIGTERM, as before its time limit, saves a checkpoint and goes on from it when it is submitted again.
-"$source/tools/farm/etendue-farm" "$scene" 4000 1 "$folder/jobs/long.exr" $options > submitted || fail 'submitting the long one'
+"$source/tools/farm/etendue-farm" "$scene" 200000 1 "$folder/jobs/long.exr" $options > submitted || fail 'submitting the long one'
 job=$(sed -n 's/^shards 0: job //p' submitted)
 for _ in $(seq 300); do [ "$(squeue -h -j "$job" -o %T)" = RUNNING ] && break; sleep 0.1; done
 sleep 3

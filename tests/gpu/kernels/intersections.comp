@@ -14,7 +14,7 @@ void main() {
   if (c.kind == kPrimitiveSphere) {
     found = intersect_sphere(ray, c.p0, c.p1.x, c.t_max, t);
   } else {
-    found = intersect_triangle(make_ray_frame(ray), Primitive(c.p0, 0u, c.p1, 0u, c.p2, c.kind), c.t_max, t, b1, b2);
+    found = intersect_triangle(make_ray_frame(ray), c.p0, c.p1, c.p2, c.t_max, t, b1, b2);
   }
   outputs[lane()] = IntersectAnswer(found ? 1u : 0u, t, b1, b2);
 }
