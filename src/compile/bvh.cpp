@@ -1,7 +1,7 @@
 #include "compile/bvh.h"
 
 #include <array>
-#include <numeric>
+#include <bit>
 #include <span>
 
 #include "core/parallel.h"
@@ -10,11 +10,46 @@ namespace etendue {
 namespace {
 
 constexpr std::uint32_t kMaxBins = 64;
-constexpr std::uint32_t kParallelBinning = 1u << 16;  // nodes at least this large are binned by several threads
-constexpr std::uint32_t kSubtree = 1u << 12;          // nodes at most this large are built by one thread, whole
+constexpr std::uint32_t kParallel = 1u << 16;  // larger nodes are split by all threads together, smaller ones by one
+
+// Four lanes of a register, the last of which does not count: a box grows by one instruction a side.
+using Lanes = float __attribute__((vector_size(16)));
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kMax = std::numeric_limits<float>::max();
+
+struct Bounds {
+  Lanes lower{kInf, kInf, kInf, kInf};
+  Lanes upper{-kInf, -kInf, -kInf, -kInf};
+
+  void extend(Lanes from, Lanes to) {
+    lower = from < lower ? from : lower;
+    upper = to > upper ? to : upper;
+  }
+  void extend(const Bounds& other) { extend(other.lower, other.upper); }
+  Lanes center() const { return 0.5f * (lower + upper); }
+  Lanes extent() const { return upper - lower; }
+  float half_area() const {
+    const Lanes d = extent();
+    return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
+  }
+};
+
+// A primitive while the tree is built. Items are moved, not their indices, so that every pass reads memory in order.
+// The number of the primitive hides in the idle lane, with an exponent that makes it a normal float: denormal ones are
+// slow to add.
+constexpr std::uint32_t kItemExponent = 0x40000000u;
+struct Item {
+  Bounds box;
+
+  Item(const Box& b, std::uint32_t primitive)
+      : box{{b.lower.x, b.lower.y, b.lower.z, std::bit_cast<float>(kItemExponent | primitive)},
+            {b.upper.x, b.upper.y, b.upper.z, 0.0f}} {}
+  std::uint32_t primitive() const { return std::bit_cast<std::uint32_t>(box.lower[3]) & ~kItemExponent; }
+};
+static_assert(sizeof(Item) == 32);
 
 struct Bin {
-  Box box;
+  Bounds box;
   std::uint32_t count = 0;
 };
 using AxisBins = std::array<std::array<Bin, kMaxBins>, 3>;
@@ -22,171 +57,185 @@ using AxisBins = std::array<std::array<Bin, kMaxBins>, 3>;
 struct Split {
   int axis = -1;  // -1: none found
   std::uint32_t bin = 0;
-  float cost = std::numeric_limits<float>::infinity();
+  float cost = kInf;
 };
 
-// A node whose primitives order[begin, end) are still to be split.
+// A node whose items [begin, end) are still to be split. Its descendants fill the 2 (end − begin − 1) nodes from
+// `child` on.
 struct Work {
   std::uint32_t node = 0;
   std::uint32_t begin = 0, end = 0;
+  std::uint32_t child = 1;
   std::uint32_t depth = 0;
+  std::uint32_t count() const { return end - begin; }
 };
 
 // Centroid to bin number along each axis.
 struct BinMap {
-  glm::vec3 origin{0.0f}, scale{0.0f};
-  BinMap(const Box& centroids, std::uint32_t bins) : origin(centroids.lower) {
-    for (int a = 0; a < 3; ++a) {
-      const float extent = centroids.upper[a] - centroids.lower[a];
-      scale[a] = extent > 0.0f ? static_cast<float>(bins) / extent : 0.0f;
-    }
+  Lanes origin, scale;
+  std::uint32_t bins;
+
+  // Small nodes do not need many planes.
+  BinMap(const Bounds& centroids, const Work& work, const BvhConfig& config)
+      : origin(centroids.lower), scale{}, bins(std::min({config.bins, kMaxBins, std::max(4u, 2 * work.count())})) {
+    const Lanes extent = centroids.extent();
+    // Finite, so that 0 · scale is 0 also where the extent is denormal.
+    for (int a = 0; a < 3; ++a)
+      scale[a] = extent[a] > 0.0f ? std::min(static_cast<float>(bins) / extent[a], kMax) : 0.0f;
   }
-  std::uint32_t operator()(const glm::vec3& c, int axis, std::uint32_t bins) const {
-    const float x = (c[axis] - origin[axis]) * scale[axis];
-    return x >= static_cast<float>(bins) ? bins - 1
-                                         : static_cast<std::uint32_t>(x);  // extents near 0 may overflow to inf
+  std::uint32_t operator()(Lanes center, int axis) const {
+    const float x = (center[axis] - origin[axis]) * scale[axis];
+    return x >= static_cast<float>(bins) ? bins - 1 : static_cast<std::uint32_t>(x);
   }
 };
 
 class Builder {
  public:
-  Builder(const std::vector<Box>& boxes, const BvhConfig& config)
-      : boxes_(boxes), config_(config), order_(boxes.size()) {
-    std::iota(order_.begin(), order_.end(), 0u);
+  Builder(std::vector<Box> boxes, const BvhConfig& config) : config_(config) {
+    items_.reserve(boxes.size());
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) items_.emplace_back(boxes[i], i);
+    boxes = {};  // the memory is needed for the nodes
   }
 
   Bvh build() {
+    bvh_.nodes.resize(2 * items_.size() - 1);
     // The upper levels one node at a time, each with all threads; then whole subtrees side by side.
-    std::vector<BvhBuildNode> top(1);
-    std::vector<Work> pending{{0, 0, static_cast<std::uint32_t>(boxes_.size()), 0}};
+    std::vector<Work> pending{{.end = static_cast<std::uint32_t>(items_.size())}};
     std::vector<Work> subtrees;
     while (!pending.empty()) {
       const Work work = pending.back();
       pending.pop_back();
-      if (work.end - work.begin <= kSubtree) {
+      if (work.count() <= kParallel) {
         subtrees.push_back(work);
       } else {
-        split_node(top, work, pending);
+        split_node(work, pending);
       }
     }
-    std::vector<std::vector<BvhBuildNode>> built(subtrees.size());
     parallel_for(subtrees.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t i = begin; i < end; ++i) built[i] = build_subtree(subtrees[i]);
+      for (std::uint64_t i = begin; i < end; ++i) build_subtree(subtrees[i]);
     });
-    return assemble(top, subtrees, built);
+    return std::move(bvh_);
   }
 
  private:
-  std::vector<BvhBuildNode> build_subtree(const Work& root) {
-    std::vector<BvhBuildNode> nodes(1);
-    std::vector<Work> pending{{0, root.begin, root.end, root.depth}};
+  void build_subtree(const Work& root) {
+    std::vector<Work> pending{root};
     while (!pending.empty()) {
       const Work work = pending.back();
       pending.pop_back();
-      split_node(nodes, work, pending);
+      split_node(work, pending);
     }
-    return nodes;
   }
 
   // Bounds the node, then either makes it a leaf or splits it and queues its children.
-  void split_node(std::vector<BvhBuildNode>& nodes, const Work& work, std::vector<Work>& pending) {
-    const std::uint32_t count = work.end - work.begin;
-    Box box, centroids;
-    bounds(work, box, centroids);
-    nodes[work.node].box = box;
-    const Split split = work.depth < config_.median_depth ? find_split(work, centroids) : Split{};
-    const float leaf_cost = static_cast<float>(count);
-    const float split_cost =
-        config_.traversal_cost + split.cost / std::max(box.half_area(), std::numeric_limits<float>::min());
-    if (count == 1 || (count <= config_.max_leaf && (split.axis < 0 || leaf_cost <= split_cost))) {
-      nodes[work.node].first = work.begin;
-      nodes[work.node].count = count;
-      return;
-    }
-    const std::uint32_t middle = split.axis >= 0 ? partition(work, split, centroids) : median(work, centroids);
-    const auto child = static_cast<std::uint32_t>(nodes.size());
-    nodes[work.node].first = child;
-    nodes.resize(nodes.size() + 2);
-    pending.push_back({child + 1, middle, work.end, work.depth + 1});
-    pending.push_back({child, work.begin, middle, work.depth + 1});
+  void split_node(const Work& work, std::vector<Work>& pending) {
+    BvhNode& node = bvh_.nodes[work.node];
+    const auto [box, centroids] = bounds(work);
+    node.box = {{box.lower[0], box.lower[1], box.lower[2]}, {box.upper[0], box.upper[1], box.upper[2]}};
+    node.leaf = work.count() == 1 ? 1 : 0;
+    node.first = node.leaf != 0 ? items_[work.begin].primitive() : work.child;
+    if (node.leaf != 0) return;
+    const std::uint32_t middle = partition(work, centroids);
+    const std::uint32_t left = work.child + 2, right = left + 2 * (middle - work.begin - 1);
+    pending.push_back({work.child + 1, middle, work.end, right, work.depth + 1});
+    pending.push_back({work.child, work.begin, middle, left, work.depth + 1});
   }
 
-  // Runs body over chunks of the node's primitives, in parallel when it is large; results are merged by the caller in
-  // any order, so they must be order-free (minima, maxima, counts).
+  // Runs body over the node's items, in parallel when it is large; the results of chunks are merged in any order, so
+  // they must be order-free (minima, maxima, counts).
   template <typename State, typename Body, typename Merge>
-  State reduce(const Work& work, const Body& body, const Merge& merge) {
-    const std::uint32_t count = work.end - work.begin;
-    const std::span<const std::uint32_t> items(order_.data() + work.begin, count);
-    State total{};
-    if (count < kParallelBinning) {
+  State reduce(const Work& work, const State& empty, const Body& body, const Merge& merge) {
+    const std::span<const Item> items(items_.data() + work.begin, work.count());
+    State total = empty;
+    if (work.count() <= kParallel) {
       body(items, total);
       return total;
     }
-    const std::uint64_t grain = kParallelBinning / 4;
-    std::vector<State> parts((count + grain - 1) / grain);
-    parallel_for(count, grain, [&](std::uint64_t begin, std::uint64_t end) {
+    const std::uint64_t grain = kParallel / 4;
+    std::vector<State> parts((items.size() + grain - 1) / grain, empty);
+    parallel_for(items.size(), grain, [&](std::uint64_t begin, std::uint64_t end) {
       body(items.subspan(begin, end - begin), parts[begin / grain]);
     });
     for (const State& part : parts) merge(total, part);
     return total;
   }
 
-  void bounds(const Work& work, Box& box, Box& centroids) {
-    using Pair = std::array<Box, 2>;
-    const Pair both = reduce<Pair>(
-        work,
-        [&](std::span<const std::uint32_t> items, Pair& pair) {
-          for (const std::uint32_t i : items) {
-            pair[0].extend(boxes_[i]);
-            pair[1].extend(boxes_[i].center());
+  // Bounds of the items and of their centres.
+  std::array<Bounds, 2> bounds(const Work& work) {
+    using Pair = std::array<Bounds, 2>;
+    return reduce(
+        work, Pair{},
+        [](std::span<const Item> items, Pair& pair) {
+          Pair local = pair;
+          for (const Item& item : items) {
+            const Lanes center = item.box.center();
+            local[0].extend(item.box);
+            local[1].extend(center, center);
           }
+          pair = local;
         },
         [](Pair& a, const Pair& b) {
           a[0].extend(b[0]);
           a[1].extend(b[1]);
         });
-    box = both[0];
-    centroids = both[1];
   }
 
-  std::uint32_t bin_count(const Work& work) const {
-    // Small nodes do not need many planes.
-    return std::min({config_.bins, kMaxBins, std::max(4u, 2 * (work.end - work.begin))});
+  // Sorts the items into the two halves of the best split, returns the first of the second half.
+  std::uint32_t partition(const Work& work, const Bounds& centroids) {
+    if (work.count() == 2) return work.begin + 1;
+    const BinMap map(centroids, work, config_);
+    const Split split = work.depth < config_.median_depth ? find_split(work, map) : Split{};
+    if (split.axis < 0) return median(work, centroids);
+    const auto middle = std::partition(items_.begin() + work.begin, items_.begin() + work.end, [&](const Item& item) {
+      return map(item.box.center(), split.axis) <= split.bin;
+    });
+    return static_cast<std::uint32_t>(middle - items_.begin());
   }
 
-  Split find_split(const Work& work, const Box& centroids) {
-    const std::uint32_t bins = bin_count(work);
-    const BinMap map(centroids, bins);
-    const AxisBins binned = reduce<AxisBins>(
-        work,
-        [&](std::span<const std::uint32_t> items, AxisBins& out) {
-          for (const std::uint32_t i : items) {
-            const glm::vec3 c = boxes_[i].center();
-            for (int a = 0; a < 3; ++a) {
-              Bin& bin = out[a][map(c, a, bins)];
-              bin.box.extend(boxes_[i]);
-              ++bin.count;
-            }
-          }
-        },
-        [bins](AxisBins& a, const AxisBins& b) {
+  Split find_split(const Work& work, const BinMap& map) {
+    if (work.count() > kParallel) return best_split(bin_together(work, map), map);
+    // One set of bins a thread serves all its nodes: only those in use are made empty.
+    thread_local AxisBins bins;
+    for (auto& axis : bins) std::fill_n(axis.begin(), map.bins, Bin{});
+    fill_bins({items_.data() + work.begin, work.count()}, map, bins);
+    return best_split(bins, map);
+  }
+
+  AxisBins bin_together(const Work& work, const BinMap& map) {
+    return reduce(
+        work, AxisBins{}, [&map](std::span<const Item> items, AxisBins& bins) { fill_bins(items, map, bins); },
+        [&map](AxisBins& a, const AxisBins& b) {
           for (int axis = 0; axis < 3; ++axis) {
-            for (std::uint32_t i = 0; i < bins; ++i) {
+            for (std::uint32_t i = 0; i < map.bins; ++i) {
               a[axis][i].box.extend(b[axis][i].box);
               a[axis][i].count += b[axis][i].count;
             }
           }
         });
+  }
+
+  static void fill_bins(std::span<const Item> items, const BinMap& map, AxisBins& bins) {
+    for (const Item& item : items) {
+      const Lanes center = item.box.center();
+      for (int a = 0; a < 3; ++a) {
+        Bin& bin = bins[a][map(center, a)];
+        bin.box.extend(item.box);
+        ++bin.count;
+      }
+    }
+  }
+
+  static Split best_split(const AxisBins& bins, const BinMap& map) {
     Split best;
     for (int axis = 0; axis < 3; ++axis) {
-      if (centroids.upper[axis] > centroids.lower[axis]) sweep(binned[axis], bins, axis, best);
+      if (map.scale[axis] > 0.0f) sweep(bins[axis], map.bins, axis, best);
     }
     return best;
   }
 
   static void sweep(const std::array<Bin, kMaxBins>& bins, std::uint32_t count, int axis, Split& best) {
-    std::array<float, kMaxBins> right_cost{};
-    Box box;
+    std::array<float, kMaxBins> right_cost;
+    Bounds box;
     std::uint32_t n = 0;
     for (std::uint32_t i = count - 1; i > 0; --i) {
       box.extend(bins[i].box);
@@ -205,71 +254,28 @@ class Builder {
     }
   }
 
-  std::uint32_t partition(const Work& work, const Split& split, const Box& centroids) {
-    const std::uint32_t bins = bin_count(work);
-    const BinMap map(centroids, bins);
-    const auto middle = std::partition(order_.begin() + work.begin, order_.begin() + work.end, [&](std::uint32_t i) {
-      return map(boxes_[i].center(), split.axis, bins) <= split.bin;
-    });
-    return static_cast<std::uint32_t>(middle - order_.begin());
-  }
-
-  std::uint32_t median(const Work& work, const Box& centroids) {
-    const glm::vec3 extent = centroids.upper - centroids.lower;
-    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-    const std::uint32_t middle = work.begin + (work.end - work.begin) / 2;
-    std::nth_element(order_.begin() + work.begin, order_.begin() + middle, order_.begin() + work.end,
-                     [&](std::uint32_t a, std::uint32_t b) {
-                       const float ca = boxes_[a].center()[axis], cb = boxes_[b].center()[axis];
-                       return ca != cb ? ca < cb : a < b;
+  // Halves the items along the longest axis of their centres.
+  std::uint32_t median(const Work& work, const Bounds& centroids) {
+    const Lanes extent = centroids.extent();
+    const int axis = extent[0] >= extent[1] && extent[0] >= extent[2] ? 0 : extent[1] >= extent[2] ? 1 : 2;
+    const std::uint32_t middle = work.begin + work.count() / 2;
+    std::nth_element(items_.begin() + work.begin, items_.begin() + middle, items_.begin() + work.end,
+                     [axis](const Item& a, const Item& b) {
+                       const float ca = a.box.center()[axis], cb = b.box.center()[axis];
+                       return ca != cb ? ca < cb : a.primitive() < b.primitive();
                      });
     return middle;
   }
 
-  // Lays the tree out depth first, which is the same whatever order it was built in.
-  Bvh assemble(const std::vector<BvhBuildNode>& top, const std::vector<Work>& subtrees,
-               const std::vector<std::vector<BvhBuildNode>>& built) {
-    std::vector<std::uint32_t> subtree_of(top.size(), ~0u);
-    for (std::uint32_t i = 0; i < subtrees.size(); ++i) subtree_of[subtrees[i].node] = i;
-    struct Place {
-      const std::vector<BvhBuildNode>* from;
-      std::uint32_t index, target, depth;
-    };
-    Bvh bvh;
-    bvh.order = std::move(order_);
-    bvh.nodes.resize(1);
-    std::vector<Place> pending{{&top, 0, 0, 0}};
-    while (!pending.empty()) {
-      Place place = pending.back();
-      pending.pop_back();
-      if (place.from == &top && subtree_of[place.index] != ~0u) {
-        place.from = &built[subtree_of[place.index]];
-        place.index = 0;
-      }
-      const BvhBuildNode& node = (*place.from)[place.index];
-      bvh.nodes[place.target] = node;
-      if (node.count > 0) {
-        bvh.depth = std::max(bvh.depth, place.depth);
-        continue;
-      }
-      const auto child = static_cast<std::uint32_t>(bvh.nodes.size());
-      bvh.nodes[place.target].first = child;
-      bvh.nodes.resize(bvh.nodes.size() + 2);
-      pending.push_back({place.from, node.first + 1, child + 1, place.depth + 1});
-      pending.push_back({place.from, node.first, child, place.depth + 1});
-    }
-    return bvh;
-  }
-
-  const std::vector<Box>& boxes_;
   BvhConfig config_;
-  std::vector<std::uint32_t> order_;
+  std::vector<Item> items_;
+  Bvh bvh_;
 };
 
 }  // namespace
 
-Bvh build_bvh(const std::vector<Box>& boxes, const BvhConfig& config) {
-  return Builder(boxes, config).build();
+Bvh build_bvh(std::vector<Box> boxes, const BvhConfig& config) {
+  return Builder(std::move(boxes), config).build();
 }
 
 }  // namespace etendue

@@ -1,5 +1,5 @@
 #pragma once
-/// Binary bounding volume hierarchy by binned surface-area heuristic [Wald2007].
+/// Binary bounding volume hierarchy by binned surface-area heuristic [Wald2007], one primitive a leaf.
 
 #include <cstdint>
 #include <vector>
@@ -9,26 +9,29 @@
 namespace etendue {
 
 struct BvhConfig {
-  std::uint32_t max_leaf = 4;       ///< primitives in a leaf at most
-  std::uint32_t bins = 32;          ///< candidate planes per axis, plus one
-  float traversal_cost = 1.0f;      ///< of a node, in units of a primitive test
+  std::uint32_t bins = 32;          ///< candidate planes per axis, plus one; at most 64
   std::uint32_t median_depth = 40;  ///< below this depth nodes are split into halves, which bounds the depth
 };
 
-/// Inner node (count 0): children at `first` and `first + 1`. Leaf: `count` entries of the order from `first`.
-struct BvhBuildNode {
+/// A leaf holds primitive `first`; an inner node has its children at `first` and `first + 1`.
+struct BvhNode {
   Box box;
   std::uint32_t first = 0;
-  std::uint32_t count = 0;
+  std::uint32_t leaf = 0;  ///< 1 for a leaf
 };
 
+/// nodes[0] is the root; n primitives make 2n − 1 nodes. Siblings are neighbours: an odd index and the even one after
+/// it.
 struct Bvh {
-  std::vector<BvhBuildNode> nodes;   ///< nodes[0] is the root; children follow their parent
-  std::vector<std::uint32_t> order;  ///< primitive indices in leaf order
-  std::uint32_t depth = 0;           ///< inner levels
+  std::vector<BvhNode> nodes;
 };
 
-/// The same bytes for any number of threads. `boxes` must not be empty.
-Bvh build_bvh(const std::vector<Box>& boxes, const BvhConfig& config = {});
+/// The sibling of any node but the root.
+constexpr std::uint32_t bvh_sibling(std::uint32_t node) {
+  return ((node - 1) ^ 1u) + 1;
+}
+
+/// The same bytes for any number of threads. `boxes` must not be empty and is used up. Nodes lie depth first.
+Bvh build_bvh(std::vector<Box> boxes, const BvhConfig& config = {});
 
 }  // namespace etendue

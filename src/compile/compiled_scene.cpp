@@ -7,6 +7,7 @@
 #include "compile/discrete.h"
 #include "compile/filter_table.h"
 #include "compile/normalization.h"
+#include "compile/reinsertion.h"
 #include "compile/wide_bvh.h"
 
 namespace etendue {
@@ -137,7 +138,9 @@ class Compiler {
     std::vector<Box> boxes;
     boxes.reserve(flat_primitives_.size());
     for (const gpu::Primitive& p : flat_primitives_) boxes.push_back(primitive_box(p));
-    WideBvh tree = make_wide_bvh(build_bvh(boxes, {.max_leaf = 1}), flat_primitives_);
+    Bvh bvh = build_bvh(std::move(boxes));
+    reinsert_subtrees(bvh);
+    WideBvh tree = make_wide_bvh(bvh, flat_primitives_);
     out_.records = std::move(tree.records);
     out_.tree_depth = tree.depth;
     slot_of_ = std::move(tree.slot_of);

@@ -1,5 +1,5 @@
 #pragma once
-/// Binary BVH → quantised 4-wide BVH in the record layout of shaders/gpu_types.h.
+/// Binary BVH → quantised 4-wide BVH [Wald2008] in the record layout of shaders/gpu_types.h.
 
 #include <cstdint>
 #include <vector>
@@ -15,8 +15,8 @@ struct WideBvh {
   std::uint32_t depth = 0;             ///< levels of nodes: the stack never holds more entries
 };
 
-/// `bvh` must have one primitive per leaf. `primitives` are in their original order. Children of a node are neighbours,
-/// their group starts at an even record, so that a group needs 24 bits in a stack entry. Throws Error(scene_error)
+/// `primitives` are in their original order. Children of a node are neighbours, their group starts at an even record,
+/// so that a group needs 24 bits in a stack entry. The same bytes for any number of threads. Throws Error(scene_error)
 /// beyond 2^25 records.
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives);
 

@@ -9,6 +9,7 @@
 
 #include "compile/bvh.h"
 #include "compile/compiled_scene.h"
+#include "compile/reinsertion.h"
 #include "compile/wide_bvh.h"
 #include "core/parallel.h"
 
@@ -85,30 +86,27 @@ bool contains(const Box& outer, const Box& inner) {
          glm::all(glm::greaterThanEqual(outer.upper, inner.upper));
 }
 
-// Walks the tree: boxes contain their children, every primitive sits in one leaf; returns the number of inner levels.
-std::uint32_t check_binary(const Bvh& bvh, const std::vector<Box>& boxes, std::uint32_t max_leaf) {
+// Walks the tree: boxes contain their children, every primitive is one leaf; returns the number of inner levels.
+std::uint32_t check_binary(const Bvh& bvh, const std::vector<Box>& boxes) {
   std::vector<int> seen(boxes.size(), 0);
   std::uint32_t depth = 0, visited = 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pending{{0, 0}};
   while (!pending.empty()) {
     const auto [index, level] = pending.back();
     pending.pop_back();
-    const BvhBuildNode& node = bvh.nodes[index];
+    const BvhNode& node = bvh.nodes.at(index);
     ++visited;
     depth = std::max(depth, level);
-    if (node.count == 0) {
-      for (const std::uint32_t child : {node.first, node.first + 1}) {
-        EXPECT_GT(child, index) << "children follow their parent";
-        EXPECT_TRUE(contains(node.box, bvh.nodes[child].box)) << index;
-        pending.push_back({child, level + 1});
-      }
+    if (node.leaf != 0) {
+      ++seen.at(node.first);
+      EXPECT_TRUE(contains(node.box, boxes[node.first]));
       continue;
     }
-    EXPECT_LE(node.count, max_leaf);
-    for (std::uint32_t i = 0; i < node.count; ++i) {
-      const std::uint32_t primitive = bvh.order.at(node.first + i);
-      ++seen.at(primitive);
-      EXPECT_TRUE(contains(node.box, boxes[primitive]));
+    EXPECT_EQ(bvh_sibling(node.first), node.first + 1);
+    EXPECT_EQ(bvh_sibling(node.first + 1), node.first);
+    for (const std::uint32_t child : {node.first, node.first + 1}) {
+      EXPECT_TRUE(contains(node.box, bvh.nodes.at(child).box)) << index;
+      pending.push_back({child, level + 1});
     }
   }
   EXPECT_EQ(visited, bvh.nodes.size()) << "nodes nobody points to";
@@ -116,18 +114,69 @@ std::uint32_t check_binary(const Bvh& bvh, const std::vector<Box>& boxes, std::u
   return depth;
 }
 
-TEST(CompileBvh, EveryPrimitiveIsInOneLeafAndInAllBoxesAbove) {
+TEST(CompileBvh, EveryPrimitiveIsOneLeafAndInAllBoxesAbove) {
   for (const Soup& soup : soups()) {
     SCOPED_TRACE(soup.name + std::string(", ") + std::to_string(soup.primitives.size()));
     const auto boxes = boxes_of(soup.primitives);
-    for (const std::uint32_t max_leaf : {1u, 4u}) {
-      const BvhConfig config{.max_leaf = max_leaf};
-      const Bvh bvh = build_bvh(boxes, config);
-      EXPECT_EQ(check_binary(bvh, boxes, max_leaf), bvh.depth);
-      // Below median_depth every level halves what is left.
-      EXPECT_LE(bvh.depth, config.median_depth + 32);
+    const BvhConfig config;
+    const Bvh bvh = build_bvh(boxes, config);
+    // Below median_depth every level halves what is left.
+    EXPECT_LE(check_binary(bvh, boxes), config.median_depth + 32);
+  }
+}
+
+// Areas of all inner boxes: what reinsertion lowers.
+double inner_area(const Bvh& bvh) {
+  double sum = 0.0;
+  for (const BvhNode& node : bvh.nodes) sum += node.leaf != 0 ? 0.0 : double{node.box.half_area()};
+  return sum;
+}
+
+TEST(CompileBvh, ReinsertionKeepsTheTreeWholeAndNeverRaisesItsCost) {
+  for (const Soup& soup : soups()) {
+    SCOPED_TRACE(soup.name + std::string(", ") + std::to_string(soup.primitives.size()));
+    const auto boxes = boxes_of(soup.primitives);
+    Bvh bvh = build_bvh(boxes);
+    const double before = inner_area(bvh);
+    reinsert_subtrees(bvh, {.max_depth = 80});
+    EXPECT_LE(check_binary(bvh, boxes), 80u);
+    EXPECT_LE(inner_area(bvh), before * (1.0 + 1e-6));
+  }
+}
+
+TEST(CompileBvh, ReinsertionRespectsItsDepth) {
+  const auto all = soups();
+  const auto& soup = *std::ranges::find_if(all, [](const Soup& s) { return std::string(s.name) == "geometric row"; });
+  const auto boxes = boxes_of(soup.primitives);
+  Bvh bvh = build_bvh(boxes, {.median_depth = 4});  // a flat tree that every move would deepen
+  const std::uint32_t depth = check_binary(bvh, boxes);
+  reinsert_subtrees(bvh, {.max_depth = depth});
+  EXPECT_LE(check_binary(bvh, boxes), depth);
+}
+
+// A room of large walls around a cloud of small triangles: binned splits cut the cloud in the middle and leave pieces
+// of the room in both halves.
+TEST(CompileBvh, ReinsertionTakesLargePrimitivesOutOfTheWay) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> u(-0.3f, 0.3f);
+  std::vector<Box> boxes;
+  for (int i = 0; i < 5000; ++i) {
+    const float x = u(random), y = u(random);
+    const glm::vec3 p(x, y, u(random));
+    boxes.push_back({p, p + 0.005f});
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-1.0f, 1.0f}) {
+      Box wall{glm::vec3(-1.0f), glm::vec3(1.0f)};
+      wall.lower[axis] = wall.upper[axis] = side;
+      boxes.push_back(wall);
     }
   }
+  Bvh bvh = build_bvh(boxes);
+  const double before = inner_area(bvh);
+  reinsert_subtrees(bvh);
+  check_binary(bvh, boxes);
+  EXPECT_LT(inner_area(bvh), 0.8 * before);
 }
 
 template <typename T>
@@ -139,13 +188,21 @@ TEST(CompileBvh, ThreadsDoNotChangeAByte) {
   const auto all = soups();
   const auto large = std::ranges::max_element(all, {}, [](const Soup& s) { return s.primitives.size(); });
   const auto boxes = boxes_of(large->primitives);
+  const auto build = [&] {
+    Bvh bvh = build_bvh(boxes);
+    reinsert_subtrees(bvh);
+    return bvh;
+  };
   set_thread_count(1);
-  const Bvh alone = build_bvh(boxes);
+  const Bvh alone = build();
+  const WideBvh alone_wide = make_wide_bvh(alone, large->primitives);
   for (const unsigned threads : {2u, 3u, 8u}) {
     set_thread_count(threads);
-    const Bvh together = build_bvh(boxes);
+    const Bvh together = build();
+    const WideBvh wide = make_wide_bvh(together, large->primitives);
     EXPECT_TRUE(same_bytes(alone.nodes, together.nodes)) << threads;
-    EXPECT_TRUE(same_bytes(alone.order, together.order)) << threads;
+    EXPECT_TRUE(same_bytes(alone_wide.records, wide.records)) << threads;
+    EXPECT_TRUE(same_bytes(alone_wide.slot_of, wide.slot_of)) << threads;
   }
   set_thread_count(0);
 }
@@ -160,10 +217,16 @@ TEST(CompileBvh, SplitsLowerTheCost) {
     boxes.push_back({p, p + 0.01f});
   }
   const Bvh bvh = build_bvh(boxes);
-  const BvhBuildNode& root = bvh.nodes[0];
+  const BvhNode& root = bvh.nodes[0];
   const Box &left = bvh.nodes[root.first].box, &right = bvh.nodes[root.first + 1].box;
   EXPECT_TRUE(left.upper.x < 2.0f || right.upper.x < 2.0f);
   EXPECT_LT(left.half_area() + right.half_area(), 0.2f * root.box.half_area());
+}
+
+Bvh optimized_bvh(const std::vector<Box>& boxes) {
+  Bvh bvh = build_bvh(boxes);
+  reinsert_subtrees(bvh);
+  return bvh;
 }
 
 // Walks the wide tree with the boxes as the kernel decodes them.
@@ -217,7 +280,7 @@ TEST(CompileBvh, WideNodesContainTheirChildrenAfterQuantisation) {
     if (soup.primitives.size() > 5000) continue;
     SCOPED_TRACE(soup.name + std::string(", ") + std::to_string(soup.primitives.size()));
     const auto boxes = boxes_of(soup.primitives);
-    const WideBvh tree = make_wide_bvh(build_bvh(boxes, {.max_leaf = 1}), soup.primitives);
+    const WideBvh tree = make_wide_bvh(optimized_bvh(boxes), soup.primitives);
     ASSERT_EQ(tree.slot_of.size(), soup.primitives.size());
     exact_box(tree, soup.primitives, 0);
     WideCheck check{tree, boxes, std::vector<int>(boxes.size(), 0)};
@@ -231,7 +294,7 @@ TEST(CompileBvh, WideNodesContainTheirChildrenAfterQuantisation) {
 TEST(CompileBvh, QuantisedBoxesAreNotMuchLarger) {
   const auto all = soups();
   const auto& soup = *std::ranges::find_if(all, [](const Soup& s) { return s.primitives.size() == 3000; });
-  const WideBvh tree = make_wide_bvh(build_bvh(boxes_of(soup.primitives), {.max_leaf = 1}), soup.primitives);
+  const WideBvh tree = make_wide_bvh(optimized_bvh(boxes_of(soup.primitives)), soup.primitives);
   // A grid of 255 steps per node is at most a factor of two too coarse (powers of two), plus one step to each side.
   for (const gpu::Record& r : tree.records) {
     if (!is_node(r)) continue;
