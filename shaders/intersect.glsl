@@ -56,14 +56,13 @@ bool intersect_triangle(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out
   precise const float u = pb.x * pc.y - pc.x * pb.y;
   precise const float v = pc.x * pa.y - pa.x * pc.y;
   precise const float w = pa.x * pb.y - pb.x * pa.y;
-  const float lowest = min(u, min(v, w));
-  const float highest = max(u, max(v, w));
+  const bool inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
   const float det = u + v + w;
   const float inv_det = 1.0 / det;
   t = (u * dot(rf.ray.d, a) + v * dot(rf.ray.d, b) + w * dot(rf.ray.d, c)) * inv_det;
   b1 = v * inv_det;
   b2 = w * inv_det;
-  return (lowest >= 0.0 || highest <= 0.0) && det != 0.0 && t > rf.ray.t_min && t < t_max;
+  return inside && det != 0.0 && t > rf.ray.t_min && t < t_max;
 }
 
 // Nearest intersection beyond t_min; the quadratic is solved about the point of the ray nearest to the centre, which keeps its precision
