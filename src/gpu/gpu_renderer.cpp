@@ -277,9 +277,11 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
   std::uint32_t done = range.begin;
   bool go_on = true;
   while (done < range.end && go_on) {
-    const std::uint32_t samples = sizer_->samples(slots.groups() * gpu::kWorkgroupSize);
-    const std::uint32_t end = done + static_cast<std::uint32_t>(std::min<std::uint64_t>(
-                                         std::uint64_t{samples} * slots.layers, range.end - done));
+    const std::uint64_t left = range.end - done;
+    const std::uint64_t left_a_slot = (left + slots.layers - 1) / slots.layers;
+    const auto samples = static_cast<std::uint32_t>(
+        std::min<std::uint64_t>(sizer_->samples(slots.groups() * gpu::kWorkgroupSize), left_a_slot));
+    const std::uint32_t end = done + static_cast<std::uint32_t>(std::min(std::uint64_t{samples} * slots.layers, left));
     for (std::size_t i = 0; i < bands.size(); ++i) run_pass(bands[i], sets[i], slots, samples, end);
     done = end;
     if (progress) go_on = progress((done - range.begin) * pixels, range.count() * pixels);

