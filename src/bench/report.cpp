@@ -46,6 +46,7 @@ nlohmann::json json(const RayRates& r) {
                         {"hits", r.hits},
                         {"steps_per_ray", r.steps > 0.0 ? nlohmann::json(r.steps) : nlohmann::json()},
                         {"rays_per_second", json(r.rate)},
+                        {"rays_per_cpu_second", json(r.cpu_rate)},
                         {"check", nullptr}};
   if (r.check) {
     out["check"] = {{"rays", r.check->checked},
@@ -74,6 +75,7 @@ nlohmann::json json(const SceneReport& s) {
                         {"memory", {{"host_peak", nullptr}, {"device_peak", nullptr}}},
                         {"rays", nlohmann::json::array()},
                         {"samples_per_second", json(s.sample_rate)},
+                        {"samples_per_cpu_second", json(s.cpu_sample_rate)},
                         {"spp", s.repeated_spp}};
   if (s.host_peak) out["memory"]["host_peak"] = *s.host_peak;
   if (s.device_peak > 0) out["memory"]["device_peak"] = s.device_peak;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include <fmt/core.h>
 
@@ -31,9 +32,15 @@ std::string integrator_text(const Integrator& i) {
   return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}", i.max_depth, i.nee, i.mis, i.rr_depth);
 }
 
-std::vector<double> column(const std::vector<StartUp>& rows, double StartUp::*member) {
+// CPU time of this process, all its threads together: a CPU driver's are among them.
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+template <typename Row>
+std::vector<double> column(const std::vector<Row>& rows, double Row::*member) {
   std::vector<double> out;
-  for (const StartUp& row : rows) out.push_back(row.*member);
+  for (const Row& row : rows) out.push_back(row.*member);
   return out;
 }
 
@@ -83,7 +90,7 @@ void SceneBench::open_caster() {
     if (judge) rates.check = check_rays(set, hits_.back(), *judge, options_.checked_rays);
     rates_.push_back(rates);
   }
-  ray_samples_.resize(sets_.size());
+  ray_paces_.resize(sets_.size());
 }
 
 void SceneBench::open_renderer() {
@@ -125,16 +132,18 @@ double SceneBench::render(std::uint32_t spp) {
 void SceneBench::repeat() {
   for (std::size_t i = 0; i < sets_.size(); ++i) {
     caster_->load(sets_[i].rays);
-    double seconds = 0.0, casts = 0.0;
+    double seconds = 0.0, rays = 0.0;
+    const double cpu_start = cpu_seconds();
     do {
       seconds += caster_->cast(sets_[i].query);
-      ++casts;
+      rays += static_cast<double>(sets_[i].rays.size());
     } while (seconds < kCastSeconds);
-    ray_samples_[i].push_back(casts * static_cast<double>(sets_[i].rays.size()) / seconds);
+    ray_paces_[i].push_back({rays / seconds, rays / (cpu_seconds() - cpu_start)});
   }
   if (!renderer_) return;
   const double samples = static_cast<double>(spp_) * scene_.camera.width * scene_.camera.height;
-  sample_rates_.push_back(samples / render(spp_));
+  const double cpu_start = cpu_seconds(), seconds = render(spp_);
+  sample_paces_.push_back({samples / seconds, samples / (cpu_seconds() - cpu_start)});
 }
 
 SceneReport SceneBench::report() const {
@@ -159,8 +168,12 @@ SceneReport SceneBench::report() const {
   }
   out.device_peak = device_peak_;
   out.rays = rates_;
-  for (std::size_t i = 0; i < rates_.size(); ++i) out.rays[i].rate = spread_of(ray_samples_[i]);
-  out.sample_rate = spread_of(sample_rates_);
+  for (std::size_t i = 0; i < rates_.size(); ++i) {
+    out.rays[i].rate = spread_of(column(ray_paces_[i], &Pace::wall));
+    out.rays[i].cpu_rate = spread_of(column(ray_paces_[i], &Pace::cpu));
+  }
+  out.sample_rate = spread_of(column(sample_paces_, &Pace::wall));
+  out.cpu_sample_rate = spread_of(column(sample_paces_, &Pace::cpu));
   out.repeated_spp = spp_;
   return out;
 }

@@ -31,6 +31,7 @@ struct RayRates {
   std::size_t hits = 0;
   double steps = 0;  ///< mean records of the tree visited by a ray; 0: not counted
   Spread rate;       ///< rays/s
+  Spread cpu_rate;  ///< rays per second of CPU time, all threads together; steadier where a CPU driver shares its cores
   std::optional<RayCheck> check;
 };
 
@@ -43,6 +44,7 @@ struct SceneReport {
   std::uint64_t device_peak = 0;                         ///< bytes of Vulkan buffers of a renderer with the whole film
   std::vector<RayRates> rays;
   Spread sample_rate;              ///< pixel samples/s, transfers of the film left out
+  Spread cpu_sample_rate;          ///< pixel samples per second of CPU time, all threads together
   std::uint32_t repeated_spp = 0;  ///< samples of each pixel in one repetition
   /// False when rays hit something else than in the reference, and rounding does not explain it.
   bool passed() const;
@@ -69,6 +71,11 @@ class SceneBench {
   SceneReport report() const;
 
  private:
+  /// Things done in a second of wall clock, and in one of CPU time.
+  struct Pace {
+    double wall = 0, cpu = 0;
+  };
+
   void open_caster();
   void open_renderer();
   double render(std::uint32_t spp);
@@ -80,11 +87,11 @@ class SceneBench {
   std::vector<RaySet> sets_;
   std::vector<std::vector<CastHit>> hits_;
   std::vector<RayRates> rates_;
-  std::vector<std::vector<double>> ray_samples_;  // rays/s, one list a set
+  std::vector<std::vector<Pace>> ray_paces_;  // one list a set
   std::unique_ptr<Renderer> renderer_;
   std::uint32_t spp_ = 1, next_sample_ = 0;
   std::uint64_t device_peak_ = 0;
-  std::vector<double> sample_rates_;
+  std::vector<Pace> sample_paces_;
   std::vector<StartUp> cold_, warm_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/export.h"
 #include "bench/report.h"
 #include "cli/command.h"
 #include "cli/units.h"
@@ -21,6 +22,7 @@ struct Options {
   std::uint32_t seed = 0;
   std::string size;
   std::vector<std::string> parts;
+  std::string export_folder;
   bool quick = false;
   bool json = false;
 };
@@ -78,6 +80,16 @@ std::vector<std::unique_ptr<SceneBench>> read_scenes(const Options& options, con
   return benches;
 }
 
+// Each scene into a folder of its own, named after it.
+void export_all(const std::string& folder, const std::vector<std::unique_ptr<SceneBench>>& benches) {
+  for (const auto& bench : benches) {
+    const std::string place = (std::filesystem::path(folder) / bench->scene().name).string();
+    export_scene(bench->scene(), place);
+    if (!bench->ray_sets().empty())
+      export_rays(bench->scene(), bench->placement(), bench->ray_sets(), bench->hits(), place + "/rays.bin");
+  }
+}
+
 ExitCode run_bench(const Options& options) {
   const BenchOptions bench = bench_options(options);
   const auto benches = read_scenes(options, bench);
@@ -87,6 +99,7 @@ ExitCode run_bench(const Options& options) {
     for (const auto& scene : benches) scene->repeat_start_up();
   }
   for (const auto& scene : benches) scene->open();
+  if (!options.export_folder.empty()) export_all(options.export_folder, benches);
   for (std::uint32_t i = 0; i < repetitions; ++i) {
     for (const auto& scene : benches) scene->repeat();
   }
@@ -112,8 +125,10 @@ void add_bench_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("bench", "measure rays and samples per second, start-up and memory");
   const auto options = std::make_shared<Options>();
   command->add_option("SCENE", options->files, "scene files (default: three of the folder scenes)");
-  command->add_option("--repetitions", options->repetitions, "measurements of everything, of which the median is told")
-      ->check(CLI::Range(1, 1000))
+  command
+      ->add_option("--repetitions", options->repetitions,
+                   "measurements of everything, of which the median is told; 0: only check")
+      ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   command->add_option("--time", options->time, "time of the samples in one repetition, about")
       ->type_name("TIME")
@@ -124,6 +139,10 @@ void add_bench_command(CLI::App& app, Action& action) {
   command->add_option("--part", options->parts, "measure this only: start, rays or samples; may be repeated")
       ->check(CLI::IsMember({"start", "rays", "samples"}))
       ->allow_extra_args(false);
+  command
+      ->add_option("--export", options->export_folder,
+                   "write scenes and rays for other programs into this folder (docs/benchmarks.md)")
+      ->type_name("FOLDER");
   command->add_option("--seed", options->seed, "seed of the rays and of the samples")->capture_default_str();
   command->add_option("--size", options->size, "film size instead of the scene's, WxH");
   options->scene.add_to(*command);

@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "bench/export.h"
 #include "bench/ray_check.h"
 #include "bench/ray_sets.h"
 #include "bench/report.h"
 #include "compile/normalization.h"
+#include "core/errors.h"
 #include "reference/ray_caster.h"
 #include "reference_scenes.h"
 
@@ -211,6 +216,101 @@ TEST_F(BenchCheck, ForgivesWhatRoundingExplains) {
   const RayCheck result = check();
   EXPECT_EQ(result.differ, 1u);
   EXPECT_EQ(result.wrong, 0u);
+}
+
+class BenchExport : public ::testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  nlohmann::json export_json(const Scene& scene) {
+    export_scene(scene, folder_.string());
+    return nlohmann::json::parse(std::ifstream(folder_ / "scene.json"));
+  }
+  // Vertices of a PLY file with this many floats each.
+  std::vector<glm::dvec3> ply_vertices(const std::string& name, std::size_t count, std::size_t floats) {
+    std::ifstream file(folder_ / name, std::ios::binary);
+    for (std::string line; line != "end_header";) std::getline(file, line);
+    std::vector<float> data(count * floats);
+    file.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(data.size() * sizeof(float)));
+    std::vector<glm::dvec3> vertices;
+    for (std::size_t i = 0; i < count; ++i)
+      vertices.emplace_back(data[i * floats], data[i * floats + 1], data[i * floats + 2]);
+    return vertices;
+  }
+  std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) / "bench-export";
+};
+
+// Where a camera sees a point: along its axes, in units of its depth.
+glm::dvec2 seen(const glm::dmat4& world_from_camera, const glm::dvec3& p) {
+  const glm::dvec4 local = glm::inverse(world_from_camera) * glm::dvec4(p, 1.0);
+  return glm::dvec2(local.x, local.y) / local.z;
+}
+
+TEST_F(BenchExport, AMirroredCameraSeesTheSameInAMirroredScene) {
+  Scene scene = room();
+  scene.camera.world_from_camera =
+      scene.camera.world_from_camera * glm::dmat4(glm::dmat3(-2, 0, 0, 0, 2, 0, 0, 0, 2));  // mirrors and scales
+  const nlohmann::json json = export_json(scene);
+  glm::dmat4 camera(1.0);
+  for (int r = 0; r < 4; ++r) {
+    for (int c = 0; c < 4; ++c) camera[c][r] = json["camera"]["world_from_camera"][r][c].get<double>();
+  }
+  EXPECT_NEAR(glm::determinant(glm::dmat3(camera)), 1.0, 1e-9);
+  EXPECT_DOUBLE_EQ(json["camera"]["near"].get<double>(), 2.0 * scene.camera.near_clip);
+  const auto& mesh = std::get<TriangleMesh>(scene.shapes[0].geometry);
+  const auto vertices = ply_vertices(json["shapes"][0]["mesh"]["file"], mesh.positions.size(), 3);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const glm::dvec2 before = seen(scene.camera.world_from_camera, mesh.positions[i]),
+                     after = seen(camera, vertices[i]);
+    EXPECT_NEAR(glm::length(before - after), 0.0, 1e-3) << i;
+  }
+  const auto center = json["shapes"][1]["sphere"]["center"];
+  EXPECT_DOUBLE_EQ(center[0].get<double>(), -300.3);
+}
+
+TEST_F(BenchExport, AShearingCameraIsRefused) {
+  Scene scene = room();
+  scene.camera.world_from_camera[0] *= 1.5;
+  EXPECT_THROW(export_json(scene), Error);
+}
+
+TEST_F(BenchExport, RaysComeBackByteForByte) {
+  const Scene scene = room();
+  const auto caster = make_reference_ray_caster(scene, place(scene));
+  const auto sets = make_ray_sets(scene, *caster, {.count = 1000});
+  std::vector<std::vector<CastHit>> hits;
+  for (const RaySet& set : sets) {
+    caster->load(set.rays);
+    caster->cast(set.query);
+    hits.push_back(caster->hits());
+  }
+  std::filesystem::create_directories(folder_);
+  const std::string path = (folder_ / "rays.bin").string();
+  export_rays(scene, place(scene), sets, hits, path);
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  std::size_t at = 0;
+  const auto take = [&]<typename T>(T value) {
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    at += sizeof value;
+    return value;
+  };
+  EXPECT_EQ(bytes.substr(0, 8), "ETDRAYS1");
+  at = 8;
+  EXPECT_EQ(take(std::uint64_t{}), 14u);  // the box and the lamp
+  EXPECT_EQ(take(std::uint64_t{}), 1u);
+  EXPECT_EQ(take(std::uint64_t{}), sets.size());
+  at += 14 * 36 + 16;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    EXPECT_EQ(bytes.substr(at, sets[i].kind.size() + 1), sets[i].kind + '\0');
+    at += 16;
+    EXPECT_EQ(take(std::uint32_t{}), sets[i].shuffled);
+    EXPECT_EQ(take(std::uint32_t{}), sets[i].query == RayQuery::any);
+    EXPECT_EQ(take(std::uint64_t{}), sets[i].rays.size());
+    EXPECT_EQ(std::memcmp(bytes.data() + at, sets[i].rays.data(), sets[i].rays.size() * 32), 0);
+    at += sets[i].rays.size() * 32;
+    for (const CastHit& hit : hits[i]) EXPECT_EQ(std::isfinite(take(float{})), hit.shape != CastHit::kNone);
+  }
+  EXPECT_EQ(at, bytes.size());
 }
 
 TEST(BenchReport, JsonHoldsWhatTheTableSays) {

@@ -1,0 +1,197 @@
+#include "bench/export.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <type_traits>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "image/files.h"
+
+namespace etendue {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the formats are little-endian");
+
+// Bytes of a file in the making.
+class Bytes {
+ public:
+  template <typename T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    append(std::as_bytes(std::span(&value, 1)));
+  }
+  void append(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+  void text(const std::string& s) { append(std::as_bytes(std::span(s))); }
+  /// Padded with zeros.
+  void name(const std::string& s, std::size_t size) {
+    std::string padded = s.substr(0, size);
+    padded.resize(size, '\0');
+    text(padded);
+  }
+  void vector(const glm::dvec3& v) { put(glm::vec3(v)); }
+  const std::vector<std::byte>& get() const { return bytes_; }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+nlohmann::json json(const glm::dvec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+glm::dvec3 mirrored(const glm::dvec3& v, bool mirror) {
+  return mirror ? glm::dvec3(-v.x, v.y, v.z) : v;
+}
+
+void write_ply(const TriangleMesh& mesh, bool mirror, const std::string& path) {
+  const bool normals = !mesh.normals.empty();
+  Bytes out;
+  out.text(fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty "
+      "float z\n{}element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.positions.size(), normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
+      mesh.triangles.size()));
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    out.vector(mirrored(mesh.positions[i], mirror));
+    if (normals) out.vector(mirrored(mesh.normals[i], mirror));
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    out.put(std::uint8_t{3});
+    out.put(mirror ? glm::uvec3(t.x, t.z, t.y) : t);  // a mirror turns windings around
+  }
+  write_file_atomically(path, out.get());
+}
+
+nlohmann::json bsdf_json(const Bsdf& bsdf) {
+  if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf))
+    return {{"type", "diffuse"}, {"albedo", json(diffuse->albedo)}};
+  if (const auto* glass = std::get_if<DielectricBsdf>(&bsdf))
+    return {{"type", "dielectric"}, {"int_ior", glass->int_ior}, {"ext_ior", glass->ext_ior}};
+  return {{"type", "mirror"}};
+}
+
+bool is_mirrored(const Camera& camera) {
+  return glm::determinant(glm::dmat3(camera.world_from_camera)) < 0.0;
+}
+
+// A rigid camera: its axes of unit length, rows of the matrix, clipping distances in scene units.
+nlohmann::json camera_json(const Scene& scene) {
+  const Camera& camera = scene.camera;
+  glm::dmat3 axes(camera.world_from_camera);
+  const double scale = glm::length(axes[2]);
+  constexpr double kTolerance = 1e-6;
+  for (int i = 0; i < 3; ++i) {
+    const double along = glm::length(axes[i]) / scale - 1.0,
+                 across = glm::dot(axes[i], axes[(i + 1) % 3]) / (scale * scale);
+    if (std::abs(along) > kTolerance || std::abs(across) > kTolerance) {
+      throw Error(
+          ExitCode::scene_error,
+          fmt::format("{}:{}:{}: the camera's toWorld shears or scales its axes differently, which other programs "
+                      "cannot do; export it without.",
+                      camera.position.file, camera.position.line, camera.position.column));
+    }
+  }
+  axes /= scale;
+  glm::dvec3 origin(camera.world_from_camera[3]);
+  if (is_mirrored(camera)) {
+    for (int i = 0; i < 3; ++i) axes[i] = mirrored(axes[i], true);
+    origin = mirrored(origin, true);
+  }
+  auto rows = nlohmann::json::array();
+  for (int r = 0; r < 3; ++r) rows.push_back({axes[0][r], axes[1][r], axes[2][r], origin[r]});
+  rows.push_back({0.0, 0.0, 0.0, 1.0});
+  return {{"width", camera.width},
+          {"height", camera.height},
+          {"fov", camera.fov},
+          {"near", camera.near_clip * scale},
+          {"far", camera.far_clip * scale},
+          {"world_from_camera", rows}};
+}
+
+nlohmann::json shape_json(const Shape& shape, bool mirror, const std::string& ply) {
+  nlohmann::json out = {{"name", shape.name}, {"bsdf", bsdf_json(shape.bsdf)}, {"radiance", nullptr}};
+  if (shape.emitter) out["radiance"] = json(shape.emitter->radiance);
+  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+    out["sphere"] = {{"center", json(mirrored(sphere->center, mirror))}, {"radius", sphere->radius}};
+  } else {
+    const auto& mesh = std::get<TriangleMesh>(shape.geometry);
+    out["mesh"] = {{"file", ply}, {"triangles", mesh.triangles.size()}, {"normals", !mesh.normals.empty()}};
+  }
+  return out;
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw Error(ExitCode::file_error, fmt::format("{}: cannot make the folder: {}", folder, error.message()));
+}
+
+}  // namespace
+
+void export_scene(const Scene& scene, const std::string& folder) {
+  make_folder(folder);
+  const bool mirror = is_mirrored(scene.camera);
+  const Integrator& i = scene.integrator;
+  nlohmann::json out = {{"name", scene.name},
+                        {"camera", camera_json(scene)},
+                        {"integrator",
+                         {{"type", i.type == Integrator::Type::path ? "path" : "normals"},
+                          {"max_depth", i.max_depth},
+                          {"rr_depth", i.rr_depth},
+                          {"nee", i.nee},
+                          {"mis", i.mis}}},
+                        {"samples", scene.sampler.sample_count},
+                        {"sky", {{"top", json(scene.sky.top)}, {"horizon", json(scene.sky.horizon)}}},
+                        {"shapes", nlohmann::json::array()}};
+  for (std::size_t k = 0; k < scene.shapes.size(); ++k) {
+    const std::string ply = fmt::format("shape-{}.ply", k);
+    if (const auto* mesh = std::get_if<TriangleMesh>(&scene.shapes[k].geometry))
+      write_ply(*mesh, mirror, (std::filesystem::path(folder) / ply).string());
+    out["shapes"].push_back(shape_json(scene.shapes[k], mirror, ply));
+  }
+  const std::string text = out.dump(1) + "\n";
+  write_file_atomically((std::filesystem::path(folder) / "scene.json").string(), std::as_bytes(std::span(text)));
+}
+
+void export_rays(const Scene& scene, const Placement& placement, const std::vector<RaySet>& sets,
+                 const std::vector<std::vector<CastHit>>& hits, const std::string& path) {
+  Bytes triangles, spheres;
+  const auto place = [&](const glm::dvec3& p) { return (p - placement.center) * placement.scale; };
+  for (const Shape& shape : scene.shapes) {
+    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+      spheres.vector(place(sphere->center));
+      spheres.put(static_cast<float>(sphere->radius * placement.scale));
+      continue;
+    }
+    const auto& mesh = std::get<TriangleMesh>(shape.geometry);
+    for (const glm::uvec3& t : mesh.triangles) {
+      for (int k = 0; k < 3; ++k) triangles.vector(place(mesh.positions[t[k]]));
+    }
+  }
+  Bytes out;
+  out.text("ETDRAYS1");
+  out.put(std::uint64_t{triangles.get().size() / (9 * sizeof(float))});
+  out.put(std::uint64_t{spheres.get().size() / (4 * sizeof(float))});
+  out.put(std::uint64_t{sets.size()});
+  out.append(triangles.get());
+  out.append(spheres.get());
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    const bool any = sets[i].query == RayQuery::any;
+    out.name(sets[i].kind, 16);
+    out.put(std::uint32_t{sets[i].shuffled});
+    out.put(std::uint32_t{any});
+    out.put(std::uint64_t{sets[i].rays.size()});
+    out.append(std::as_bytes(std::span(sets[i].rays)));
+    for (const CastHit& hit : hits[i])
+      out.put(hit.shape == CastHit::kNone ? std::numeric_limits<float>::infinity() : any ? 0.0f : hit.t);
+  }
+  write_file_atomically(path, out.get());
+}
+
+}  // namespace etendue
