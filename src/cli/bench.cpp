@@ -23,6 +23,7 @@ struct Options {
   std::string size;
   std::vector<std::string> parts;
   std::string export_folder;
+  std::string loads;
   bool quick = false;
   bool json = false;
 };
@@ -52,6 +53,8 @@ BenchOptions bench_options(const Options& options) {
     options.device.factory();  // sets the number of threads
   } else {
     out.gpu = options.device.gpu_options();
+    if (!options.loads.empty())
+      out.gpu->loads = options.loads == "texel" ? TableLoads::texel_buffer : TableLoads::storage_buffer;
   }
   if (options.quick) {
     out.rays = options.rays > 0 ? options.rays : kQuickRays;
@@ -147,6 +150,10 @@ void add_bench_command(CLI::App& app, Action& action) {
   command->add_option("--size", options->size, "film size instead of the scene's, WxH");
   options->scene.add_to(*command);
   options->device.add_to(*command);
+  command
+      ->add_option("--loads", options->loads,
+                   "how kernels read the scene's tables (default: as suits device and scene)")
+      ->check(CLI::IsMember({"texel", "storage"}));
   command->add_flag("--quick", options->quick, "few rays, short repetitions, two of them: does everything work?");
   command->add_flag("--json", options->json, "machine-readable output");
   command->callback([&action, options] { action = [options] { return run_bench(*options); }; });

@@ -1,6 +1,7 @@
 #include "gpu/device_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <span>
 
@@ -11,9 +12,21 @@
 namespace etendue {
 namespace {
 
-// Every table the kernels read through texelFetch; the rest of the scene is uniform.
-constexpr std::uint32_t kTables[] = {gpu::kBindingRecords, gpu::kBindingShapes,      gpu::kBindingTriangles,
-                                     gpu::kBindingNormals, gpu::kBindingLightShapes, gpu::kBindingLightPrimitives};
+struct Table {
+  std::uint32_t binding;
+  const char* what;
+  std::span<const std::byte> bytes;
+};
+
+// Everything that is read by load_<table> in shaders/scene.glsl; the rest of the scene is uniform.
+std::array<Table, 6> tables(const CompiledScene& scene) {
+  return {{{gpu::kBindingRecords, "tree", std::as_bytes(std::span(scene.records))},
+           {gpu::kBindingShapes, "shapes", std::as_bytes(std::span(scene.shapes))},
+           {gpu::kBindingTriangles, "triangle indices", std::as_bytes(std::span(scene.triangles))},
+           {gpu::kBindingNormals, "vertex normals", std::as_bytes(std::span(scene.normals))},
+           {gpu::kBindingLightShapes, "emitters", std::as_bytes(std::span(scene.light_shapes))},
+           {gpu::kBindingLightPrimitives, "emitting primitives", std::as_bytes(std::span(scene.light_primitives))}}};
+}
 
 // Bit i for the material kBsdf… = i.
 std::uint32_t bsdfs_used(const CompiledScene& scene) {
@@ -37,11 +50,32 @@ LightRounds::LightRounds(const CompiledScene& scene) {
   primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
 }
 
-std::vector<vulkan::Binding> kernel_bindings() {
+TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
+                              std::optional<TableLoads> wanted) {
+  Table longest{};
+  for (const Table& table : tables(scene)) {
+    if (table.bytes.size() >= longest.bytes.size()) longest = table;
+  }
+  const std::uint64_t texels = longest.bytes.size() / sizeof(gpu::uvec4);
+  const bool fits_texels = texels <= context.limits().maxTexelBufferElements;
+  const bool fits_storage = longest.bytes.size() <= context.limits().maxStorageBufferRange;
+  if (fits_texels && wanted != TableLoads::storage_buffer) return TableLoads::texel_buffer;
+  if (fits_storage && wanted != TableLoads::texel_buffer) return TableLoads::storage_buffer;
+  throw Error(ExitCode::device_lost,
+              fmt::format("The table '{}' of the scene has {} bytes, but '{}' reads at most {} texels of 16 bytes "
+                          "(maxTexelBufferElements) or {} bytes (maxStorageBufferRange); use a smaller mesh or another "
+                          "--device.",
+                          longest.what, longest.bytes.size(), context.info().name,
+                          context.limits().maxTexelBufferElements, context.limits().maxStorageBufferRange));
+}
+
+std::vector<vulkan::Binding> kernel_bindings(TableLoads loads) {
   std::vector<vulkan::Binding> bindings;
   for (std::uint32_t i = 0; i < gpu::kBindingCount; ++i) bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   bindings[gpu::kBindingFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-  for (const std::uint32_t table : kTables) bindings[table].type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+  if (loads == TableLoads::texel_buffer) {
+    for (const Table& table : tables({})) bindings[table.binding].type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+  }
   return bindings;
 }
 
@@ -69,41 +103,26 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
   return constants;
 }
 
-DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene)
+DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene,
+                         TableLoads loads)
     : context_(context), commands_(commands) {
-  add_uniform(gpu::kBindingFrame, std::as_bytes(std::span(&scene.frame, 1)), "frame constants");
-  add_table(gpu::kBindingRecords, std::as_bytes(std::span(scene.records)), "tree");
-  add_table(gpu::kBindingShapes, std::as_bytes(std::span(scene.shapes)), "shapes");
-  add_table(gpu::kBindingTriangles, std::as_bytes(std::span(scene.triangles)), "triangle indices");
-  add_table(gpu::kBindingNormals, std::as_bytes(std::span(scene.normals)), "vertex normals");
-  add_table(gpu::kBindingLightShapes, std::as_bytes(std::span(scene.light_shapes)), "emitters");
-  add_table(gpu::kBindingLightPrimitives, std::as_bytes(std::span(scene.light_primitives)), "emitting primitives");
-  const auto knots = std::as_bytes(std::span(scene.filter_knots));
-  entries_.push_back(
-      {gpu::kBindingFilter, upload(knots, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "reconstruction filter"), {}});
-}
-
-vulkan::Buffer DeviceScene::upload(std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* what) {
-  vulkan::Buffer buffer(context_, bytes.size(), usage, vulkan::Buffer::Memory::device, what);
-  commands_.upload(buffer, 0, bytes);
-  return buffer;
-}
-
-void DeviceScene::add_uniform(std::uint32_t binding, std::span<const std::byte> bytes, const char* what) {
-  entries_.push_back({binding, upload(bytes, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, what), {}});
-}
-
-void DeviceScene::add_table(std::uint32_t binding, std::span<const std::byte> bytes, const char* what) {
-  const std::uint64_t texels = bytes.size() / sizeof(gpu::uvec4);
-  const std::uint64_t available = context_.limits().maxTexelBufferElements;
-  if (texels > available) {
-    throw Error(ExitCode::device_lost, fmt::format("The table '{}' needs {} texels, but '{}' reads at most {} "
-                                                   "(maxTexelBufferElements); use a smaller mesh or another --device.",
-                                                   what, texels, context_.info().name, available));
+  const auto add = [&](std::uint32_t binding, std::span<const std::byte> bytes, VkBufferUsageFlags usage,
+                       const char* what) {
+    vulkan::Buffer buffer(context_, bytes.size(), usage, vulkan::Buffer::Memory::device, what);
+    commands_.upload(buffer, 0, bytes);
+    entries_.push_back({binding, std::move(buffer), {}});
+  };
+  add(gpu::kBindingFrame, std::as_bytes(std::span(&scene.frame, 1)), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+      "frame constants");
+  add(gpu::kBindingFilter, std::as_bytes(std::span(scene.filter_knots)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+      "reconstruction filter");
+  const bool texels = loads == TableLoads::texel_buffer;
+  for (const Table& table : tables(scene)) {
+    add(table.binding, table.bytes,
+        texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, table.what);
+    Entry& entry = entries_.back();
+    if (texels) entry.view = vulkan::make_texel_view(context_, entry.buffer, VK_FORMAT_R32G32B32A32_UINT);
   }
-  vulkan::Buffer buffer = upload(bytes, VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what);
-  vulkan::TexelView view = vulkan::make_texel_view(context_, buffer, VK_FORMAT_R32G32B32A32_UINT);
-  entries_.push_back({binding, std::move(buffer), std::move(view)});
 }
 
 void DeviceScene::bind(vulkan::BindingSet& set) const {

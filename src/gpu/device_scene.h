@@ -1,14 +1,24 @@
 #pragma once
 /// A compiled scene in device memory, bound for the kernels.
 
+#include <optional>
+
 #include "compile/compiled_scene.h"
 #include "vulkan/commands.h"
 #include "vulkan/kernel.h"
 
 namespace etendue {
 
+/// How kernels read the tables of the scene, see shaders/scene.glsl.
+enum class TableLoads { texel_buffer, storage_buffer };
+
+/// Texel buffers, unless a table of the scene is too long for those of the device and not for its storage buffers.
+/// Throws Error(device_lost) naming limits, needed and available when neither will do, or `wanted` will not.
+TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
+                              std::optional<TableLoads> wanted = {});
+
 /// Bindings of every kernel, as shaders/gpu_types.h numbers them.
-std::vector<vulkan::Binding> kernel_bindings();
+std::vector<vulkan::Binding> kernel_bindings(TableLoads loads = TableLoads::texel_buffer);
 
 /// Rounds of the two bisections that choose a light: ceil(log2) of what there is to choose from.
 struct LightRounds {
@@ -21,8 +31,8 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene);
 
 class DeviceScene {
  public:
-  /// Throws Error(device_lost) naming limit, needed and available when a table is larger than the device can read.
-  DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene);
+  DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene,
+              TableLoads loads = TableLoads::texel_buffer);
   void bind(vulkan::BindingSet& set) const;
 
  private:
@@ -31,10 +41,6 @@ class DeviceScene {
     vulkan::Buffer buffer;
     vulkan::TexelView view;  // of a table
   };
-  vulkan::Buffer upload(std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* what);
-  void add_uniform(std::uint32_t binding, std::span<const std::byte> bytes, const char* what);
-  void add_table(std::uint32_t binding, std::span<const std::byte> bytes, const char* what);
-
   const vulkan::Context& context_;
   vulkan::Commands& commands_;
   std::vector<Entry> entries_;

@@ -72,17 +72,17 @@ class PassSizer {
 class GpuRenderer final : public Renderer {
  public:
   GpuRenderer(const Scene& scene, const RenderSettings& settings, const GpuOptions& options)
-      : options_(options),
-        context_(options.device, options.context),
-        commands_(context_),
-        layout_(context_, kernel_bindings(), sizeof(gpu::Pass)) {
+      : options_(options), context_(options.device, options.context), commands_(context_) {
     Timer timer;
     CompiledScene compiled = compile_scene(scene);
     compiled.frame.seed = settings.seed;
     frame_ = compiled.frame;
     timings_.compile = timer.seconds();
     timer = {};
-    scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled);
+    const TableLoads loads = choose_table_loads(context_, compiled, options.loads);
+    kernels_ = kernel_set(options.mutant, loads);
+    layout_.emplace(context_, kernel_bindings(loads), sizeof(gpu::Pass));
+    scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled, loads);
     report_ = vulkan::Buffer(context_, sizeof(gpu::ReportHead) + gpu::kRejectedListed * sizeof(gpu::RejectedEntry),
                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::host, "report");
     std::memset(report_.mapped().data(), 0, report_.mapped().size());
@@ -118,13 +118,13 @@ class GpuRenderer final : public Renderer {
   class SampleTracer;
   vulkan::Kernel make_kernel(std::span<const std::uint32_t> spirv, const char* name) {
     const Timer timer;
-    vulkan::Kernel kernel(context_, layout_, spirv, constants_, name);
+    vulkan::Kernel kernel(context_, *layout_, spirv, constants_, name);
     timings_.pipeline += timer.seconds();
     return kernel;
   }
   // A set with the scene bound and a placeholder everywhere else.
   vulkan::BindingSet make_set() {
-    vulkan::BindingSet set(context_, layout_);
+    vulkan::BindingSet set(context_, *layout_);
     for (const std::uint32_t b : {gpu::kBindingRays, gpu::kBindingFilm, gpu::kBindingProgress, gpu::kBindingReport,
                                   gpu::kBindingRequests, gpu::kBindingResults, gpu::kBindingVertices}) {
       set.bind(b, unused_);
@@ -134,7 +134,7 @@ class GpuRenderer final : public Renderer {
   }
   double dispatch(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, const gpu::Pass& pass,
                   std::uint32_t groups) {
-    return commands_.dispatch(layout_, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
+    return commands_.dispatch(*layout_, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
   }
   std::vector<FilmBand> make_bands(const SlotLayout& slots, SampleRange range);
   void run_pass(const FilmBand& band, const vulkan::BindingSet& set, const SlotLayout& slots, std::uint32_t samples,
@@ -143,10 +143,10 @@ class GpuRenderer final : public Renderer {
   gpu::ReportHead take_report();
 
   GpuOptions options_;
-  KernelSet kernels_ = kernel_set(options_.mutant);
+  KernelSet kernels_;
   vulkan::Context context_;
   vulkan::Commands commands_;
-  vulkan::BindingLayout layout_;
+  std::optional<vulkan::BindingLayout> layout_;  // follows the scene: how its tables are read
   std::unique_ptr<DeviceScene> scene_;
   vulkan::Buffer report_, unused_;
   std::vector<vulkan::Specialization> constants_;

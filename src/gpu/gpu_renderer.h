@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "gpu/device_scene.h"
 #include "render/renderer.h"
 #include "vulkan/context.h"
 
@@ -24,6 +25,7 @@ struct GpuOptions {
   double pass_seconds = 0.1;        ///< a dispatch is sized to take about this long, so that no watchdog fires
   std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
   std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
+  std::optional<TableLoads> loads;  ///< see choose_table_loads; for tests and measurements
   std::optional<std::uint32_t>
       mutant;  ///< kernels with a planted error (shaders/mutants.h), for tests of the tests; 0: those kernels, no error
 };

@@ -2,11 +2,15 @@
 
 #include "kernels.h"
 #include "kernels_mutant.h"
+#include "kernels_storage.h"
 #include "mutants.h"
 
 namespace etendue {
 
-KernelSet kernel_set(std::optional<std::uint32_t> mutant) {
+KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
+  if (!mutant && loads == TableLoads::storage_buffer)
+    return {kernels::render_storage,     kernels::trace_samples_storage, kernels::trace_path_storage,
+            kernels::trace_rays_storage, kernels::bsdf_samples_storage,  {}};
   if (!mutant)
     return {kernels::render,     kernels::trace_samples, kernels::trace_path,
             kernels::trace_rays, kernels::bsdf_samples,  {}};

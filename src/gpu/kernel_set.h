@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "vulkan/kernel.h"
+#include "gpu/device_scene.h"
 
 namespace etendue {
 
@@ -15,7 +15,8 @@ struct KernelSet {
   std::vector<vulkan::Specialization> constants;  ///< to be added to those of the scene
 };
 
-/// Without a value the kernels that render pictures; with one those of shaders/mutants.h with that error (0: none).
-KernelSet kernel_set(std::optional<std::uint32_t> mutant);
+/// Without a mutant the kernels that render pictures; with one those of shaders/mutants.h with that error (0: none),
+/// which read texel buffers only.
+KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads = TableLoads::texel_buffer);
 
 }  // namespace etendue

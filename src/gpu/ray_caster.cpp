@@ -25,14 +25,13 @@ constexpr std::uint32_t kAnyHitConstant = 7;  // constant_id in shaders/probe/ra
 class GpuRayCaster final : public RayCaster {
  public:
   GpuRayCaster(const Scene& scene, const GpuOptions& options)
-      : kernels_(kernel_set(options.mutant)),
-        placement_(find_placement(scene)),
-        context_(options.device, options.context),
-        commands_(context_),
-        layout_(context_, kernel_bindings(), sizeof(gpu::Pass)),
-        set_(context_, layout_) {
+      : placement_(find_placement(scene)), context_(options.device, options.context), commands_(context_) {
     const CompiledScene compiled = compile_scene(scene);
-    scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled);
+    const TableLoads loads = choose_table_loads(context_, compiled, options.loads);
+    kernels_ = kernel_set(options.mutant, loads);
+    layout_.emplace(context_, kernel_bindings(loads), sizeof(gpu::Pass));
+    set_.emplace(context_, *layout_);
+    scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled, loads);
     constants_ = scene_constants(compiled);
     constants_.insert(constants_.end(), kernels_.constants.begin(), kernels_.constants.end());
     closest_ = make_kernel(RayQuery::closest);
@@ -70,7 +69,7 @@ class GpuRayCaster final : public RayCaster {
     pass.request_count = count_;
     pass.step_budget = kMostSteps;
     const vulkan::Kernel& kernel = query == RayQuery::any ? any_ : closest_;
-    return commands_.dispatch(layout_, kernel, set_, std::as_bytes(std::span(&pass, 1)),
+    return commands_.dispatch(*layout_, kernel, *set_, std::as_bytes(std::span(&pass, 1)),
                               (count_ + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, kDispatchTimeout);
   }
 
@@ -94,30 +93,30 @@ class GpuRayCaster final : public RayCaster {
   vulkan::Kernel make_kernel(RayQuery query) {
     std::vector<vulkan::Specialization> constants = constants_;
     constants.push_back({kAnyHitConstant, query == RayQuery::any ? 1u : 0u});
-    return {context_, layout_, kernels_.trace_rays, constants, "trace_rays"};
+    return {context_, *layout_, kernels_.trace_rays, constants, "trace_rays"};
   }
   // New buffers; the one of the rays also stands where kernels of other kinds have theirs.
   void bind(std::size_t ray_bytes, std::size_t result_bytes) {
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     rays_ = vulkan::Buffer(context_, ray_bytes, kUsage, vulkan::Buffer::Memory::device, "rays");
     results_ = vulkan::Buffer(context_, result_bytes, kUsage, vulkan::Buffer::Memory::device, "hits");
-    for (const vulkan::Binding& b : layout_.bindings()) {
-      if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) set_.bind(b.number, rays_);
+    for (const vulkan::Binding& b : layout_->bindings()) {
+      if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) set_->bind(b.number, rays_);
     }
-    scene_->bind(set_);
-    set_.bind(gpu::kBindingResults, results_);
+    scene_->bind(*set_);
+    set_->bind(gpu::kBindingResults, results_);
   }
 
   KernelSet kernels_;
   Placement placement_;
   vulkan::Context context_;
   vulkan::Commands commands_;
-  vulkan::BindingLayout layout_;
+  std::optional<vulkan::BindingLayout> layout_;
   std::unique_ptr<DeviceScene> scene_;
   std::vector<vulkan::Specialization> constants_;
   vulkan::Kernel closest_, any_;
   vulkan::Buffer rays_, results_;
-  vulkan::BindingSet set_;
+  std::optional<vulkan::BindingSet> set_;
   std::size_t capacity_ = 0;
   std::uint32_t count_ = 0;
 };

@@ -51,6 +51,19 @@ TEST_F(RendererEquality, PassSizesAndDispatchSizes) {
   }
 }
 
+TEST_F(RendererEquality, TexelAndStorageLoads) {
+  for (const Scene& scene : {cornell(37, 21), read_scene(SCENES_DIR "/bubble.xml", {})}) {
+    Scene small = scene;
+    small.camera.width = 37;
+    small.camera.height = 21;
+    GpuOptions options = renderer_options();
+    options.loads = TableLoads::texel_buffer;
+    const Film texels = render(small, {{0, 3}}, options);
+    options.loads = TableLoads::storage_buffer;
+    expect_equal(render(small, {{0, 3}}, options), texels, "storage buffers");
+  }
+}
+
 TEST_F(RendererEquality, SampleRangesAddUp) {
   const Scene scene = cornell(33, 17);
   const Film whole = render(scene, {{0, 24}}, renderer_options());
