@@ -29,6 +29,7 @@ void add_chi2_command(CLI::App& app, Action& action);
 void add_selftest_command(CLI::App& app, Action& action);
 void add_mutate_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
+void add_explain_command(CLI::App& app, Action& action);
 
 /// Options that several commands share.
 struct SceneOptions {

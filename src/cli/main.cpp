@@ -36,6 +36,7 @@ ExitCode run(int argc, char** argv) {
   etendue::cli::add_selftest_command(app, action);
   etendue::cli::add_mutate_command(app, action);
   etendue::cli::add_bench_command(app, action);
+  etendue::cli::add_explain_command(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"bust", "bumpy-sphere", "grid", "soup"}));
   app.add_option("--triangles", triangles, "at least so many; solids get usually up to 5 per cent more")
       ->capture_default_str()
-      ->check(CLI::Range(2000, 50'000'000));
+      ->check(CLI::Range(100, 50'000'000));
   app.add_option("-o,--output", output, "OBJ file to write")->required();
   try {
     app.parse(argc, argv);

@@ -1,0 +1,215 @@
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <memory>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "cli/units.h"
+
+namespace etendue::cli {
+namespace {
+
+constexpr std::uint32_t kNone = PathVertex::kNone;
+
+struct Options {
+  std::string scene_file;
+  SceneOptions scene;
+  DeviceOption device;
+  std::string size;
+  std::string pixel;  ///< "X,Y"; empty: the middle
+  std::uint32_t sample = 0;
+  std::uint32_t seed = 0;
+  std::uint64_t lights = 0;  ///< paths whose lights are counted; 0: one path is told
+  bool json = false;
+};
+
+/// How often next-event estimation chose a light, and how often nothing stood in the way.
+struct LightTally {
+  std::uint64_t chosen = 0, reached = 0;
+};
+
+struct Tally {
+  std::uint64_t paths = 0;
+  std::uint64_t light_samples = 0;
+  std::map<std::uint32_t, LightTally> lights;  ///< by shape
+};
+
+const char* lobe_name(const PathVertex& vertex) {
+  switch (vertex.lobe) {
+    case 0:
+      return "none";
+    case 1:
+      return "diffuse";
+    case 2:
+      return "reflection";
+    case 3:
+      return "transmission";
+    default:
+      return "-";
+  }
+}
+
+std::string place(std::uint32_t shape, std::uint32_t primitive, const char* none) {
+  return shape == kNone ? none : fmt::format("shape {}, {}", shape, primitive);
+}
+
+const char* yes_no(std::uint32_t decision) {
+  return decision == kNone ? "-" : decision == 1 ? "yes" : "no";
+}
+
+nlohmann::json number_or_null(std::uint32_t value) {
+  return value == kNone ? nlohmann::json() : nlohmann::json(value);
+}
+
+nlohmann::json to_json(const PathVertex& v) {
+  return {{"shape", number_or_null(v.shape)},
+          {"primitive", number_or_null(v.primitive)},
+          {"lightShape", number_or_null(v.light_shape)},
+          {"lightPrimitive", number_or_null(v.light_primitive)},
+          {"lightReached", number_or_null(v.light_contributed)},
+          {"lobe", lobe_name(v)},
+          {"survived", number_or_null(v.survived)},
+          {"radiance", {v.radiance.x, v.radiance.y, v.radiance.z}}};
+}
+
+/// "X,Y" to a pixel number. Throws Error(usage).
+std::uint32_t parse_pixel(const std::string& text, const Camera& camera) {
+  if (text.empty()) return camera.height / 2 * camera.width + camera.width / 2;
+  unsigned x = 0, y = 0;
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%9u,%9u%n", &x, &y, &used) != 2 || static_cast<std::size_t>(used) != text.size() ||
+      x >= camera.width || y >= camera.height) {
+    throw Error(ExitCode::usage,
+                fmt::format("'--pixel {}' names no pixel of {}x{}; write X,Y with 0,0 at the top left.", text,
+                            camera.width, camera.height));
+  }
+  return y * camera.width + x;
+}
+
+void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Options& options) {
+  const std::vector<PathVertex> path = renderer.trace_path(id);
+  const std::uint32_t x = id.pixel % scene.camera.width, y = id.pixel / scene.camera.width;
+  if (options.json) {
+    auto vertices = nlohmann::json::array();
+    for (const PathVertex& vertex : path) vertices.push_back(to_json(vertex));
+    fmt::print("{}\n", nlohmann::json{{"scene", options.scene_file},
+                                      {"device", renderer.device_name()},
+                                      {"seed", options.seed},
+                                      {"x", x},
+                                      {"y", y},
+                                      {"sample", id.sample},
+                                      {"vertices", vertices}}
+                           .dump(2));
+    return;
+  }
+  fmt::print("{} on {}, seed {}: pixel ({}, {}), sample {}\n", options.scene_file, renderer.device_name(), options.seed,
+             x, y, id.sample);
+  fmt::print("{:>7}  {:<13} {:<13} {:<8} {:<13} {:<8}  radiance gathered so far\n", "segment", "meets", "light",
+             "reached", "lobe", "survives");
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const PathVertex& v = path[i];
+    fmt::print("{:>7}  {:<13} {:<13} {:<8} {:<13} {:<8}  {:.5g} {:.5g} {:.5g}\n", i + 1,
+               place(v.shape, v.primitive, "nothing"), place(v.light_shape, v.light_primitive, "-"),
+               yes_no(v.light_contributed), lobe_name(v), yes_no(v.survived), v.radiance.x, v.radiance.y, v.radiance.z);
+  }
+}
+
+/// Paths spread evenly over the picture: multiples of the golden ratio, so that a row of few pixels gets its share,
+/// too.
+Tally count_lights(Renderer& renderer, const Scene& scene, std::uint64_t paths) {
+  constexpr double kGolden = 0.6180339887498949;
+  const double pixels = static_cast<double>(std::uint64_t{scene.camera.width} * scene.camera.height);
+  Tally tally{.paths = paths, .light_samples = 0, .lights = {}};
+  for (std::uint32_t i = 0; i < scene.shapes.size(); ++i) {
+    if (scene.shapes[i].emitter) tally.lights[i] = {};
+  }
+  for (std::uint64_t i = 0; i < paths; ++i) {
+    const double fraction = std::fmod(0.5 + static_cast<double>(i) * kGolden, 1.0);
+    const SampleId id{static_cast<std::uint32_t>(fraction * pixels), static_cast<std::uint32_t>(i)};
+    for (const PathVertex& vertex : renderer.trace_path(id)) {
+      if (vertex.light_shape == kNone) continue;
+      ++tally.light_samples;
+      LightTally& light = tally.lights[vertex.light_shape];
+      ++light.chosen;
+      light.reached += vertex.light_contributed == 1 ? 1 : 0;
+    }
+  }
+  return tally;
+}
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
+void tell_lights(Renderer& renderer, const Scene& scene, const Options& options) {
+  const Tally tally = count_lights(renderer, scene, options.lights);
+  if (options.json) {
+    auto lights = nlohmann::json::array();
+    for (const auto& [shape, light] : tally.lights) {
+      lights.push_back({{"shape", shape},
+                        {"chosen", light.chosen},
+                        {"share", share(light.chosen, tally.light_samples)},
+                        {"reached", light.reached}});
+    }
+    fmt::print("{}\n", nlohmann::json{{"scene", options.scene_file},
+                                      {"device", renderer.device_name()},
+                                      {"seed", options.seed},
+                                      {"paths", tally.paths},
+                                      {"lightSamples", tally.light_samples},
+                                      {"lights", lights}}
+                           .dump(2));
+    return;
+  }
+  fmt::print("{} on {}, seed {}: {} light samples of {} paths\n", options.scene_file, renderer.device_name(),
+             options.seed, tally.light_samples, tally.paths);
+  fmt::print("{:<10} {:>10} {:>8} {:>10}\n", "light", "chosen", "share", "unhidden");
+  for (const auto& [shape, light] : tally.lights) {
+    fmt::print("shape {:<4} {:>10} {:>6.2f} % {:>8.2f} %\n", shape, light.chosen,
+               100.0 * share(light.chosen, tally.light_samples), 100.0 * share(light.reached, light.chosen));
+  }
+}
+
+ExitCode explain(const Options& options) {
+  Scene scene = read_scene(options.scene_file, options.scene.read_options());
+  if (!options.size.empty()) {
+    const Size size = parse_size(options.size);
+    scene.camera.width = size.width;
+    scene.camera.height = size.height;
+  }
+  const SampleId id{parse_pixel(options.pixel, scene.camera), options.sample};
+  const auto renderer = options.device.factory()(scene, RenderSettings{.seed = options.seed});
+  if (options.lights > 0) {
+    tell_lights(*renderer, scene, options);
+  } else {
+    tell_path(*renderer, scene, id, options);
+  }
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_explain_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand(
+      "explain", "tell the path of one sample, vertex by vertex, or count which lights the samples of a scene choose");
+  const auto options = std::make_shared<Options>();
+  options->device.selector = "reference";
+  command->add_option("SCENE", options->scene_file, "scene file")->required();
+  command->add_option("--pixel", options->pixel, "pixel of the sample, 0,0 at the top left (default: the middle)")
+      ->type_name("X,Y");
+  command->add_option("--sample", options->sample, "index of the sample")->capture_default_str();
+  command->add_option("--seed", options->seed, "seed of the random numbers")->capture_default_str();
+  command->add_option("--size", options->size, "film size instead of the scene's, WxH");
+  command
+      ->add_option("--lights", options->lights,
+                   "follow so many paths, spread evenly over the picture, and count the lights they choose")
+      ->check(CLI::Range(1u, 100'000'000u));
+  options->scene.add_to(*command);
+  options->device.add_to(*command);
+  command->add_flag("--json", options->json, "machine-readable output");
+  command->callback([&action, options] { action = [options] { return explain(*options); }; });
+}
+
+}  // namespace etendue::cli
