@@ -1,0 +1,1 @@
+"""The chapters of docs/report.md that need pictures or numbers; each has run(studio)."""
