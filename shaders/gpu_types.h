@@ -72,8 +72,9 @@ const uint kRecordNode = 0x80000000u;
 const uint kRecordChildCountShift = 28u;  // 3 bits
 const uint kMaxTreeDepth = 64u;           // the builder's bound on wide levels
 
-// A scene of few primitives has no tree: its records are the primitives, triangles first. Kernels know their floats as specialization
-// constants, nine a primitive from this id on, and test one after the other.
+// The primitives that nearly every ray would meet in the tree, the walls of a room and the ground, stand outside it; of a scene of at most so many
+// all do, and there is no tree. They are the first records, triangles before spheres. Kernels know their floats as specialization constants,
+// nine a primitive from kFewConstants on, and test one after the other before a ray enters the tree.
 const uint kFewPrimitives = 24u;
 const uint kFewConstants = 32u;
 

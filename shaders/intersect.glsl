@@ -7,11 +7,11 @@
 #include "scene.glsl"
 
 layout(constant_id = 9) const bool kHasSpheres = true;
-// Not 0 for scenes of at most kFewPrimitives primitives, which have no tree.
+// The primitives that are tested before the tree, see kFewPrimitives.
 layout(constant_id = 10) const uint kFewTriangles = 0u;
 layout(constant_id = 11) const uint kFewSpheres = 0u;
 
-// The primitives of such a scene: kFew<i>_<k> is float k of p0, p1, p2 of record i.
+// Their floats: kFew<i>_<k> is float k of p0, p1, p2 of record i.
 #define FOR_EACH_FEW(X) \
   X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11) X(12) X(13) X(14) X(15) X(16) X(17) X(18) X(19) X(20) X(21) X(22) X(23)
 #define FEW_VALUE(i, k) layout(constant_id = kFewConstants + 9 * i + k) const float kFew##i##_##k = 0.0;
@@ -99,7 +99,7 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
   return found;
 }
 
-// All primitives of a scene without a tree: everything about them is a constant, so nothing is loaded, vertices that triangles share are
+// The primitives outside the tree: everything about them is a constant, so nothing is loaded, vertices that triangles share are
 // projected once, and no lane waits for another.
 #define TEST_FEW(i)                                                                                                  \
   if (i < kFewTriangles) {                                                                                           \

@@ -7,8 +7,13 @@
 #include "intersect.glsl"
 
 layout(constant_id = 8) const uint kStackSize = 16u;  // levels of the tree, so that the stack cannot overflow
+layout(constant_id = 17) const uint kTreeRoot = 0u;   // record of the root; kNone for a scene without a tree
 
-// A ray on its way through the tree. `current` is the record visited next, kNone when the walk has ended.
+const bool kHasFew = kFewTriangles + kFewSpheres > 0u;
+const uint kBeforeTree = 0xfffffffeu;
+
+// A ray on its way through the scene: first the few primitives, then the tree. `current` is the record visited next, kBeforeTree while the few
+// primitives are still to be tested, kNone when the walk has ended.
 //
 // A stack entry is one node's children still to be visited: its child base / 2 in the upper 24 bits, their number in bits 6–7 and
 // their indices, nearest first, two bits each from bit 0. The top is walk_stack[0]; pushing shifts the whole array, which keeps it
@@ -34,7 +39,7 @@ Walk begin_walk(Ray ray, bool any_hit) {
   walk.rf = make_ray_frame(ray);
   walk.inv_d = safe_inverse(ray.d);
   walk.hit = Hit(ray.t_max, kNone, 0.0, 0.0);
-  walk.current = 0u;
+  walk.current = kHasFew ? kBeforeTree : kTreeRoot;
   walk.any_hit = any_hit;
   walk_stack[0] = 0u;  // an entry without children ends the walk; what lies below is never reached
   return walk;
@@ -80,15 +85,16 @@ uvec4 sort_keys(uvec4 k) {
   return uvec4(k.x, min(k.y, k.z), max(k.y, k.z), k.w);
 }
 
-const bool kHasTree = kFewTriangles + kFewSpheres == 0u;
+// The step before the tree, for walks that have not taken it: the primitives that most rays would meet there anyhow.
+void test_few_primitives(inout Walk walk) {
+  if (!kHasFew || walk.current != kBeforeTree) return;
+  walk.hit = intersect_few_primitives(walk.rf);
+  walk.current = walk.any_hit && walk.hit.slot != kNone ? kNone : kTreeRoot;
+}
 
 // Visits one record: a node sends the walk to its nearest child and stacks the others, a primitive is intersected.
 void walk_step(inout Walk walk) {
-  if (!kHasTree) {
-    walk.hit = intersect_few_primitives(walk.rf);
-    walk.current = kNone;
-    return;
-  }
+  if (kTreeRoot == kNone) return;
   const Record record = fetch_record(walk.current);
   const bool node = (record.a.w & kRecordNode) != 0u;
 
@@ -119,6 +125,7 @@ void walk_step(inout Walk walk) {
 // Walks to the end, or until `steps` exceeds the budget: some drivers end long loops silently.
 Hit trace(Ray ray, bool any_hit, uint step_budget, inout uint steps) {
   Walk walk = begin_walk(ray, any_hit);
+  test_few_primitives(walk);
   // The exit is tested at the top as well: a loop that can only leave at its bottom loses lanes on some drivers.
   while (walk.current != kNone) {
     if (steps > step_budget) break;

@@ -62,6 +62,7 @@ void render_slot(uint group, uint lane) {
   while (path.sample_index < pass.sample_end) {
     if (iterations > pass.step_budget) break;
     iterations += kIterationsPerRound;
+    test_few_primitives(walk);
     for (uint i = 0u; i < kStepsPerRound; ++i) {
       if (walk.current == kNone) break;
       walk_step(walk);

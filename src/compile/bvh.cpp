@@ -4,6 +4,7 @@
 #include <bit>
 #include <span>
 
+#include "core/long_task.h"
 #include "core/parallel.h"
 
 namespace etendue {
@@ -91,10 +92,17 @@ struct BinMap {
 
 class Builder {
  public:
-  Builder(std::vector<Box> boxes, const BvhConfig& config) : config_(config) {
-    items_.reserve(boxes.size());
-    for (std::uint32_t i = 0; i < boxes.size(); ++i) items_.emplace_back(boxes[i], i);
-    boxes = {};  // the memory is needed for the nodes
+  Builder(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& without, const BvhConfig& config)
+      : config_(config) {
+    items_.reserve(boxes.size() - without.size());
+    auto next = without.begin();
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+      if (next != without.end() && *next == i) {
+        ++next;
+      } else {
+        items_.emplace_back(boxes[i], i);
+      }
+    }
   }
 
   Bvh build() {
@@ -111,8 +119,12 @@ class Builder {
         split_node(work, pending);
       }
     }
+    LongTask progress("Building the tree", items_.size());
     parallel_for(subtrees.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t i = begin; i < end; ++i) build_subtree(subtrees[i]);
+      for (std::uint64_t i = begin; i < end; ++i) {
+        build_subtree(subtrees[i]);
+        progress.advance(subtrees[i].count());
+      }
     });
     return std::move(bvh_);
   }
@@ -274,8 +286,10 @@ class Builder {
 
 }  // namespace
 
-Bvh build_bvh(std::vector<Box> boxes, const BvhConfig& config) {
-  return Builder(std::move(boxes), config).build();
+Bvh build_bvh(std::vector<Box> boxes, const std::vector<std::uint32_t>& without, const BvhConfig& config) {
+  Builder builder(boxes, without, config);
+  boxes = {};  // the memory is needed for the nodes
+  return builder.build();
 }
 
 }  // namespace etendue

@@ -31,7 +31,8 @@ constexpr std::uint32_t bvh_sibling(std::uint32_t node) {
   return ((node - 1) ^ 1u) + 1;
 }
 
-/// The same bytes for any number of threads. `boxes` must not be empty and is used up. Nodes lie depth first.
-Bvh build_bvh(std::vector<Box> boxes, const BvhConfig& config = {});
+/// A tree of all boxes but those `without`, an ascending list; one at least must be left. The same bytes for any number
+/// of threads. Nodes lie depth first.
+Bvh build_bvh(std::vector<Box> boxes, const std::vector<std::uint32_t>& without = {}, const BvhConfig& config = {});
 
 }  // namespace etendue

@@ -5,6 +5,7 @@
 
 #include "compile/bvh.h"
 #include "compile/discrete.h"
+#include "compile/few_primitives.h"
 #include "compile/filter_table.h"
 #include "compile/normalization.h"
 #include "compile/reinsertion.h"
@@ -120,28 +121,29 @@ class Compiler {
     for (const glm::dvec3& n : mesh.normals) out_.normals.emplace_back(glm::vec3(n), 0.0f);
   }
 
-  // Triangles, then spheres, each in the order of the scene.
-  void list_few_primitives() {
-    slot_of_.resize(flat_primitives_.size());
-    for (const gpu::uint kind : {gpu::kPrimitiveTriangle, gpu::kPrimitiveSphere}) {
-      for (std::size_t i = 0; i < flat_primitives_.size(); ++i) {
-        if (flat_primitives_[i].kind != kind) continue;
-        slot_of_[i] = static_cast<gpu::uint>(out_.records.size());
-        out_.records.push_back(to_record(flat_primitives_[i]));
-        ++(kind == gpu::kPrimitiveTriangle ? out_.few_triangles : out_.few_spheres);
-      }
-    }
+  // The primitives outside the tree: triangles, then spheres, each in the order of the scene.
+  std::vector<std::uint32_t> take_few_primitives(const std::vector<Box>& boxes) {
+    std::vector<std::uint32_t> few = choose_few_primitives(boxes);
+    const auto spheres = std::ranges::stable_partition(
+        few, [&](std::uint32_t i) { return flat_primitives_[i].kind == gpu::kPrimitiveTriangle; });
+    out_.few_spheres = static_cast<std::uint32_t>(spheres.size());
+    out_.few_triangles = static_cast<std::uint32_t>(few.size() - spheres.size());
+    return few;
   }
 
   void build_tree() {
-    if (flat_primitives_.size() <= gpu::kFewPrimitives) return list_few_primitives();
     std::vector<Box> boxes;
     boxes.reserve(flat_primitives_.size());
     for (const gpu::Primitive& p : flat_primitives_) boxes.push_back(primitive_box(p));
-    Bvh bvh = build_bvh(std::move(boxes));
-    reinsert_subtrees(bvh);
-    WideBvh tree = make_wide_bvh(bvh, flat_primitives_);
+    const std::vector<std::uint32_t> few = take_few_primitives(boxes);
+    Bvh bvh;
+    if (few.size() < boxes.size()) {
+      bvh = build_bvh(std::move(boxes), few);
+      reinsert_subtrees(bvh);
+    }
+    WideBvh tree = make_wide_bvh(bvh, flat_primitives_, few);
     out_.records = std::move(tree.records);
+    out_.tree_root = tree.root;
     out_.tree_depth = tree.depth;
     slot_of_ = std::move(tree.slot_of);
   }

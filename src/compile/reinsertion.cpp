@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "core/long_task.h"
 #include "core/parallel.h"
 
 namespace etendue {
@@ -36,7 +37,8 @@ class Optimizer {
       if (move_one_by_one(largest(config_.large)) == 0) break;
     }
     const auto share = static_cast<std::size_t>(config_.share * static_cast<float>(nodes_.size()));
-    for (std::uint32_t round = 0; round < config_.rounds; ++round) {
+    LongTask progress("Improving the tree", config_.rounds);
+    for (std::uint32_t round = 0; round < config_.rounds; ++round, progress.advance(1)) {
       if (apply(find_moves(largest(std::max<std::size_t>(share, config_.at_least)))) == 0) break;
     }
   }

@@ -158,6 +158,7 @@ void quantize(float lower, float upper, float origin, float scale, std::uint32_t
 // the wide node with the record of the first.
 struct Draft {
   std::uint32_t node;
+  std::uint32_t leaf;  // 0 also for records that are left free
   std::uint32_t base;
   Children children;
 };
@@ -196,21 +197,21 @@ gpu::Record encode_node(const Bvh& bvh, const Draft& draft) {
   return r;
 }
 
-// Places all nodes, depth first, as drafts; returns the levels of wide nodes.
-std::uint32_t lay_out(const Bvh& bvh, std::vector<gpu::Record>& records) {
+// Places all nodes, depth first, as drafts from record `root` on; returns the levels of wide nodes.
+std::uint32_t lay_out(const Bvh& bvh, std::uint32_t root, std::vector<gpu::Record>& records) {
   const CollapsePlan plan(bvh);
   struct Task {
     std::uint32_t node, record, depth;
   };
   const std::uint32_t allowed = plan.least_levels(0) + kSpareLevels;
   std::uint32_t depth = 0;
-  records.resize(1);
-  std::vector<Task> pending{{0, 0, 1}};
+  records.resize(root + 1);
+  std::vector<Task> pending{{0, root, 1}};
   while (!pending.empty()) {
     const Task task = pending.back();
     pending.pop_back();
     if (bvh.nodes[task.node].leaf != 0) {
-      write_draft({task.node, 0, {}}, records[task.record]);
+      write_draft({task.node, 1, 0, {}}, records[task.record]);
       continue;
     }
     depth = std::max(depth, task.depth);
@@ -223,7 +224,7 @@ std::uint32_t lay_out(const Bvh& bvh, std::vector<gpu::Record>& records) {
                                                      (bvh.nodes.size() + 1) / 2, kMaxRecords, 23));
     }
     records.resize(base + children.count);
-    write_draft({task.node, static_cast<std::uint32_t>(base), children}, records[task.record]);
+    write_draft({task.node, 0, static_cast<std::uint32_t>(base), children}, records[task.record]);
     for (std::uint32_t i = children.count; i-- > 0;) {
       pending.push_back({children.node[i], static_cast<std::uint32_t>(base + i), task.depth + 1});
     }
@@ -240,19 +241,29 @@ gpu::Record to_record(const gpu::Primitive& p) {
   return r;
 }
 
-WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives) {
+WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives,
+                      const std::vector<std::uint32_t>& outside) {
   WideBvh wide;
   wide.slot_of.resize(primitives.size());
-  wide.depth = lay_out(bvh, wide.records);
-  parallel_for(wide.records.size(), kGrain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i) {
+  const auto first = static_cast<std::uint32_t>(outside.size());
+  wide.records.resize(first);
+  if (!bvh.nodes.empty()) {
+    wide.root = first;
+    wide.depth = lay_out(bvh, first, wide.records);
+  }
+  const auto place = [&](std::uint32_t primitive, std::uint64_t record) {
+    wide.slot_of[primitive] = static_cast<std::uint32_t>(record);
+    wide.records[record] = to_record(primitives[primitive]);
+  };
+  for (std::size_t i = 0; i < outside.size(); ++i) place(outside[i], i);
+  parallel_for(wide.records.size() - first, kGrain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = first + begin; i < first + end; ++i) {
       const Draft draft = read_draft(wide.records[i]);
       const BvhNode& node = bvh.nodes[draft.node];
       if (draft.children.count > 0) {
         wide.records[i] = encode_node(bvh, draft);
-      } else if (node.leaf != 0) {
-        wide.slot_of[node.first] = static_cast<std::uint32_t>(i);
-        wide.records[i] = to_record(primitives[node.first]);
+      } else if (draft.leaf != 0) {
+        place(node.first, i);
       }
     }
   });

@@ -10,15 +10,18 @@
 namespace etendue {
 
 struct WideBvh {
-  std::vector<gpu::Record> records;    ///< record 0 is the root; nodes and primitives share the array
+  std::vector<gpu::Record> records;    ///< nodes and primitives share the array
   std::vector<std::uint32_t> slot_of;  ///< record index of each primitive
+  std::uint32_t root = gpu::kNone;     ///< record of the root; kNone for an empty tree
   std::uint32_t depth = 0;             ///< levels of nodes: the stack never holds more entries
 };
 
 /// `primitives` are in their original order. Children of a node are neighbours, their group starts at an even record,
 /// so that a group needs 24 bits in a stack entry. The same bytes for any number of threads. Throws Error(scene_error)
 /// beyond 2^25 records.
-WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives);
+/// `outside`, primitives that stand outside the tree, become the first records.
+WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives,
+                      const std::vector<std::uint32_t>& outside = {});
 
 /// A primitive as it stands among the records.
 gpu::Record to_record(const gpu::Primitive& primitive);

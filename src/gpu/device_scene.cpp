@@ -89,7 +89,8 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                                    {13, light_rounds.primitives},
                                                    {14, bsdfs_used(scene)},
                                                    {15, scene.normals.empty() ? 0u : 1u},
-                                                   {16, has_sphere_lights(scene) ? 1u : 0u}};
+                                                   {16, has_sphere_lights(scene) ? 1u : 0u},
+                                                   {17, scene.tree_root}};
   for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) {
     const gpu::Record& record = scene.records[i];
     const std::uint32_t first = gpu::kFewConstants + 9 * i;

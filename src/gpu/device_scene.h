@@ -26,7 +26,7 @@ struct LightRounds {
   explicit LightRounds(const CompiledScene& scene);
 };
 
-/// Specialization constants of every kernel that traces rays: tree depth, lights, and the primitives of a scene of few.
+/// Specialization constants of every kernel that traces rays: tree, lights, and the few primitives outside the tree.
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene);
 
 class DeviceScene {

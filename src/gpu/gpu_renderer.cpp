@@ -89,7 +89,7 @@ class GpuRenderer final : public Renderer {
     unused_ =
         vulkan::Buffer(context_, 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "placeholder");
     timings_.upload = timer.seconds();
-    const bool has_tree = compiled.few_triangles + compiled.few_spheres == 0;
+    const bool has_tree = compiled.tree_root != gpu::kNone;
     const std::uint32_t steps_per_round = has_tree ? kStepsPerRound : 1;
     const LightRounds light_rounds(compiled);
     constants_ = {{0, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},

@@ -9,6 +9,7 @@
 
 #include "compile/bvh.h"
 #include "compile/compiled_scene.h"
+#include "compile/few_primitives.h"
 #include "compile/reinsertion.h"
 #include "compile/wide_bvh.h"
 #include "core/parallel.h"
@@ -119,7 +120,7 @@ TEST(CompileBvh, EveryPrimitiveIsOneLeafAndInAllBoxesAbove) {
     SCOPED_TRACE(soup.name + std::string(", ") + std::to_string(soup.primitives.size()));
     const auto boxes = boxes_of(soup.primitives);
     const BvhConfig config;
-    const Bvh bvh = build_bvh(boxes, config);
+    const Bvh bvh = build_bvh(boxes, {}, config);
     // Below median_depth every level halves what is left.
     EXPECT_LE(check_binary(bvh, boxes), config.median_depth + 32);
   }
@@ -148,7 +149,7 @@ TEST(CompileBvh, ReinsertionRespectsItsDepth) {
   const auto all = soups();
   const auto& soup = *std::ranges::find_if(all, [](const Soup& s) { return std::string(s.name) == "geometric row"; });
   const auto boxes = boxes_of(soup.primitives);
-  Bvh bvh = build_bvh(boxes, {.median_depth = 4});  // a flat tree that every move would deepen
+  Bvh bvh = build_bvh(boxes, {}, {.median_depth = 4});  // a flat tree that every move would deepen
   const std::uint32_t depth = check_binary(bvh, boxes);
   reinsert_subtrees(bvh, {.max_depth = depth});
   EXPECT_LE(check_binary(bvh, boxes), depth);
@@ -236,8 +237,7 @@ struct WideCheck {
   std::vector<int> seen;
   std::uint32_t depth = 0;
 
-  // Returns the primitives below the record, all inside `box`.
-  void visit(std::uint32_t record, const Box* box, std::uint32_t level) {
+  void visit(std::uint32_t record, std::uint32_t level) {
     const gpu::Record& r = tree.records.at(record);
     if (!is_node(r)) {
       const auto primitive = std::ranges::find(tree.slot_of, record) - tree.slot_of.begin();
@@ -250,10 +250,8 @@ struct WideCheck {
     ASSERT_LE(child_count(r), 4u);
     ASSERT_EQ(child_base(r) % 2, 0u);
     for (std::uint32_t i = 0; i < child_count(r); ++i) {
-      const Box child = decode_child_box(r, i);
-      visit(child_base(r) + i, &child, level + 1);
+      visit(child_base(r) + i, level + 1);
     }
-    (void)box;
   }
 };
 
@@ -284,10 +282,75 @@ TEST(CompileBvh, WideNodesContainTheirChildrenAfterQuantisation) {
     ASSERT_EQ(tree.slot_of.size(), soup.primitives.size());
     exact_box(tree, soup.primitives, 0);
     WideCheck check{tree, boxes, std::vector<int>(boxes.size(), 0)};
-    check.visit(0, nullptr, 0);
+    check.visit(0, 0);
     EXPECT_TRUE(std::ranges::all_of(check.seen, [](int n) { return n == 1; }));
     EXPECT_EQ(check.depth, tree.depth);
     EXPECT_LE(tree.depth, gpu::kMaxTreeDepth);
+  }
+}
+
+// A room of six walls around a cloud of small boxes.
+std::vector<Box> room_and_cloud(std::size_t small) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> u(-0.3f, 0.3f);
+  std::vector<Box> boxes;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-1.0f, 1.0f}) {
+      Box wall{glm::vec3(-1.0f), glm::vec3(1.0f)};
+      wall.lower[axis] = wall.upper[axis] = side;
+      boxes.push_back(wall);
+    }
+  }
+  for (std::size_t i = 0; i < small; ++i) {
+    const float x = u(random), y = u(random);
+    const glm::vec3 p(x, y, u(random));
+    boxes.push_back({p, p + 0.005f});
+  }
+  return boxes;
+}
+
+TEST(CompileFewPrimitives, WallsStandOutsideTheTree) {
+  EXPECT_EQ(choose_few_primitives(room_and_cloud(1000)), (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5}));
+}
+
+TEST(CompileFewPrimitives, EqualPrimitivesStayInTheTree) {
+  std::vector<Box> boxes = room_and_cloud(1000);
+  boxes.erase(boxes.begin(), boxes.begin() + 6);
+  EXPECT_TRUE(choose_few_primitives(boxes).empty());
+}
+
+TEST(CompileFewPrimitives, NeverMoreThanTheKernelsHold) {
+  std::vector<Box> boxes;
+  for (int i = 0; i < 40; ++i) {
+    for (const Box& wall : room_and_cloud(0)) boxes.push_back(wall);
+  }
+  EXPECT_LE(choose_few_primitives(boxes).size(), gpu::kFewPrimitives);
+  std::vector<Box> points(50, Box{glm::vec3(0.5f), glm::vec3(0.5f)});  // no areas at all
+  EXPECT_LE(choose_few_primitives(points).size(), gpu::kFewPrimitives);
+}
+
+TEST(CompileFewPrimitives, SmallScenesHaveNoTree) {
+  EXPECT_EQ(choose_few_primitives(room_and_cloud(gpu::kFewPrimitives - 6)).size(), gpu::kFewPrimitives);
+}
+
+TEST(CompileScene, FewPrimitivesAreTheFirstRecordsAndTheTreeHoldsTheRest) {
+  std::vector<gpu::Primitive> primitives;
+  for (const Box& box : room_and_cloud(1000)) {
+    gpu::Primitive p{};
+    p.p0 = box.lower, p.p1 = box.upper, p.p2 = {box.lower.x, box.upper.y, box.lower.z};
+    p.primitive = static_cast<gpu::uint>(primitives.size());
+    primitives.push_back(p);
+  }
+  const auto boxes = boxes_of(primitives);
+  const std::vector<std::uint32_t> few = {2, 5, 700};
+  const WideBvh tree = make_wide_bvh(build_bvh(boxes, few), primitives, few);
+  EXPECT_EQ(tree.root, 3u);
+  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(tree.slot_of[few[i]], i);
+  WideCheck check{tree, boxes, std::vector<int>(boxes.size(), 0)};
+  check.visit(tree.root, 0);
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    EXPECT_EQ(check.seen[i], std::ranges::find(few, i) == few.end() ? 1 : 0) << i;
+    EXPECT_EQ(tree.records[tree.slot_of[i]].b.w, i) << "a primitive's record is the primitive";
   }
 }
 
