@@ -6,7 +6,8 @@
 #include "path.glsl"
 
 layout(constant_id = 4) const bool kLuminance = false;
-layout(constant_id = 5) const uint kStepsPerRound = 4u;
+layout(constant_id = 5) const uint kStepsPerTurn = 6u;
+layout(constant_id = 7) const uint kTurnsPerRound = 2u;
 layout(constant_id = 6) const uint kIterationsPerRound = 8u;  // upper bound of all loops' iterations in a round
 
 layout(push_constant) uniform PassBlock { Pass pass; };
@@ -42,8 +43,9 @@ void finish_sample(Path path, inout FilmSlot sums, inout Rejected first_rejected
   if (!added && first_rejected.sample_index == kNone) first_rejected = Rejected(path.sample_index, path.segment);
 }
 
-// The lane's samples one after the other, with a single traversal site: every round of the loop takes up to kStepsPerRound traversal steps,
-// then shades the lanes whose ray has arrived, whatever kind of ray it was. A lane never waits for another lane's path or ray to end.
+// The lane's samples one after the other, with a single traversal site: every round of the loop takes some traversal steps, then shades
+// the lanes whose ray has arrived. A lane never waits for another lane's path or ray to end. A shadow ray that has arrived needs little, so a round
+// has two turns of steps: usually the shadow ray of the last vertex in the first and the next segment in the second.
 //
 // Loops are bounded: the iterations of a round are counted alike by all lanes of a group. A sample that does not fit into the
 // budget is handed back untouched: next_sample remembers where to go on, and the host dispatches again. So the budget changes when a
@@ -62,15 +64,19 @@ void render_slot(uint group, uint lane) {
   while (path.sample_index < pass.sample_end) {
     if (iterations > pass.step_budget) break;
     iterations += kIterationsPerRound;
-    test_few_primitives(walk);
-    for (uint i = 0u; i < kStepsPerRound; ++i) {
-      if (walk.current == kNone) break;
-      walk_step(walk);
+    for (uint turn = 0u; turn < kTurnsPerRound; ++turn) {
+      test_few_primitives(walk);
+      for (uint i = 0u; i < kStepsPerTurn; ++i) {
+        if (walk.current == kNone) break;
+        walk_step(walk);
+      }
+      if (walk.current == kNone && path.shadow_pending) {
+        settle_light(path, walk.hit.slot != kNone);
+        if (path.alive) walk = begin_walk(path.ray, false);
+      }
     }
     if (walk.current != kNone) continue;
-    if (path.shadow_pending) {
-      settle_light(path, walk.hit.slot != kNone);
-    } else {
+    if (path.alive) {
       Decisions decisions;
       arrive(path, walk.hit, decisions);
     }
