@@ -122,10 +122,11 @@ void walk_step(inout Walk walk) {
   walk.current = (pop && left == 0u) || (found && walk.any_hit) ? kNone : next;
 }
 
-// Walks to the end, or until `steps` exceeds the budget: some drivers end long loops silently.
+// Walks to the end, or until `steps` exceeds the budget: some drivers end long loops silently. The few primitives together are one step.
 Hit trace(Ray ray, bool any_hit, uint step_budget, inout uint steps) {
   Walk walk = begin_walk(ray, any_hit);
   test_few_primitives(walk);
+  if (kHasFew) ++steps;
   // The exit is tested at the top as well: a loop that can only leave at its bottom loses lanes on some drivers.
   while (walk.current != kNone) {
     if (steps > step_budget) break;
