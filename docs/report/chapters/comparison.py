@@ -18,8 +18,8 @@ def run(studio):
     compare = ROOT / "tests" / "bench" / "compare" / "compare.py"
     embree = studio.program.parent.parent / "tests" / "bench" / "compare" / "embree_rays"
     out = studio.scratch / "compare.json"
-    options = ["--etendue", studio.program, "--threads", len(os.sched_getaffinity(0)), "--json", out, "--size", "320x240", "--spp", 16,
-               "--rays", 1 << 17, "--repetitions", 3, *(["--embree", embree] if embree.exists() else [])]  # yapf: disable
+    options = ["--etendue", studio.program, "--threads", len(os.sched_getaffinity(0)), "--json", out, "--size", "240x180", "--spp", 16,
+               "--rays", 1 << 16, "--repetitions", 3, *(["--embree", embree] if embree.exists() else [])]  # yapf: disable
     studio.run(sys.executable, compare, *options, *[studio.scene(name) for name in SCENES])
     report = json.loads(out.read_text(encoding="utf-8"))
     samples, rays = [], []
