@@ -246,6 +246,8 @@ WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primiti
   WideBvh wide;
   wide.slot_of.resize(primitives.size());
   const auto first = static_cast<std::uint32_t>(outside.size());
+  // Meshes take 1.4 to 1.5 records a primitive; growing by doubling would need the memory twice.
+  wide.records.reserve(first + bvh.nodes.size() * 77 / 100);
   wide.records.resize(first);
   if (!bvh.nodes.empty()) {
     wide.root = first;
