@@ -34,7 +34,10 @@ const uint kBindingReport = 11u;
 const uint kBindingRequests = 12u;
 const uint kBindingResults = 13u;
 const uint kBindingVertices = 14u;
-const uint kBindingCount = 15u;
+const uint kBindingSetSums = 15u;
+const uint kBindingLightNodes = 16u;
+const uint kBindingLightTrails = 17u;
+const uint kBindingCount = 18u;
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
 const uint kTileSize = 8u;        // pixels
@@ -117,6 +120,20 @@ struct LightPrimitive {
   uint pad0;
 };
 
+// The light tree: what a group of lights can do at most; siblings lie side by side, the root first.
+struct LightNode {
+  vec3 center;           // of its box
+  float radius_squared;  // of the sphere around that box
+  vec3 axis;             // of the cone of normals
+  float cos_cone;        // of the cone's half angle
+  float power;           // share of all lights
+  float sin_cone;
+  uint child;            // the first of two; of a leaf kLightLeaf | record
+  float area;            // of a leaf's primitive
+};
+const uint kLightLeaf = 0x80000000u;
+const uint kMaxLightTreeDepth = 31u;
+
 // Everything that is constant during a render. Directions and positions are in normalised scene coordinates.
 struct Frame {
   vec3 camera_origin;
@@ -149,8 +166,8 @@ struct Frame {
 struct Pass {
   uint first_group;      // tile-major group index this dispatch starts at
   uint slot_base;        // first film slot held by the bound film band
-  uint sample_end;       // lanes work until their next sample index reaches this
-  uint lanes_per_pixel;  // a pixel's samples are dealt round robin to this many slots
+  uint path_end;         // lanes work until their next path reaches this
+  uint lanes_per_pixel;  // a pixel's sets of paths (see sampler.glsl) are dealt round robin to this many slots
   uint packed_pixels;    // not 0: slots are packed, pixel = slot % packed_pixels; 0: slots are tiles
   uint step_budget;      // traversal steps a lane may spend before it hands its sample back
   uint request_count;    // samples kernel: number of requests
@@ -241,6 +258,7 @@ static_assert(sizeof(Primitive) == 48);
 static_assert(sizeof(Shape) == 48);
 static_assert(sizeof(LightShape) == 16);
 static_assert(sizeof(LightPrimitive) == 16);
+static_assert(sizeof(LightNode) == 48);
 static_assert(sizeof(Frame) == 144);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);

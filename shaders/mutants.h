@@ -45,7 +45,12 @@ const uint kMutantFilterSignDropped = 27u;
 const uint kMutantNumbersEqual = 28u;
 const uint kMutantSampleIndexIgnored = 29u;
 const uint kMutantEmissionAfterDeltaLost = 30u;
-const uint kMutantCount = 31u;
+const uint kMutantScramblingMissing = 31u;
+const uint kMutantDimensionsPaired = 32u;
+const uint kMutantTreeShareForgotten = 33u;
+const uint kMutantTreeCullsTooMuch = 34u;
+const uint kMutantTreeMisForgotten = 35u;
+const uint kMutantCount = 36u;
 #endif
 
 #ifdef __cplusplus

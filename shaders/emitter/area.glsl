@@ -55,8 +55,7 @@ LightSample area_sample_sphere(vec3 p, Primitive sphere, Shape shape, vec2 u) {
   return ls;
 }
 
-LightSample area_sample(vec3 p, uint shape_index, LightPrimitive choice, vec2 u) {
-  const Shape shape = fetch_shape(shape_index);
+LightSample area_sample(vec3 p, uint shape_index, Shape shape, LightPrimitive choice, vec2 u) {
   const Primitive prim = fetch_primitive(choice.slot);
   LightSample ls;
   if (kSphereLights && prim.kind == kPrimitiveSphere) {

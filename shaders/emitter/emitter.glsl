@@ -50,15 +50,43 @@ uint choose_light_primitive(LightShape light, uint word) {
   return first;
 }
 
-// words.x chooses the shape, words.y the primitive, words.zw the point.
-LightSample sample_light(vec3 p, uvec4 words) {
+#include "light_tree.glsl"
+
+// One primitive as the only one of its shape, chosen with probability `prob`: what the tree's choices look like to area.glsl.
+Shape as_chosen(Shape shape, LightNode leaf, float prob) {
+  shape.light_prob = prob;
+  shape.light_area = leaf.area;
+  return shape;
+}
+
+LightSample sample_light_of_tree(vec3 p, vec3 n, uvec4 words) {
+  float prob;
+  const LightNode leaf = choose_light(p, n, words.xy, prob);
+  const uint slot = leaf.child & ~kLightLeaf;
+  const uint shape = fetch_primitive(slot).shape;
+  LightSample ls = area_sample(p, shape, as_chosen(fetch_shape(shape), leaf, prob), LightPrimitive(0u, slot, 1.0, 0u), to_unit(words.zw));
+  ls.shape = prob > 0.0 ? ls.shape : kNone;
+  return ls;
+}
+
+// For a surface at p with shading normal n: words.xy choose the primitive (words.x its shape, where lights are chosen by power), words.zw the point.
+// `shape` is kNone when no light can contribute.
+LightSample sample_light(vec3 p, vec3 n, uvec4 words) {
+  if (kLightTree) return sample_light_of_tree(p, n, words);
   const LightShape light = fetch_light_shape(choose_light_shape(words.x));
   const LightPrimitive choice = fetch_light_primitive(choose_light_primitive(light, words.y));
-  return area_sample(p, light.shape, choice, to_unit(words.zw));
+  return area_sample(p, light.shape, fetch_shape(light.shape), choice, to_unit(words.zw));
 }
 
 // Density with which sample_light would have found the surface point `s` from `p` in direction wi; the mis_pdf of LightSample.
-float light_pdf(vec3 p, vec3 wi, Surface s, Shape shape, uint slot) {
+float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, Shape shape, uint slot) {
+  if (kLightTree) {
+    float prob;
+    // No walk for what does not emit: the loop ends at once when that holds for all lanes.
+    const uint trail = shape.light_prob > 0.0 ? fetch_light_trail(s.shape, s.primitive) : 0u;
+    const LightNode leaf = find_light(p, n, trail, prob);
+    shape = as_chosen(shape, leaf, prob);
+  }
   MUTATE(kMutantMisChoiceForgotten, return area_pdf(p, wi, s, shape, slot) / shape.light_prob);
   return area_pdf(p, wi, s, shape, slot);
 }

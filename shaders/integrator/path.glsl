@@ -19,6 +19,7 @@ struct Path {
   Ray ray;
   vec3 beta;           // throughput; the filter's weight is not part of it
   float bsdf_pdf;      // solid-angle density of the ray's direction; meaningless after a delta lobe
+  vec3 n;              // shading normal at the ray's origin, for the density of light sampling there
   vec3 radiance;       // gathered so far
   float eta_scale;     // product of (n_i/n_o)² along the path
   uint segment;        // of the ray, the camera ray is 1
@@ -46,7 +47,7 @@ Path begin_path(uint pixel, uint sample_index) {
   const uvec2 xy = uvec2(pixel % frame.width, pixel / frame.width);
   float weight;
   const Ray ray = sample_camera_ray(xy, to_unit(words.xy), weight);
-  return Path(ray, vec3(1.0), 0.0, vec3(0.0), 1.0, 1u, true, pixel, sample_index, weight, true, false, ray, vec3(0.0));
+  return Path(ray, vec3(1.0), 0.0, vec3(0.0), vec3(0.0), 1.0, 1u, true, pixel, sample_index, weight, true, false, ray, vec3(0.0));
 }
 
 // The value of a finished path's sample.
@@ -71,16 +72,16 @@ vec3 gather_emission(Path path, Surface s, Shape shape, uint slot) {
   if (path.full_emission || shape.light_prob == 0.0) return path.beta * le;
   if (!kMis) return vec3(0.0);
   // ray.o is offset from the vertex by its error bound, which is far below the distance to the light.
-  MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.ray.d, s, shape, slot) / path.bsdf_pdf));
-  return path.beta * le * power_heuristic(path.bsdf_pdf, light_pdf(path.ray.o, path.ray.d, s, shape, slot));
+  MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.n, path.ray.d, s, shape, slot) / path.bsdf_pdf));
+  return path.beta * le * power_heuristic(path.bsdf_pdf, light_pdf(path.ray.o, path.n, path.ray.d, s, shape, slot));
 }
 
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
 void sample_direct_light(inout Path path, Surface s, Shape shape, vec3 wo, inout Decisions decisions) {
-  const LightSample light = sample_light(s.p, random_words(frame.seed, path.pixel, path.sample_index, block_light(path.segment - 1u)));
+  const LightSample light = sample_light(s.p, s.frame.n, random_words(frame.seed, path.pixel, path.sample_index, block_light(path.segment - 1u)));
   decisions.light_shape = light.shape;
-  decisions.light_primitive = light.primitive;
-  decisions.light_contributed = 0u;
+  decisions.light_primitive = light.shape != kNone ? light.primitive : kNone;
+  decisions.light_contributed = light.shape != kNone ? 0u : kNone;
   const vec3 wi = to_local(s.frame, light.wi);
   const vec3 reflected = bsdf_eval(shape, wo, wi) * light.radiance;
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0 && consistent_side(s, light.wi);
@@ -120,6 +121,7 @@ void scatter(inout Path path, Surface s, Shape shape, vec3 wo, inout Decisions d
   path.full_emission = is_delta(bs.lobe) || !kNee;
   MUTATE(kMutantEmissionAfterDeltaLost, path.full_emission = !kNee);
   path.bsdf_pdf = bs.pdf;
+  path.n = s.frame.n;
   path.ray = spawn_ray(s.p, s.ng, s.error, wi);
   path.alive = true;
   if (path.segment >= frame.rr_depth) {
@@ -163,6 +165,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
 void path_segment(inout Path path, uint step_budget, inout uint steps, out Decisions decisions) {
   const Hit hit = trace(path.ray, false, step_budget, steps);
   arrive(path, hit, decisions);
+  steps += (2u * kLightTreeDepth + 7u) / 8u;  // this lane's share of the loops that all lanes of a SIMD group go through together
   if (!path.shadow_pending) return;
   const bool occluded = trace(path.shadow_ray, true, step_budget, steps).slot != kNone;
   decisions.light_contributed = occluded ? 0u : 1u;

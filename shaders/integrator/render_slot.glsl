@@ -1,4 +1,4 @@
-// One lane's share of a pass: all samples of its film slot up to pass.sample_end.
+// One lane's share of a pass: all paths of its film slot up to pass.path_end.
 #ifndef RENDER_SLOT_GLSL
 #define RENDER_SLOT_GLSL
 
@@ -11,7 +11,9 @@ layout(constant_id = 7) const uint kTurnsPerRound = 2u;
 layout(constant_id = 6) const uint kIterationsPerRound = 8u;  // upper bound of all loops' iterations in a round
 
 layout(push_constant) uniform PassBlock { Pass pass; };
-layout(set = 0, binding = kBindingProgress, std430) buffer ProgressBuffer { uint next_sample[]; };
+layout(set = 0, binding = kBindingProgress, std430) buffer ProgressBuffer { uint next_path[]; };
+// Per slot the sum over a set of paths that a dispatch left unfinished, xyz; not bound where numbers are independent.
+layout(set = 0, binding = kBindingSetSums, std430) buffer SetSumBuffer { vec4 set_sums[]; };
 layout(set = 0, binding = kBindingReport, std430) buffer ReportBuffer {
   ReportHead report;
   RejectedEntry rejected[];
@@ -37,10 +39,26 @@ uint slot_pixel(uint group, uint lane) {
   return mix(tiled_pixel, packed_pixel, pass.packed_pixels > 0u);
 }
 
-void finish_sample(Path path, inout FilmSlot sums, inout Rejected first_rejected) {
-  const vec3 value = kLuminance ? vec3(luminance(path_value(path))) : path_value(path);
-  const bool added = film_add(sums, value, frame.film_exponent);
-  if (!added && first_rejected.sample_index == kNone) first_rejected = Rejected(path.sample_index, path.segment);
+// The path after this one in the same slot: the lanes of a pixel take whole sets in turn. A set is one path where numbers are independent.
+const uint kSetMask = (1u << kSetBits) - 1u;
+uint path_after(uint path) {
+  return (path & kSetMask) != kSetMask ? path + 1u : path + 1u + ((pass.lanes_per_pixel - 1u) << kSetBits);
+}
+
+// What the film takes as a sample is the mean over a set: sets are independent of each other, the paths within one are not.
+void finish_path(Path path, inout vec3 set_sum, inout FilmSlot sums, inout Rejected first_rejected) {
+  vec3 value = kLuminance ? vec3(luminance(path_value(path))) : path_value(path);
+  bool bad = false;
+  bool complete = true;
+  if (kSetBits > 0u) {
+    bad = !is_finite(value);  // found here, because the mean does not tell which path it was
+    set_sum += value;
+    complete = (path.sample_index & kSetMask) == kSetMask;
+    value = set_sum / float(kSetMask + 1u);
+    set_sum = complete ? vec3(0.0) : set_sum;
+  }
+  if (complete) bad = (!film_add(sums, value, frame.film_exponent) && (kSetBits == 0u || is_finite(value))) || bad;
+  if (bad && first_rejected.sample_index == kNone) first_rejected = Rejected(path.sample_index, path.segment);
 }
 
 // The lane's samples one after the other, with a single traversal site: every round of the loop takes some traversal steps, then shades
@@ -48,20 +66,22 @@ void finish_sample(Path path, inout FilmSlot sums, inout Rejected first_rejected
 // has two turns of steps: usually the shadow ray of the last vertex in the first and the next segment in the second.
 //
 // Loops are bounded: the iterations of a round are counted alike by all lanes of a group. A sample that does not fit into the
-// budget is handed back untouched: next_sample remembers where to go on, and the host dispatches again. So the budget changes when a
+// budget is handed back untouched: next_path remembers where to go on, and the host dispatches again. So the budget changes when a
 // sample is computed, never its value.
 void render_slot(uint group, uint lane) {
   const uint pixel = slot_pixel(group, lane);
   if (pixel == kNone) return;
   const uint slot = group * kWorkgroupSize + lane - pass.slot_base;
   FilmSlot sums = film[slot];
-  const uint first_sample = next_sample[slot];
-  if (first_sample >= pass.sample_end) return;
-  Path path = begin_path(pixel, first_sample);
+  const uint first_path = next_path[slot];
+  if (first_path >= pass.path_end) return;
+  vec3 set_sum = vec3(0.0);
+  if (kSetBits > 0u) set_sum = set_sums[slot].xyz;
+  Path path = begin_path(pixel, first_path);
   Walk walk = begin_walk(path.ray, false);
   Rejected first_rejected = Rejected(kNone, 0u);
   uint iterations = 0u;
-  while (path.sample_index < pass.sample_end) {
+  while (path.sample_index < pass.path_end) {
     if (iterations > pass.step_budget) break;
     iterations += kIterationsPerRound;
     for (uint turn = 0u; turn < kTurnsPerRound; ++turn) {
@@ -81,8 +101,8 @@ void render_slot(uint group, uint lane) {
       arrive(path, walk.hit, decisions);
     }
     if (!path.alive && !path.shadow_pending) {
-      finish_sample(path, sums, first_rejected);
-      path = begin_path(pixel, path.sample_index + pass.lanes_per_pixel);
+      finish_path(path, set_sum, sums, first_rejected);
+      path = begin_path(pixel, path_after(path.sample_index));
     }
     if (path.shadow_pending) {
       walk = begin_walk(path.shadow_ray, true);
@@ -90,13 +110,14 @@ void render_slot(uint group, uint lane) {
       walk = begin_walk(path.ray, false);
     }
   }
-  if (path.sample_index < pass.sample_end) {
+  if (path.sample_index < pass.path_end) {
     atomicAdd(report.unfinished, 1u);
-    if (path.sample_index == first_sample) atomicAdd(report.stuck, 1u);
+    if (path.sample_index == first_path) atomicAdd(report.stuck, 1u);
   }
   if (first_rejected.sample_index != kNone) report_rejected(pixel, first_rejected);
   film[slot] = sums;
-  next_sample[slot] = path.sample_index;
+  next_path[slot] = path.sample_index;
+  if (kSetBits > 0u) set_sums[slot] = vec4(set_sum, 0.0);
 }
 
 #endif

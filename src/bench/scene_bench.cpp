@@ -141,7 +141,8 @@ void SceneBench::repeat() {
     ray_paces_[i].push_back({rays / seconds, rays / (cpu_seconds() - cpu_start)});
   }
   if (!renderer_) return;
-  const double samples = static_cast<double>(spp_) * scene_.camera.width * scene_.camera.height;
+  const double samples =
+      static_cast<double>(spp_) * scene_.sampler.set_size() * scene_.camera.width * scene_.camera.height;
   const double cpu_start = cpu_seconds(), seconds = render(spp_);
   sample_paces_.push_back({samples / seconds, samples / (cpu_seconds() - cpu_start)});
 }
@@ -174,7 +175,7 @@ SceneReport SceneBench::report() const {
   }
   out.sample_rate = spread_of(column(sample_paces_, &Pace::wall));
   out.cpu_sample_rate = spread_of(column(sample_paces_, &Pace::cpu));
-  out.repeated_spp = spp_;
+  out.repeated_spp = spp_ * scene_.sampler.set_size();
   return out;
 }
 

@@ -1,4 +1,5 @@
 #include <chrono>
+#include <limits>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -36,27 +37,58 @@ bool uses_gpu(const Options& options) {
   return options.device.selector != "reference";
 }
 
-std::string integrator_text(const Integrator& integrator) {
+std::string integrator_text(const Scene& scene) {
+  const Integrator& integrator = scene.integrator;
   if (integrator.type == Integrator::Type::normals) return "normals";
-  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}", integrator.max_depth, integrator.nee, integrator.mis,
-                     integrator.rr_depth);
+  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}{}", integrator.max_depth, integrator.nee,
+                     integrator.mis, integrator.rr_depth, uses_light_tree(scene) ? " lightSampler=tree" : "");
 }
 
 // What every film of this render agrees on. Nothing in a file depends on the time or the place of the run.
 FilmHeader identity(const Scene& scene, std::uint32_t seed) {
-  return {.width = scene.camera.width,
-          .height = scene.camera.height,
-          .exponent = film_exponent(scene),
-          .metadata = {{"software", "Etendue"},
-                       {"version", version()},
-                       {"scene", scene.name},
-                       {"sceneHash", fmt::format("{:016x}", scene_hash(scene))},
-                       {"seed", std::to_string(seed)},
-                       {"integrator", integrator_text(scene.integrator)}}};
+  FilmHeader header{.width = scene.camera.width,
+                    .height = scene.camera.height,
+                    .exponent = film_exponent(scene),
+                    .metadata = {{"software", "Etendue"},
+                                 {"version", version()},
+                                 {"scene", scene.name},
+                                 {"sceneHash", fmt::format("{:016x}", scene_hash(scene))},
+                                 {"seed", std::to_string(seed)},
+                                 {"integrator", integrator_text(scene)}}};
+  if (scene.sampler.type == Sampler::Type::sobol)
+    header.metadata["sampler"] = fmt::format("sobol setSize={}", scene.sampler.set_size());
+  return header;
 }
 
+// A range of paths as film samples. A film knows whole sets only.
+SampleRange whole_sets(const SampleRange& paths, const Sampler& sampler) {
+  const std::uint32_t size = sampler.set_size();
+  if (paths.begin % size == 0 && paths.end % size == 0) return {paths.begin / size, paths.end / size};
+  throw Error(
+      ExitCode::usage,
+      fmt::format("'--samples {}:{}' cuts a set of the sobol sampler, whose sets have {} samples; give multiples "
+                  "of {}.",
+                  paths.begin, paths.end, size, size));
+}
+
+// All samples of the render, in film samples: whole sets.
+SampleRange all_samples(std::uint32_t paths, const Sampler& sampler) {
+  const std::uint64_t sets = sampler.sets_of(paths);
+  const std::uint64_t rounded = sets * sampler.set_size();
+  if (rounded > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ExitCode::usage, fmt::format("{} samples a pixel are {} in whole sets of {}; there may be 2^32 - 1.",
+                                             paths, rounded, sampler.set_size()));
+  }
+  if (rounded != paths)
+    log::info(fmt::format("{} samples a pixel become {}: the sobol sampler takes whole sets of {}.", paths, rounded,
+                          sampler.set_size()));
+  return {0, static_cast<std::uint32_t>(sets)};
+}
+
+// In film samples, which are sets of paths.
 SampleRange wanted_samples(const Options& options, const Scene& scene) {
-  if (options.samples.empty()) return {0, options.spp > 0 ? options.spp : scene.sampler.sample_count};
+  if (options.samples.empty())
+    return all_samples(options.spp > 0 ? options.spp : scene.sampler.sample_count, scene.sampler);
   const SampleRange range = parse_samples(options.samples);
   if (options.spp > 0 && range.end > options.spp) {
     throw Error(
@@ -64,7 +96,7 @@ SampleRange wanted_samples(const Options& options, const Scene& scene) {
         fmt::format("'--samples {}' ends beyond the {} samples of '--spp'; a range of an N spp render lies inside 0:N.",
                     options.samples, options.spp));
   }
-  return range;
+  return whole_sets(range, scene.sampler);
 }
 
 std::vector<std::string> output_paths(const Options& options, const Scene& scene) {
@@ -111,23 +143,24 @@ struct Outcome {
   double render_seconds = 0, seconds = 0;
 };
 
-std::string reason_text(const Outcome& outcome, const RenderJob& job, const Options& options) {
+std::string reason_text(const Outcome& outcome, const RenderJob& job, const Options& options, std::uint32_t set_size) {
+  const std::uint64_t total = job.total() * set_size;
   switch (outcome.end) {
     case SessionEnd::complete:
       return "";
     case SessionEnd::time:
-      return fmt::format(" of {}, stopped by --time {}", job.total(), options.time);
+      return fmt::format(" of {}, stopped by --time {}", total, options.time);
     case SessionEnd::error:
-      return fmt::format(" of at most {}, good enough for --until-error {}", job.total(), options.until_error);
+      return fmt::format(" of at most {}, good enough for --until-error {}", total, options.until_error);
     case SessionEnd::interrupted:
-      return fmt::format(" of {}, interrupted", job.total());
+      return fmt::format(" of {}, interrupted", total);
   }
   return "";
 }
 
 nlohmann::json to_json(const Outcome& outcome, const RenderJob& job, const SessionOptions& session,
                        const DeviceTeam& team, bool gpu) {
-  const double pixel_samples = static_cast<double>(outcome.samples * job.pixels());
+  const double pixel_samples = static_cast<double>(outcome.samples * job.pixels() * session.set_size);
   nlohmann::json out = {
       {"outputs", session.outputs},
       {"film", session.film},
@@ -158,10 +191,12 @@ void report(const Outcome& outcome, const RenderJob& job, const Options& options
     fmt::print("{}\n", to_json(outcome, job, session, team, uses_gpu(options)).dump(2));
   } else if (!options.quiet) {
     const Film& film = job.state().film;
-    const double rate = static_cast<double>(outcome.samples * job.pixels()) / std::max(outcome.render_seconds, 1e-9);
+    const double rate =
+        static_cast<double>(outcome.samples * job.pixels() * session.set_size) / std::max(outcome.render_seconds, 1e-9);
     log::info(fmt::format("Rendered {}x{} at {} spp{} in {} ({:.2f} Msamples/s); wrote {}.", film.width(),
-                          film.height(), job.done(), reason_text(outcome, job, options),
-                          duration_text(outcome.render_seconds), rate * 1e-6, fmt::join(session.outputs, " and ")));
+                          film.height(), job.done() * session.set_size,
+                          reason_text(outcome, job, options, session.set_size), duration_text(outcome.render_seconds),
+                          rate * 1e-6, fmt::join(session.outputs, " and ")));
   }
 }
 
@@ -193,6 +228,7 @@ ExitCode render(const Options& options) {
     scene.camera.height = size.height;
   }
   session.outputs = output_paths(options, scene);
+  session.set_size = scene.sampler.set_size();
   const SampleRange wanted = wanted_samples(options, scene);
   RenderJob job(identity(scene, options.seed), {{wanted.begin, wanted.end}});
   if (!options.resume.empty()) job.resume(read_film(options.resume), options.resume);
@@ -233,7 +269,7 @@ void add_job_options(CLI::App& command, Options& options) {
   command
       .add_option("--until-error", options.until_error,
                   "stop when the relative standard error of the image is at most this, for example 1%; looked at after "
-                  "16, 24, 32, 48, 64 … samples")
+                  "16, 24, 32, 48, 64 … samples (sobol: 4, 6, 8, 12, 16 … sets)")
       ->type_name("FRACTION");
 }
 

@@ -35,7 +35,8 @@ Session::Session(RenderJob& job, const SessionOptions& options)
     : job_(job),
       options_(options),
       signals_(options.quiet),
-      line_(options.quiet, job.done() * job.pixels(), job.total() * job.pixels()) {}
+      line_(options.quiet, job.done() * job.pixels() * options.set_size,
+            job.total() * job.pixels() * options.set_size) {}
 
 SessionEnd Session::run(DeviceTeam& team) {
   try {
@@ -66,7 +67,8 @@ SessionEnd Session::run_rounds(DeviceTeam& team) {
     last_pass_ = Clock::now();
     round_end_ = last_pass_ + kLongestRound;
     if (!options_.checkpoint.empty()) round_end_ = std::min(round_end_, last_save_ + between_saves);
-    const std::uint64_t target = options_.max_error ? next_error_check(job_.done()) : job_.total();
+    const std::uint64_t target =
+        options_.max_error ? next_error_check(job_.done(), first_error_check(options_.set_size)) : job_.total();
     job_.advance(team, target, [this](std::uint64_t done) { return go_on(done); });
 
     if (signals_.take_image_request() && job_.done() > 0) write_outputs();
@@ -79,7 +81,7 @@ bool Session::go_on(std::uint64_t done) {
   const auto now = Clock::now();
   pass_time_ = now - last_pass_;
   last_pass_ = now;
-  line_.update(round_base_ + done);
+  line_.update((round_base_ + done) * options_.set_size);
   return !signals_.stop_asked() && !signals_.image_asked() && now < round_end_ && !time_is_up();
 }
 
@@ -90,7 +92,7 @@ bool Session::time_is_up() const {
 }
 
 bool Session::good_enough() const {
-  return options_.max_error && is_error_check(job_.done()) &&
+  return options_.max_error && is_error_check(job_.done(), first_error_check(options_.set_size)) &&
          relative_standard_error(job_.state().film) <= *options_.max_error;
 }
 

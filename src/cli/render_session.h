@@ -19,6 +19,7 @@ struct SessionOptions {
   double checkpoint_seconds = 60.0;
   std::optional<double> time_seconds;  ///< stop in time, counted from `start`
   std::optional<double> max_error;     ///< stop when relative_standard_error is at most this
+  std::uint32_t set_size = 1;          ///< paths of a film sample, see Sampler::set_size
   std::chrono::steady_clock::time_point start;
   bool quiet = false;
 };

@@ -1,12 +1,15 @@
 #include "compile/compiled_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "compile/bvh.h"
 #include "compile/discrete.h"
 #include "compile/few_primitives.h"
 #include "compile/filter_table.h"
+#include "compile/light_tree.h"
 #include "compile/normalization.h"
 #include "compile/reinsertion.h"
 #include "compile/wide_bvh.h"
@@ -47,6 +50,29 @@ double primitive_area(const Shape& shape, std::size_t i) {
   return 0.5 * glm::length(glm::cross(mesh.positions[t.y] - p0, mesh.positions[t.z] - p0));
 }
 
+// Of radiance 1. Power 0 for a triangle whose normal is made of rounding errors.
+LightLeaf light_leaf(const Shape& shape, std::size_t i) {
+  LightLeaf leaf;
+  leaf.area = primitive_area(shape, i);
+  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+    leaf.power = leaf.area / 4.0;  // what it shows to each side
+    leaf.lower = sphere->center - sphere->radius;
+    leaf.upper = sphere->center + sphere->radius;
+    return leaf;
+  }
+  const auto& mesh = std::get<TriangleMesh>(shape.geometry);
+  const glm::uvec3 t = mesh.triangles[i];
+  const glm::dvec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
+  leaf.lower = glm::min(p0, glm::min(p1, p2));
+  leaf.upper = glm::max(p0, glm::max(p1, p2));
+  constexpr double kLeastShare = 1e-14;  // of the longest edge squared, for twice the area
+  const double longest = std::max({glm::dot(p1 - p0, p1 - p0), glm::dot(p2 - p1, p2 - p1), glm::dot(p0 - p2, p0 - p2)});
+  if (!(2.0 * leaf.area > kLeastShare * longest)) return leaf;
+  leaf.power = leaf.area;
+  leaf.normal = glm::cross(p1 - p0, p2 - p0) / (2.0 * leaf.area);
+  return leaf;
+}
+
 std::size_t primitive_count(const Shape& shape) {
   const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
   return mesh != nullptr ? mesh->triangles.size() : 1;
@@ -75,6 +101,7 @@ class Compiler {
     flatten_shapes();
     build_tree();
     make_lights();
+    if (uses_light_tree(scene_)) make_light_tree();
     make_frame();
     return std::move(out_);
   }
@@ -181,6 +208,42 @@ class Compiler {
       ++light.primitive_count;
     }
     out_.light_shapes.push_back(light);
+  }
+
+  // The primitives that emit, in the order of the scene; where[i] = (shape, primitive) of leaf i.
+  std::vector<LightLeaf> light_leaves(std::vector<std::pair<std::size_t, std::size_t>>& where) const {
+    std::vector<LightLeaf> leaves;
+    for (std::size_t s = 0; s < scene_.shapes.size(); ++s) {
+      const Shape& shape = scene_.shapes[s];
+      const double radiance = shape.emitter ? luminance(shape.emitter->radiance) : 0.0;
+      for (std::size_t i = 0; radiance > 0.0 && i < primitive_count(shape); ++i) {
+        LightLeaf leaf = light_leaf(shape, i);
+        leaf.power *= radiance;
+        if (!(leaf.power > 0.0)) continue;
+        leaf.slot = slot_of_[first_primitive_[s] + i];
+        leaves.push_back(leaf);
+        where.emplace_back(s, i);
+      }
+    }
+    return leaves;
+  }
+
+  void make_light_tree() {
+    std::vector<std::pair<std::size_t, std::size_t>> where;
+    const std::vector<LightLeaf> leaves = light_leaves(where);
+    if (leaves.empty()) return;
+    FlatLightTree tree = build_light_tree(leaves, normalization_);
+    std::vector<gpu::uvec4>& trails = out_.light_trails;
+    trails.resize(scene_.shapes.size(), gpu::uvec4(0));
+    for (std::size_t s = 0; s < scene_.shapes.size(); ++s) {
+      if (!scene_.shapes[s].emitter) continue;
+      trails[s].x = static_cast<gpu::uint>(trails.size());
+      trails.resize(trails.size() + primitive_count(scene_.shapes[s]), gpu::uvec4(0));
+    }
+    for (std::size_t i = 0; i < where.size(); ++i)
+      trails[trails[where[i].first].x + where[i].second].x = tree.trails[i];
+    out_.light_nodes = std::move(tree.nodes);
+    out_.light_tree_depth = std::max(1u, tree.depth);
   }
 
   void make_frame() {

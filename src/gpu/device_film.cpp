@@ -45,7 +45,7 @@ std::uint32_t max_groups_per_band(const vulkan::Context& context) {
 }
 
 FilmBand::FilmBand(const vulkan::Context& context, vulkan::Commands& commands, const SlotLayout& layout,
-                   std::uint32_t first_group, std::uint32_t group_count, SampleRange range)
+                   std::uint32_t first_group, std::uint32_t group_count, SampleRange range, std::uint32_t set_bits)
     : first_group_(first_group),
       group_count_(group_count),
       slots_(context, std::uint64_t{group_count} * gpu::kWorkgroupSize * sizeof(gpu::FilmSlot),
@@ -55,10 +55,15 @@ FilmBand::FilmBand(const vulkan::Context& context, vulkan::Commands& commands, c
   commands.fill(slots_, 0);
   std::vector<std::uint32_t> next(std::size_t{group_count} * gpu::kWorkgroupSize);
   for (std::size_t i = 0; i < next.size(); ++i) {
-    next[i] = range.begin +
-              layout.layer(first_group + i / gpu::kWorkgroupSize, static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
+    const std::uint32_t set = range.begin + layout.layer(first_group + i / gpu::kWorkgroupSize,
+                                                         static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
+    next[i] = set << set_bits;
   }
   commands.upload(progress_, 0, std::as_bytes(std::span(next)));
+  if (set_bits == 0) return;
+  set_sums_.emplace(context, next.size() * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                    vulkan::Buffer::Memory::device, "sums over sets");
+  commands.fill(*set_sums_, 0);
 }
 
 void FilmBand::add_to(vulkan::Commands& commands, const SlotLayout& layout, Film& film) const {

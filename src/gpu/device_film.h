@@ -1,6 +1,7 @@
 #pragma once
 /// Film slots in device memory and their way back into a Film.
 
+#include <optional>
 #include <vector>
 
 #include "image/film.h"
@@ -30,18 +31,22 @@ struct SlotLayout {
 /// A run of workgroups whose slots fit into one storage buffer.
 class FilmBand {
  public:
+  /// `range` counts sets of 2^set_bits paths.
   FilmBand(const vulkan::Context& context, vulkan::Commands& commands, const SlotLayout& layout,
-           std::uint32_t first_group, std::uint32_t group_count, SampleRange range);
+           std::uint32_t first_group, std::uint32_t group_count, SampleRange range, std::uint32_t set_bits);
   std::uint32_t first_group() const { return first_group_; }
   std::uint32_t group_count() const { return group_count_; }
   const vulkan::Buffer& slots() const { return slots_; }
   const vulkan::Buffer& progress() const { return progress_; }
+  /// Sums over unfinished sets; null where a set is one path.
+  const vulkan::Buffer* set_sums() const { return set_sums_ ? &*set_sums_ : nullptr; }
   /// Adds every slot to its pixel.
   void add_to(vulkan::Commands& commands, const SlotLayout& layout, Film& film) const;
 
  private:
   std::uint32_t first_group_, group_count_;
   vulkan::Buffer slots_, progress_;
+  std::optional<vulkan::Buffer> set_sums_;
 };
 
 /// Workgroups whose slots fit into one binding of the device.

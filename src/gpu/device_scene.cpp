@@ -19,13 +19,15 @@ struct Table {
 };
 
 // Everything that is read by load_<table> in shaders/scene.glsl; the rest of the scene is uniform.
-std::array<Table, 6> tables(const CompiledScene& scene) {
+std::array<Table, 8> tables(const CompiledScene& scene) {
   return {{{gpu::kBindingRecords, "tree", std::as_bytes(std::span(scene.records))},
            {gpu::kBindingShapes, "shapes", std::as_bytes(std::span(scene.shapes))},
            {gpu::kBindingTriangles, "triangle indices", std::as_bytes(std::span(scene.triangles))},
            {gpu::kBindingNormals, "vertex normals", std::as_bytes(std::span(scene.normals))},
            {gpu::kBindingLightShapes, "emitters", std::as_bytes(std::span(scene.light_shapes))},
-           {gpu::kBindingLightPrimitives, "emitting primitives", std::as_bytes(std::span(scene.light_primitives))}}};
+           {gpu::kBindingLightPrimitives, "emitting primitives", std::as_bytes(std::span(scene.light_primitives))},
+           {gpu::kBindingLightNodes, "light tree", std::as_bytes(std::span(scene.light_nodes))},
+           {gpu::kBindingLightTrails, "trails of the light tree", std::as_bytes(std::span(scene.light_trails))}}};
 }
 
 // Bit i for the material kBsdf… = i.
@@ -90,7 +92,8 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                                    {14, bsdfs_used(scene)},
                                                    {15, scene.normals.empty() ? 0u : 1u},
                                                    {16, has_sphere_lights(scene) ? 1u : 0u},
-                                                   {17, scene.tree_root}};
+                                                   {17, scene.tree_root},
+                                                   {18, scene.light_tree_depth}};
   for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) {
     const gpu::Record& record = scene.records[i];
     const std::uint32_t first = gpu::kFewConstants + 9 * i;

@@ -76,7 +76,10 @@ class PassSizer {
 class GpuRenderer final : public Renderer {
  public:
   GpuRenderer(const Scene& scene, const RenderSettings& settings, const GpuOptions& options)
-      : options_(options), context_(options.device, options.context), commands_(context_) {
+      : options_(options),
+        context_(options.device, options.context),
+        commands_(context_),
+        set_bits_(scene.sampler.set_bits) {
     Timer timer;
     CompiledScene compiled = compile_scene(scene);
     compiled.frame.seed = settings.seed;
@@ -98,14 +101,16 @@ class GpuRenderer final : public Renderer {
     const std::uint32_t turns = nee ? kTurnsNee : kTurnsNaive;
     const std::uint32_t steps = !has_tree ? 1 : nee ? kStepsNee : kStepsNaive;
     const LightRounds light_rounds(compiled);
-    constants_ = {{0, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
-                  {1, scene.integrator.type == Integrator::Type::path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
-                  {2, nee ? 1u : 0u},
-                  {3, scene.integrator.mis ? 1u : 0u},
-                  {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
-                  {5, steps},
-                  {6, turns * (steps + 1) + 1 + light_rounds.shapes + light_rounds.primitives},
-                  {7, turns}};
+    constants_ = {
+        {0, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
+        {1, scene.integrator.type == Integrator::Type::path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
+        {2, nee ? 1u : 0u},
+        {3, scene.integrator.mis ? 1u : 0u},
+        {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
+        {5, steps},
+        {6, turns * (steps + 1) + 1 + light_rounds.shapes + light_rounds.primitives + 2 * compiled.light_tree_depth},
+        {7, turns},
+        {19, set_bits_}};
     for (const auto& more : {scene_constants(compiled), kernels_.constants})
       constants_.insert(constants_.end(), more.begin(), more.end());
     step_budget_ = context_.is_cpu() ? kCpuIterations : kGpuIterations;
@@ -132,8 +137,9 @@ class GpuRenderer final : public Renderer {
   // A set with the scene bound and a placeholder everywhere else.
   vulkan::BindingSet make_set() {
     vulkan::BindingSet set(context_, *layout_);
-    for (const std::uint32_t b : {gpu::kBindingRays, gpu::kBindingFilm, gpu::kBindingProgress, gpu::kBindingReport,
-                                  gpu::kBindingRequests, gpu::kBindingResults, gpu::kBindingVertices}) {
+    for (const std::uint32_t b :
+         {gpu::kBindingRays, gpu::kBindingFilm, gpu::kBindingProgress, gpu::kBindingSetSums, gpu::kBindingReport,
+          gpu::kBindingRequests, gpu::kBindingResults, gpu::kBindingVertices}) {
       set.bind(b, unused_);
     }
     scene_->bind(set);
@@ -158,6 +164,7 @@ class GpuRenderer final : public Renderer {
   vulkan::Buffer report_, unused_;
   std::vector<vulkan::Specialization> constants_;
   vulkan::Kernel render_kernel_;
+  const std::uint32_t set_bits_;  // of the sampler; what this class calls samples are sets of paths
   gpu::Frame frame_{};
   std::uint32_t step_budget_ = 0;
   bool first_dispatch_done_ = false;
@@ -206,7 +213,7 @@ std::vector<FilmBand> GpuRenderer::make_bands(const SlotLayout& slots, SampleRan
   const std::uint32_t per_band = max_groups_per_band(context_);
   for (std::uint64_t first = 0; first < slots.groups(); first += per_band) {
     const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(per_band, slots.groups() - first));
-    bands.emplace_back(context_, commands_, slots, static_cast<std::uint32_t>(first), count, range);
+    bands.emplace_back(context_, commands_, slots, static_cast<std::uint32_t>(first), count, range, set_bits_);
   }
   return bands;
 }
@@ -224,7 +231,7 @@ gpu::ReportHead GpuRenderer::take_report() {
   return head;
 }
 
-// Dispatches one run of groups until every lane has reached pass.sample_end.
+// Dispatches one run of groups until every lane has reached pass.path_end.
 void GpuRenderer::run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups,
                              std::uint32_t samples) {
   pass.step_budget = step_budget_;
@@ -252,7 +259,7 @@ void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, 
                            std::uint32_t samples, std::uint32_t sample_end) {
   gpu::Pass pass{};
   pass.slot_base = band.first_group() * gpu::kWorkgroupSize;
-  pass.sample_end = sample_end;
+  pass.path_end = sample_end << set_bits_;
   pass.lanes_per_pixel = slots.layers;
   pass.packed_pixels = slots.packed() ? slots.pixels() : 0;
   for (std::uint32_t done = 0; done < band.group_count();) {
@@ -278,6 +285,7 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
     sets.push_back(make_set());
     sets.back().bind(gpu::kBindingFilm, band.slots());
     sets.back().bind(gpu::kBindingProgress, band.progress());
+    if (band.set_sums() != nullptr) sets.back().bind(gpu::kBindingSetSums, *band.set_sums());
     sets.back().bind(gpu::kBindingReport, report_);
   }
   const std::uint64_t pixels = std::uint64_t{frame_.width} * frame_.height;

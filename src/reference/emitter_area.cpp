@@ -17,7 +17,7 @@ double largest_coordinate(const Vec3& v) {
 }
 
 /// A point of the sphere, uniform in the solid angle the sphere fills from outside.
-void sample_sphere(const Sphere& sphere, const AreaLight& light, double prob_shape, const Vec3& from,
+void sample_sphere(const Sphere& sphere, const AreaLight& light, double prob, const Vec3& from,
                    const SampleRandom::Light& random, LightSample& sample) {
   const Vec3 to_center = sphere.center - from;
   const double distance = glm::length(to_center);
@@ -33,18 +33,42 @@ void sample_sphere(const Sphere& sphere, const AreaLight& light, double prob_sha
   sample.surface.ng = sample.surface.ns = normal;
   sample.surface.p = sphere.center + sphere.radius * normal;
   sample.surface.magnitude = largest_coordinate(sphere.center) + sphere.radius;
-  sample.pdf_w = sample.pdf_w_mis = prob_shape * cone.pdf_w();
+  sample.pdf_w = sample.pdf_w_mis = prob * cone.pdf_w();
   sample.radiance = light.radiance;
+}
+
+double primitive_area(const Scene& scene, const AreaLight& light, std::uint32_t primitive) {
+  const auto* mesh = std::get_if<TriangleMesh>(&scene.shapes[light.shape].geometry);
+  if (mesh == nullptr) return light.area;
+  const glm::uvec3 t = mesh->triangles[primitive];
+  return triangle_area(mesh->positions[t.x], mesh->positions[t.y], mesh->positions[t.z]);
 }
 
 }  // namespace
 
-void Lights::sample_triangle(const TriangleMesh& mesh, const AreaLight& light, double prob_shape, const Vec3& from,
+std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& from, const Vec3& ns,
+                                             const SampleRandom::Light& random) const {
+  if (!tree_.empty()) {
+    const LightTree::Choice choice = tree_.choose(from, ns, random.emitter, random.primitive);
+    if (choice.leaf == nullptr) return std::nullopt;
+    const AreaLight& light = lights_[choice.leaf->light];
+    const double pdf_a = choice.prob / primitive_area(scene, light, choice.leaf->primitive);
+    return Chosen{&light, choice.leaf->primitive, choice.prob, pdf_a, pdf_a};
+  }
+  const std::size_t index = shape_choice_.choose(random.emitter);
+  const AreaLight& light = lights_[index];
+  Chosen chosen{.light = &light, .prob = shape_choice_.prob(index)};
+  if (light.triangles.empty()) return chosen;
+  const std::size_t triangle = light.triangles.choose(random.primitive);
+  chosen.primitive = static_cast<std::uint32_t>(triangle);
+  chosen.pdf_a = chosen.prob * light.triangles.prob(triangle) / primitive_area(scene, light, chosen.primitive);
+  chosen.pdf_a_mis = chosen.prob / light.area;
+  return chosen;
+}
+
+void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, const Vec3& from,
                              const SampleRandom::Light& random, LightSample& sample) const {
-  if (light.triangles.empty()) return;
-  const std::size_t index = light.triangles.choose(random.primitive);
-  sample.primitive = sample.surface.primitive = static_cast<std::uint32_t>(index);
-  const glm::uvec3 t = mesh.triangles[index];
+  const glm::uvec3 t = mesh.triangles[chosen.primitive];
   const std::array<Vec3, 3> p{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
   const Vec3 b = square_to_triangle({random.u, random.v});
   sample.surface.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
@@ -59,30 +83,34 @@ void Lights::sample_triangle(const TriangleMesh& mesh, const AreaLight& light, d
   const double cos_light = -glm::dot(sample.wi, sample.surface.ng);
   if (cos_light <= 0.0) return;  // seen from behind
   const double area_to_solid_angle = distance * distance / cos_light;
-  sample.pdf_w = prob_shape * light.triangles.prob(index) / triangle_area(p[0], p[1], p[2]) * area_to_solid_angle;
-  sample.pdf_w_mis = prob_shape / light.area * area_to_solid_angle;
-  sample.radiance = light.radiance;
+  sample.pdf_w = chosen.pdf_a * area_to_solid_angle;
+  sample.pdf_w_mis = chosen.pdf_a_mis * area_to_solid_angle;
+  sample.radiance = chosen.light->radiance;
 }
 
-LightSample Lights::sample(const Scene& scene, const Vec3& from, const SampleRandom::Light& random) const {
-  const std::size_t chosen = shape_choice_.choose(random.emitter);
-  const AreaLight& light = lights_[chosen];
-  const double prob_shape = shape_choice_.prob(chosen);
+std::optional<LightSample> Lights::sample(const Scene& scene, const Vec3& from, const Vec3& ns,
+                                          const SampleRandom::Light& random) const {
+  const std::optional<Chosen> chosen = choose(scene, from, ns, random);
+  if (!chosen) return std::nullopt;
   LightSample sample;
-  sample.shape = sample.surface.shape = light.shape;
-  const Geometry& geometry = scene.shapes[light.shape].geometry;
+  sample.shape = sample.surface.shape = chosen->light->shape;
+  sample.primitive = sample.surface.primitive = chosen->primitive;
+  const Geometry& geometry = scene.shapes[sample.shape].geometry;
   if (const auto* sphere = std::get_if<Sphere>(&geometry))
-    sample_sphere(*sphere, light, prob_shape, from, random, sample);
+    sample_sphere(*sphere, *chosen->light, chosen->prob, from, random, sample);
   else
-    sample_triangle(std::get<TriangleMesh>(geometry), light, prob_shape, from, random, sample);
+    sample_triangle(std::get<TriangleMesh>(geometry), *chosen, from, random, sample);
   return sample;
 }
 
-double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Surface& at) const {
+double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, const Surface& at) const {
   const std::optional<std::size_t> index = of_shape_[at.shape];
   if (!index) return 0.0;
   const AreaLight& light = lights_[*index];
-  const double prob_shape = shape_choice_.prob(*index);
+  // By power, the weights see all triangles of a shape as one; its probability and its area stand for them.
+  const bool by_tree = !tree_.empty();
+  const double prob_shape = by_tree ? prob(from, ns, at.shape, at.primitive) : shape_choice_.prob(*index);
+  const double area = by_tree ? primitive_area(scene, light, at.primitive) : light.area;
   if (const auto* sphere = std::get_if<Sphere>(&scene.shapes[at.shape].geometry)) {
     const double distance = glm::length(sphere->center - from);
     return distance <= sphere->radius ? 0.0 : prob_shape * SphereCone(sphere->radius, distance).pdf_w();
@@ -90,7 +118,7 @@ double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Surface& at
   const Vec3 to_light = at.p - from;
   const double distance2 = glm::dot(to_light, to_light);
   const double cos_light = -glm::dot(to_light, at.ng) / std::sqrt(distance2);
-  return cos_light <= 0.0 ? 0.0 : prob_shape / light.area * distance2 / cos_light;
+  return cos_light <= 0.0 ? 0.0 : prob_shape / area * distance2 / cos_light;
 }
 
 Vec3 emitted_radiance(const Shape& shape, const Surface& surface, const Vec3& wo) {

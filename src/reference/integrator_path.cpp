@@ -99,7 +99,7 @@ class Path {
     if (bounce.lobe == Lobe::delta_transmission) eta_scale_ *= bounce.eta * bounce.eta;
     if (!survives(depth, random.roulette)) return false;
 
-    previous_ = Previous{.point = surface.p, .pdf_w = bounce.pdf, .delta = is_delta(bounce.lobe)};
+    previous_ = Previous{.point = surface.p, .ns = surface.ns, .pdf_w = bounce.pdf, .delta = is_delta(bounce.lobe)};
     ray = {.origin = surface.offset_toward(bounce.wi), .direction = bounce.wi};
     return true;
   }
@@ -109,14 +109,16 @@ class Path {
     const Vec3 Le = emitted_radiance(shape, surface, wo);
     if (is_zero(Le) || !integrator_.nee || !previous_ || previous_->delta) return Le;
     if (!integrator_.mis) return Vec3(0.0);
-    const double pdf_light = world_.lights().pdf_w_mis(world_.scene(), previous_->point, surface);
+    const double pdf_light = world_.lights().pdf_w_mis(world_.scene(), previous_->point, previous_->ns, surface);
     const double w_bsdf = power_heuristic(previous_->pdf_w, pdf_light);
     return Le * w_bsdf;
   }
 
   /// Next-event estimation: reflected radiance due to one sampled point of one light.
   Vec3 direct_light(const Surface& surface, const Scatterer& scatterer, const SampleRandom::Light& random) const {
-    const LightSample light = world_.lights().sample(world_.scene(), surface.p, random);
+    const std::optional<LightSample> chosen = world_.lights().sample(world_.scene(), surface.p, surface.ns, random);
+    if (!chosen) return Vec3(0.0);
+    const LightSample& light = *chosen;
     const Vec3 f = light.pdf_w > 0.0 ? scatterer.eval(light.wi) : Vec3(0.0);
     const Vec3 unshadowed = f * light.radiance;
     const bool contributes = !is_zero(unshadowed) &&
@@ -139,7 +141,7 @@ class Path {
   }
 
   struct Previous {
-    Vec3 point{0.0};
+    Vec3 point{0.0}, ns{0.0};
     double pdf_w = 0.0;
     bool delta = false;
   };

@@ -54,7 +54,46 @@ AreaLight make_light(const Shape& shape, std::uint32_t index) {
   return light;
 }
 
+/// Every primitive that emits, in the order of the scene.
+std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLight>& lights) {
+  std::vector<LightLeaf> leaves;
+  for (std::uint32_t l = 0; l < lights.size(); ++l) {
+    const double radiance = luminance(lights[l].radiance);
+    const Geometry& geometry = scene.shapes[lights[l].shape].geometry;
+    if (!(radiance > 0.0)) continue;
+    if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+      leaves.push_back({.light = l,
+                        .primitive = 0,
+                        .power = radiance * kPi * sphere->radius * sphere->radius,
+                        .lower = sphere->center - sphere->radius,
+                        .upper = sphere->center + sphere->radius});
+      continue;
+    }
+    const auto& mesh = std::get<TriangleMesh>(geometry);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      const glm::uvec3 t = mesh.triangles[i];
+      const Vec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
+      if (is_degenerate(p0, p1, p2)) continue;
+      leaves.push_back({.light = l,
+                        .primitive = i,
+                        .power = radiance * triangle_area(p0, p1, p2),
+                        .lower = glm::min(p0, glm::min(p1, p2)),
+                        .upper = glm::max(p0, glm::max(p1, p2)),
+                        .normal = glm::normalize(glm::cross(p1 - p0, p2 - p0))});
+    }
+  }
+  return leaves;
+}
+
 }  // namespace
+
+double Lights::prob(const Vec3& from, const Vec3& ns, std::uint32_t shape, std::uint32_t primitive) const {
+  const std::optional<std::size_t> index = of_shape_[shape];
+  if (!index) return 0.0;
+  if (!tree_.empty()) return tree_.prob(from, ns, static_cast<std::uint32_t>(*index), primitive);
+  const DiscreteChoice& triangles = lights_[*index].triangles;
+  return shape_choice_.prob(*index) * (triangles.empty() ? 1.0 : triangles.prob(primitive));
+}
 
 Lights::Lights(const Scene& scene) : of_shape_(scene.shapes.size()) {
   std::vector<double> weights;
@@ -65,6 +104,7 @@ Lights::Lights(const Scene& scene) : of_shape_(scene.shapes.size()) {
     weights.push_back(luminance(lights_.back().radiance) * lights_.back().area);
   }
   shape_choice_ = DiscreteChoice(weights);
+  if (uses_light_tree(scene)) tree_ = LightTree(light_leaves(scene, lights_));
 }
 
 }  // namespace etendue::reference

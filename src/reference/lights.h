@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "reference/light_tree.h"
 #include "reference/ray.h"
 #include "reference/rng.h"
 #include "scene/scene.h"
@@ -55,17 +56,31 @@ class Lights {
   Lights() = default;
 
   bool empty() const { return shape_choice_.empty(); }
-  /// Chooses a light and a point on it. Not when empty.
-  LightSample sample(const Scene& scene, const Vec3& from, const SampleRandom::Light& random) const;
-  /// The density with which `sample` from `from` finds `at`, for multiple-importance weights; 0 where there is no
-  /// light.
-  double pdf_w_mis(const Scene& scene, const Vec3& from, const Surface& at) const;
+  /// Chooses a light for a surface at `from` with shading normal `ns`, and a point on it. Not when empty; nothing when
+  /// no light can contribute.
+  std::optional<LightSample> sample(const Scene& scene, const Vec3& from, const Vec3& ns,
+                                    const SampleRandom::Light& random) const;
+  /// The probability with which `sample` chooses a primitive.
+  double prob(const Vec3& from, const Vec3& ns, std::uint32_t shape, std::uint32_t primitive) const;
+  /// The density with which `sample` finds `at`, for multiple-importance weights; 0 where there is no light.
+  double pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, const Surface& at) const;
 
  private:
-  void sample_triangle(const TriangleMesh& mesh, const AreaLight& light, double prob_shape, const Vec3& from,
+  /// A primitive as it was chosen. The densities of a point on it are w.r.t. area.
+  struct Chosen {
+    const AreaLight* light = nullptr;
+    std::uint32_t primitive = 0;
+    double prob = 0.0;   ///< of a sphere
+    double pdf_a = 0.0;  ///< of a triangle
+    double pdf_a_mis = 0.0;
+  };
+  std::optional<Chosen> choose(const Scene& scene, const Vec3& from, const Vec3& ns,
+                               const SampleRandom::Light& random) const;
+  void sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, const Vec3& from,
                        const SampleRandom::Light& random, LightSample& sample) const;
 
   std::vector<AreaLight> lights_;
+  LightTree tree_;                                    ///< empty where lights are chosen by power
   DiscreteChoice shape_choice_;                       ///< index into lights_
   std::vector<std::optional<std::size_t>> of_shape_;  ///< shape → index into lights_
 };

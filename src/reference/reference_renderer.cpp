@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 #include <thread>
 
@@ -104,6 +105,8 @@ class ReferenceRenderer final : public Renderer {
   void render_pass(SampleRange pass, Film& film, ProgressMeter& meter, std::vector<RejectedSample>& rejected) const;
   CameraSample camera_sample(SampleId id, const SampleRandom& random) const;
   Vec3 radiance(const Ray& ray, const SampleRandom& random, DecisionLog& log) const;
+  /// Adds one film sample: the mean over a set of paths, or one path where random numbers are independent.
+  void add_set(SampleId set, int exponent, FilmPixel& pixel, std::vector<RejectedSample>& bad) const;
   /// What the film takes of one sample: radiance times filter weight, or its luminance.
   glm::vec3 sample_value(SampleId id, DecisionLog& log) const;
 
@@ -140,10 +143,28 @@ Vec3 ReferenceRenderer::radiance(const Ray& ray, const SampleRandom& random, Dec
 }
 
 glm::vec3 ReferenceRenderer::sample_value(SampleId id, DecisionLog& log) const {
-  const SampleRandom random(settings_.seed, id.pixel, id.sample);
+  const SampleRandom random(settings_.seed, id.pixel, id.sample, world_.scene().sampler.set_bits);
   const CameraSample camera = camera_sample(id, random);
   const Vec3 rgb = camera.weight * radiance(camera.ray, random, log);
   return settings_.quantity == FilmQuantity::luminance ? glm::vec3(Vec3(luminance(rgb))) : glm::vec3(rgb);
+}
+
+void ReferenceRenderer::add_set(SampleId set, int exponent, FilmPixel& pixel, std::vector<RejectedSample>& bad) const {
+  const std::uint32_t size = world_.scene().sampler.set_size();
+  const std::size_t listed = bad.size();
+  const std::uint32_t rejections = pixel.rejected;
+  Vec3 sum(0.0);
+  RejectedSample last;
+  for (std::uint32_t i = 0; i < size; ++i) {
+    const SampleId path{set.pixel, set.sample * size + i};
+    DecisionLog log;
+    const Vec3 value(sample_value(path, log));
+    last = {path, log.segments()};
+    if (!(glm::length(value) < INFINITY)) bad.push_back(last);
+    sum += value;
+  }
+  pixel.add(glm::vec3(sum / static_cast<double>(size)), exponent);
+  if (pixel.rejected != rejections && bad.size() == listed) bad.push_back(last);
 }
 
 void ReferenceRenderer::render_pass(SampleRange pass, Film& film, ProgressMeter& meter,
@@ -157,13 +178,8 @@ void ReferenceRenderer::render_pass(SampleRange pass, Film& film, ProgressMeter&
       std::vector<RejectedSample> bad;
       for (std::uint64_t p = block.first_pixel; p < block.end_pixel; ++p) {
         FilmPixel& pixel = partial[p - block.first_pixel];
-        for (std::uint32_t s = block.samples.begin; s < block.samples.end; ++s) {
-          const SampleId id{static_cast<std::uint32_t>(p), s};
-          DecisionLog log;
-          const std::uint32_t rejections = pixel.rejected;
-          pixel.add(sample_value(id, log), film.exponent());
-          if (pixel.rejected != rejections) bad.push_back({id, log.segments()});
-        }
+        for (std::uint32_t s = block.samples.begin; s < block.samples.end; ++s)
+          add_set({static_cast<std::uint32_t>(p), s}, film.exponent(), pixel, bad);
       }
       {
         // Sums are integers: the order in which blocks arrive cannot matter.
@@ -217,7 +233,7 @@ std::vector<SampleRecord> ReferenceRenderer::trace_samples(std::span<const Sampl
 std::vector<PathVertex> ReferenceRenderer::trace_path(SampleId id) {
   std::vector<PathVertex> vertices;
   DecisionLog log(&vertices);
-  const SampleRandom random(settings_.seed, id.pixel, id.sample);
+  const SampleRandom random(settings_.seed, id.pixel, id.sample, world_.scene().sampler.set_bits);
   const CameraSample camera = camera_sample(id, random);
   radiance(camera.ray, random, log);
   for (PathVertex& vertex : vertices) vertex.radiance *= static_cast<float>(camera.weight);

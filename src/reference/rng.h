@@ -1,13 +1,16 @@
 #pragma once
-/// Random numbers as a pure function of (seed, pixel, sample, block); docs/conventions.md, "Random numbers".
+/// Random numbers as a pure function of (seed, pixel, path, block); docs/conventions.md, "Random numbers" and "Sobol
+/// sets".
 
 #include <array>
 #include <cstdint>
 
 namespace etendue::reference {
 
+using Words = std::array<std::uint32_t, 4>;
+
 /// Four independent 32-bit words. Source: [Jarzynski2020], listing of pcg4d.
-inline std::array<std::uint32_t, 4> pcg4d(std::array<std::uint32_t, 4> v) {
+inline Words pcg4d(Words v) {
   const auto mix = [&v] {
     v[0] += v[1] * v[3];
     v[1] += v[2] * v[0];
@@ -26,11 +29,17 @@ inline double unit_float(std::uint32_t word) {
   return static_cast<double>(word >> 8) * 0x1p-24;
 }
 
-/// The random words of one sample, block by block.
+/// Component `dimension` (0 … 3) of point `index` of the Sobol sequence, as binary fraction.
+std::uint32_t sobol(std::uint32_t index, unsigned dimension);
+/// Owen scrambling of a binary fraction: every digit is flipped or not by a hash of the digits before it.
+std::uint32_t owen_scramble(std::uint32_t fraction, std::uint32_t seed);
+
+/// The random words of one path, block by block.
 class SampleRandom {
  public:
-  SampleRandom(std::uint32_t seed, std::uint32_t pixel, std::uint32_t sample)
-      : seed_(seed), pixel_(pixel), sample_(sample) {}
+  /// With `set_bits` > 0, paths come in Sobol sets of 2^set_bits.
+  SampleRandom(std::uint32_t seed, std::uint32_t pixel, std::uint32_t path, std::uint32_t set_bits = 0)
+      : seed_(seed), pixel_(pixel), path_(path), set_bits_(set_bits) {}
 
   struct Filter {
     double x, y;  ///< [0,1)
@@ -58,10 +67,10 @@ class SampleRandom {
     return {unit_float(words[0]), unit_float(words[1]), unit_float(words[2]), unit_float(words[3])};
   }
 
- private:
-  std::array<std::uint32_t, 4> block(std::uint32_t index) const { return pcg4d({pixel_, sample_, index, seed_}); }
+  Words block(std::uint32_t index) const;
 
-  std::uint32_t seed_, pixel_, sample_;
+ private:
+  std::uint32_t seed_, pixel_, path_, set_bits_;
 };
 
 }  // namespace etendue::reference

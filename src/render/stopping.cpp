@@ -1,5 +1,6 @@
 #include "render/stopping.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,15 +24,19 @@ double relative_standard_error(const Film& film) {
   return std::sqrt(squares / n) / std::abs(sum / n);
 }
 
-std::uint64_t next_error_check(std::uint64_t count) {
-  std::uint64_t check = 16;
-  // 16 · 2^k and 24 · 2^k in turn.
+std::uint64_t next_error_check(std::uint64_t count, std::uint64_t first) {
+  std::uint64_t check = first;
+  // first · 2^k and first · 3/2 · 2^k in turn.
   while (check <= count) check = (check & (check - 1)) == 0 ? check / 2 * 3 : check / 3 * 4;
   return check;
 }
 
-bool is_error_check(std::uint64_t count) {
-  return count >= 16 && next_error_check(count - 1) == count;
+bool is_error_check(std::uint64_t count, std::uint64_t first) {
+  return count >= first && next_error_check(count - 1, first) == count;
+}
+
+std::uint64_t first_error_check(std::uint32_t set_size) {
+  return std::max<std::uint64_t>(4, kFirstErrorCheck / set_size);
 }
 
 }  // namespace etendue

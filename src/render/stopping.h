@@ -14,8 +14,12 @@ double relative_standard_error(const Film& film);
 
 /// Sample counts at which the error is looked at: 16, 24, 32, 48, 64, 96, … They are fixed, so that where a render
 /// stops depends on its samples only, not on time, devices or interruptions; and early looks, where the error is itself
-/// uncertain, are few. Returns the first one > `count`.
-std::uint64_t next_error_check(std::uint64_t count);
-bool is_error_check(std::uint64_t count);
+/// uncertain, are few. Where a sample is the mean over a set of paths, `first` may be as low as 4: the error of a whole
+/// picture is known well enough then. Returns the first one > `count`.
+inline constexpr std::uint64_t kFirstErrorCheck = 16;
+std::uint64_t next_error_check(std::uint64_t count, std::uint64_t first = kFirstErrorCheck);
+bool is_error_check(std::uint64_t count, std::uint64_t first = kFirstErrorCheck);
+/// `first` for a sampler with sets of so many paths: 16 paths or 4 sets, whatever is more; a power of two.
+std::uint64_t first_error_check(std::uint32_t set_size);
 
 }  // namespace etendue

@@ -36,9 +36,17 @@ Parameter world_transform() {
   return {"toWorld", transform, "", any(), "object space to world space; the operations apply in the order listed"};
 }
 
+Parameter light_sampler() {
+  return {
+      "lightSampler", string, "auto", any(),
+      "how next-event estimation chooses a light: power, by its power alone; tree, by what it can contribute to the "
+      "point; auto, tree for 32 or more emitting primitives, else power"};
+}
+
 std::vector<Parameter> alias_parameters() {
   return {{"maxDepth", integer, "1073741824", between(1, kMaxDepth), "path segments; the default is without limit"},
-          {"rrDepth", integer, "5", between(1, kMaxDepth), "Russian roulette from this segment on"}};
+          {"rrDepth", integer, "5", between(1, kMaxDepth), "Russian roulette from this segment on"},
+          light_sampler()};
 }
 
 std::vector<Plugin> scene_plugins() {
@@ -57,7 +65,8 @@ std::vector<Plugin> scene_plugins() {
          "path segments; the camera ray is the first, so 1 is emitted light only and 2 adds direct light"},
         {"nee", boolean, "true", any(), "next-event estimation: one shadow ray to a light at every diffuse vertex"},
         {"mis", boolean, "true", any(), "multiple importance sampling of lights and materials; no effect without nee"},
-        {"rrDepth", integer, "5", between(0, kMaxDepth), "Russian roulette from this segment on; 0 is off"}},
+        {"rrDepth", integer, "5", between(0, kMaxDepth), "Russian roulette from this segment on; 0 is off"},
+        light_sampler()},
        {}},
       {"integrator",
        "path_mats",
@@ -94,6 +103,13 @@ std::vector<Plugin> view_plugins() {
        "independent",
        "Independent random numbers.",
        {{"sampleCount", integer, "1", between(1, kUint32Max), "samples per pixel"}},
+       {}},
+      {"sampler",
+       "sobol",
+       "Owen-scrambled Sobol points: less noise for the same number of samples. A pixel's samples come in sets of "
+       "setSize that are independent of each other; standard errors, films and tests count sets.",
+       {{"sampleCount", integer, "1", between(1, kUint32Max), "samples per pixel; rounded up to whole sets"},
+        {"setSize", integer, "16", between(2, 4096), "samples in a set, a power of two"}},
        {}},
       {"rfilter", "box", "The pixel's square; the default.", {}, {}},
       {"rfilter", "tent", "A tent of radius 1 pixel.", {}, {}},
@@ -184,7 +200,7 @@ const std::vector<UnsupportedTypes>& unsupported_types() {
        {"av", "ao", "simple", "whitted", "direct", "direct_ems", "direct_mats", "direct_mis", "photonmapper", "volpath",
         "path_vol", "vol_path_mats", "vol_path_mis", "bdpt"}},
       {"camera", {"thinlens", "orthographic", "environment", "fisheye"}},
-      {"sampler", {"stratified", "halton", "sobol", "ldsampler", "multijitter"}},
+      {"sampler", {"stratified", "halton", "ldsampler", "multijitter"}},
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"ply", "serialized", "instance", "cube", "rectangle", "disk", "cylinder", "heightfield"}},
       {"bsdf",

@@ -86,6 +86,7 @@ std::uint64_t scene_hash(const Scene& scene) {
   Hasher h;
   hash(h, scene.camera);
   h.value(scene.sampler.type);
+  if (scene.sampler.type == Sampler::Type::sobol) h.value(scene.sampler.set_bits);
   h.value(scene.sky.top);
   h.value(scene.sky.horizon);
   h.value(scene.shapes.size());
@@ -96,6 +97,19 @@ std::uint64_t scene_hash(const Scene& scene) {
     if (shape.emitter) h.value(shape.emitter->radiance);
   }
   return h.digest();
+}
+
+bool uses_light_tree(const Scene& scene) {
+  using enum Integrator::LightSampler;
+  if (scene.integrator.type != Integrator::Type::path || !scene.integrator.nee) return false;
+  if (scene.integrator.light_sampler != automatic) return scene.integrator.light_sampler == tree;
+  std::size_t primitives = 0;
+  for (const Shape& shape : scene.shapes) {
+    if (!shape.emitter) continue;
+    const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
+    primitives += mesh != nullptr ? mesh->triangles.size() : 1;
+  }
+  return primitives >= kManyLights;
 }
 
 int film_exponent(const Scene& scene) {

@@ -79,20 +79,32 @@ struct Camera {
   SourcePosition position;  ///< the <camera> tag
 };
 
+/// Where random numbers come from; docs/conventions.md, "Random numbers" and "Sobol sets".
 struct Sampler {
-  enum class Type : std::uint32_t { independent };
+  enum class Type : std::uint32_t { independent, sobol };
   Type type = Type::independent;
-  std::uint32_t sample_count = 1;  ///< samples per pixel
+  std::uint32_t sample_count = 1;  ///< paths per pixel
+  std::uint32_t set_bits = 0;      ///< log2 of the paths of a set; 0 unless the type is sobol
+
+  /// Paths of a pixel whose numbers depend on each other. Their mean is one sample of the film: samples of a film are
+  /// independent, so that its standard error is that of its mean.
+  std::uint32_t set_size() const { return 1u << set_bits; }
+  /// Film samples that hold at least `paths` paths.
+  std::uint64_t sets_of(std::uint64_t paths) const { return (paths + set_size() - 1) >> set_bits; }
 };
 
 struct Integrator {
   enum class Type : std::uint32_t { path, normals };
+  /// How a light is chosen: `power` by its power alone, `tree` by what it can contribute to the point; `automatic` is
+  /// `tree` for many lights.
+  enum class LightSampler : std::uint32_t { automatic, power, tree };
   static constexpr std::uint32_t kUnlimitedDepth = 1u << 30;
   Type type = Type::path;
   std::uint32_t max_depth = 16;  ///< path segments, the camera ray is the first
   bool nee = true;
   bool mis = true;             ///< meaningless without nee
   std::uint32_t rr_depth = 5;  ///< Russian roulette from this segment on; 0 = off
+  LightSampler light_sampler = LightSampler::automatic;
 };
 
 /// Radiance of a ray that leaves the scene in direction w: mix(horizon, top, clamp(w.y, 0, 1)).
@@ -145,6 +157,11 @@ struct Chi2Test {
 /// 64-bit XXH3 of everything that can change the image's expectation or its samples except size, seed, sample
 /// count and integrator settings (those are compared one by one when renders are merged).
 std::uint64_t scene_hash(const Scene& scene);
+
+/// What LightSampler::automatic means: a tree from this many emitting primitives on, where it begins to pay.
+inline constexpr std::size_t kManyLights = 32;
+/// Whether lights are chosen by a tree; docs/conventions.md, "Light tree".
+bool uses_light_tree(const Scene& scene);
 
 /// Smallest integer E with every emitted radiance component <= 2^E (0 for a dark scene or the normals integrator): the
 /// film's unit, see docs/conventions.md.

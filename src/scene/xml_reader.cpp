@@ -1,6 +1,7 @@
 #include "scene/xml_reader.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <system_error>
@@ -99,8 +100,23 @@ class SceneReader {
       if (scene.given("nee") && scene.get<bool>("nee") != integrator.nee)
         warn_scene_nee(scene, "the integrator " + type + " decides it");
     }
+    integrator.light_sampler = read_light_sampler(object);
     check_integrator(integrator, object);
     return integrator;
+  }
+
+  Integrator::LightSampler read_light_sampler(const Object& object) {
+    using enum Integrator::LightSampler;
+    const auto text = object.get<std::string>("lightSampler");
+    if (text == "power") return power;
+    if (text == "tree") return tree;
+    if (text != "auto") {
+      const std::vector<std::string> known = {"auto", "power", "tree"};
+      sink_.error(object.position_of("lightSampler"),
+                  fmt::format("{} is no way to choose lights{}; known are auto, power and tree", text::quoted(text),
+                              text::did_you_mean(text, known)));
+    }
+    return automatic;
   }
 
   void warn_scene_nee(const Object& scene, const std::string& why) {
@@ -179,7 +195,14 @@ class SceneReader {
     std::optional<Object> object = read_only_child(scene, "sampler");
     if (!object && !scene.children("sampler").empty()) return {};
     if (!object) object = Object::defaulted("sampler", "independent", scene.position(), context_);
-    return {Sampler::Type::independent, to_uint32(object->get<std::int64_t>("sampleCount"))};
+    const std::uint32_t count = to_uint32(object->get<std::int64_t>("sampleCount"));
+    if (std::string_view(object->plugin().type) != "sobol") return {Sampler::Type::independent, count};
+    const std::uint32_t size = to_uint32(object->get<std::int64_t>("setSize"));
+    if (!std::has_single_bit(size)) {
+      sink_.error(object->position_of("setSize"), fmt::format("setSize {} is not a power of two; use {} or {}", size,
+                                                              std::bit_floor(size), std::bit_ceil(size)));
+    }
+    return {Sampler::Type::sobol, count, static_cast<std::uint32_t>(std::bit_width(size)) - 1};
   }
 
   void read_shape(const Object& object, Scene& scene) {

@@ -15,8 +15,13 @@ using namespace etendue;
 namespace {
 
 sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
+  if (kind != "lamps" && triangles < 100) {
+    throw Error(ExitCode::usage,
+                fmt::format("--triangles {} is too few for the kind {}, which needs at least 100.", triangles, kind));
+  }
   if (kind == "grid") return sculpt::grid(triangles);
   if (kind == "soup") return sculpt::soup(triangles);
+  if (kind == "lamps") return sculpt::lamps(triangles);
   sculpt::Mesh mesh = sculpt::polygonise(kind == "bust" ? sculpt::bust() : sculpt::bumpy_sphere(), triangles);
   sculpt::check_closed(mesh);
   return mesh;
@@ -31,12 +36,14 @@ int main(int argc, char** argv) {
   app.add_option(
          "--kind", kind,
          "bust: a head with curls, 1 high, standing on y = 0, facing +z; bumpy-sphere: around the origin, radius "
-         "about 0.5 (both closed, with normals); grid: a wavy square; soup: loose random triangles")
+         "about 0.5 (both closed, with normals); grid: a wavy square; soup: loose random triangles; lamps: triangles "
+         "that hover over a square and look down")
       ->required()
-      ->check(CLI::IsMember({"bust", "bumpy-sphere", "grid", "soup"}));
-  app.add_option("--triangles", triangles, "at least so many; solids get usually up to 5 per cent more")
+      ->check(CLI::IsMember({"bust", "bumpy-sphere", "grid", "soup", "lamps"}));
+  app.add_option("--triangles", triangles,
+                 "at least so many; all but lamps need 100; solids get usually up to 5 per cent more")
       ->capture_default_str()
-      ->check(CLI::Range(100, 50'000'000));
+      ->check(CLI::Range(1, 50'000'000));
   app.add_option("-o,--output", output, "OBJ file to write")->required();
   try {
     app.parse(argc, argv);

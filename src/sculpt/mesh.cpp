@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "core/errors.h"
 #include "sculpt/field.h"
@@ -90,6 +92,26 @@ Mesh soup(std::uint64_t triangles) {
     const Vec3 center{0.48 * random(i, 0), 0.48 * random(i, 1), 0.48 * random(i, 2)};
     for (std::uint32_t k = 3; k < 12; k += 3)
       mesh.positions.push_back(center + 0.02 * Vec3{random(i, k), random(i, k + 1), random(i, k + 2)});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  return mesh;
+}
+
+Mesh lamps(std::uint64_t triangles) {
+  Mesh mesh;
+  // Multiples of these spread evenly over a square, whatever their number.
+  constexpr double kStepX = 0.7548776662466927, kStepZ = 0.5698402909980532;
+  const double side = 0.2 / std::sqrt(static_cast<double>(triangles));
+  for (std::uint64_t i = 0; i < triangles; ++i) {
+    const auto random = [&](std::uint32_t k) { return signed_unit(hash(static_cast<std::uint32_t>(i), k, 2u)); };
+    const double n = static_cast<double>(i) + 0.5;
+    const Vec3 center{2.0 * (n * kStepX - std::floor(n * kStepX)) - 1.0, 0.2 + 0.14 * random(0),
+                      2.0 * (n * kStepZ - std::floor(n * kStepZ)) - 1.0};
+    const double size = side * (1.0 + 0.5 * random(1)), tilt_x = 0.6 * random(2), tilt_z = 0.6 * random(3);
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    // Clockwise from above: the normal points down, a little aside.
+    for (const auto& [x, z] : {std::pair{-0.577, -1.0}, {1.155, 0.0}, {-0.577, 1.0}})
+      mesh.positions.push_back(center + size * Vec3{x, tilt_x * x + tilt_z * z, z});
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
   return mesh;

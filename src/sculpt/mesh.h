@@ -30,6 +30,10 @@ Mesh grid(std::uint64_t triangles);
 /// hierarchy.
 Mesh soup(std::uint64_t triangles);
 
+/// `triangles` small triangles that hover over the square [-1, 1]², y between 0.06 and 0.34, and look down, a little
+/// aside: lamps of about 0.075 area in all, whatever their number.
+Mesh lamps(std::uint64_t triangles);
+
 /// Writes a Wavefront OBJ file with six decimals; the file appears whole or not at all.
 void write_obj(const Mesh& mesh, const std::string& title, const std::string& path);
 

@@ -29,10 +29,11 @@ enum class SceneFamily {
   sheet,     ///< one dielectric interface under a sky with a gradient, from both sides
   glass,     ///< a glass sphere under an even sky, seen from outside and inside
   coverage,  ///< an emitting rectangle that covers a part of the pixel, through every reconstruction filter
+  crowd,     ///< direct with some sixty small lights, chosen by a tree; half of the scenes with Sobol sets
 };
-inline constexpr std::array<SceneFamily, 7> kSceneFamilies{
+inline constexpr std::array<SceneFamily, 8> kSceneFamilies{
     SceneFamily::direct, SceneFamily::furnace, SceneFamily::interior, SceneFamily::sky,
-    SceneFamily::sheet,  SceneFamily::glass,   SceneFamily::coverage};
+    SceneFamily::sheet,  SceneFamily::glass,   SceneFamily::coverage, SceneFamily::crowd};
 const char* scene_family_name(SceneFamily family);
 
 /// How light is found: naive (by chance), nee (sampled) or mis (both, weighted).

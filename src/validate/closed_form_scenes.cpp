@@ -3,6 +3,7 @@
 #include <numbers>
 #include <optional>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -149,10 +150,18 @@ struct Cone {
   double angle;
 };
 
-std::vector<Cone> disjoint_cones(Dice& dice, int count) {
+/// How many lights, and how large as seen from the origin.
+struct Crowd {
+  int least, most;
+  double least_angle, most_angle;
+};
+constexpr Crowd kFewLights{1, 6, 0.12, 0.5}, kManySmallLights{40, 80, 0.04, 0.1};
+
+std::vector<Cone> disjoint_cones(Dice& dice, const Crowd& crowd) {
+  const int count = dice.between_int(crowd.least, crowd.most);
   std::vector<Cone> cones;
   for (int attempt = 0; attempt < 1000 && static_cast<int>(cones.size()) < count; ++attempt) {
-    const Cone c{dice.direction(), dice.between(0.12, 0.5)};
+    const Cone c{dice.direction(), dice.between(crowd.least_angle, crowd.most_angle)};
     if (c.axis.y < -0.5) continue;  // a light far below the floor tests no more than one just below
     const bool apart = std::all_of(cones.begin(), cones.end(), [&](const Cone& other) {
       return std::acos(std::clamp(glm::dot(c.axis, other.axis), -1.0, 1.0)) > 1.05 * (c.angle + other.angle);
@@ -219,7 +228,7 @@ dvec3 add_sphere_light(Scene& scene, Dice& dice, const Cone& cone, const dvec3& 
   return irradiance * radiance;
 }
 
-ClosedFormScene direct_scene(Dice& dice, LightStrategy strategy) {
+ClosedFormScene direct_scene(Dice& dice, LightStrategy strategy, const Crowd& crowd) {
   ClosedFormScene result;
   Scene& scene = result.scene;
   dvec3 irradiance(0.0);
@@ -231,7 +240,7 @@ ClosedFormScene direct_scene(Dice& dice, LightStrategy strategy) {
     irradiance = dvec3(0.0);
     hit_share = 0.0;
     counts = {};
-    for (const Cone& cone : disjoint_cones(dice, dice.between_int(1, 6))) {
+    for (const Cone& cone : disjoint_cones(dice, crowd)) {
       const dvec3 radiance = dice.color(0.2, 4.0);
       const bool sphere = dice.chance(0.4);
       const dvec3 e = sphere ? add_sphere_light(scene, dice, cone, radiance, counts)
@@ -250,6 +259,18 @@ ClosedFormScene direct_scene(Dice& dice, LightStrategy strategy) {
   result.expected = luminance(albedo / kPi * irradiance);
   result.name = fmt::format("direct light, {} polygon(s), {} sphere(s), {} turned away, {} hidden, {}", counts.polygons,
                             counts.spheres, counts.turned, counts.hidden, light_strategy_name(strategy));
+  return result;
+}
+
+/// So many lights that they are chosen by a tree, in every second scene with Sobol sets.
+ClosedFormScene crowd_scene(Dice& dice, LightStrategy strategy) {
+  ClosedFormScene result = direct_scene(dice, strategy, kManySmallLights);
+  if (dice.chance(0.5)) {
+    result.scene.sampler = {.type = Sampler::Type::sobol,
+                            .set_bits = static_cast<std::uint32_t>(dice.between_int(1, 6))};
+    result.name += fmt::format(", sobol sets of {}", result.scene.sampler.set_size());
+  }
+  result.name.replace(0, std::string_view("direct light").size(), "crowd");
   return result;
 }
 
@@ -477,7 +498,7 @@ ClosedFormScene coverage_scene(Dice& dice) {
 
 const char* scene_family_name(SceneFamily family) {
   constexpr std::array<const char*, kSceneFamilies.size()> kNames{"direct", "furnace", "interior", "sky",
-                                                                  "sheet",  "glass",   "coverage"};
+                                                                  "sheet",  "glass",   "coverage", "crowd"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -487,11 +508,16 @@ const char* light_strategy_name(LightStrategy strategy) {
 }
 
 ClosedFormScene make_closed_form(SceneFamily family, std::uint64_t seed, LightStrategy strategy) {
-  Dice dice(seed * kSceneFamilies.size() + static_cast<std::uint64_t>(family));
+  // The number of families that there were first: scenes keep their numbers.
+  constexpr std::uint64_t kStreams = 7;
+  const auto number = static_cast<std::uint64_t>(family);
+  Dice dice(number < kStreams ? seed * kStreams + number : ~(seed * kStreams + number));
   ClosedFormScene result = [&] {
     switch (family) {
       case SceneFamily::direct:
-        return direct_scene(dice, strategy);
+        return direct_scene(dice, strategy, kFewLights);
+      case SceneFamily::crowd:
+        return crowd_scene(dice, strategy);
       case SceneFamily::furnace:
         return furnace_scene(dice, strategy);
       case SceneFamily::interior:

@@ -80,6 +80,14 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "direct light, 3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden, nee"},
     {gpu::kMutantEmissionAfterDeltaLost, "emission after mirror lost",
      "lights seen in mirrors are black when lights are sampled", "mirror sphere"},
+    {gpu::kMutantScramblingMissing, "scrambling missing", "Sobol points are not scrambled", "crowd"},
+    {gpu::kMutantDimensionsPaired, "Sobol dimensions equal", "all four numbers of a Sobol point are the first",
+     "crowd"},
+    {gpu::kMutantTreeShareForgotten, "tree forgets a turn",
+     "the probability of the last turn in the light tree is missing", "crowd"},
+    {gpu::kMutantTreeCullsTooMuch, "tree culls too much", "groups of lights near the horizon are left out", "crowd"},
+    {gpu::kMutantTreeMisForgotten, "tree MIS by power",
+     "the weight of light met by chance forgets the tree's first turn", "crowd"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -103,12 +111,13 @@ class SceneTrial final : public Trial {
  public:
   SceneTrial(const ClosedFormScene& scene, const GpuOptions& gpu)
       : expected_(scene.expected),
+        sampler_(scene.scene.sampler),
         renderer_(make_gpu_renderer(scene.scene, {.seed = 1, .quantity = FilmQuantity::luminance}, gpu)),
         film_(scene.scene.camera.width, scene.scene.camera.height, film_exponent(scene.scene)) {}
 
   double p_value(std::uint32_t samples) override {
     std::vector<RejectedSample> rejected;
-    done_ = renderer_->render({done_, samples}, film_, {}, rejected);
+    done_ = renderer_->render({done_, static_cast<std::uint32_t>(sampler_.sets_of(samples))}, film_, {}, rejected);
     const Moments m = film_moments(film_, 0);
     if (film_.rejected() > 0 || m.n < 2) return 0.0;
     return t_test(static_cast<double>(m.mean), static_cast<double>(m.variance), m.n, expected_).p_value;
@@ -116,6 +125,7 @@ class SceneTrial final : public Trial {
 
  private:
   double expected_;
+  Sampler sampler_;
   std::unique_ptr<Renderer> renderer_;
   Film film_;
   std::uint32_t done_ = 0;
@@ -234,6 +244,8 @@ std::vector<SuiteTest> make_suite() {
       scene_test(SceneFamily::direct, nee, "3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden"),
       scene_test(SceneFamily::direct, naive, "3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden"),
       scene_test(SceneFamily::direct, mis, "3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden"),
+      scene_test(SceneFamily::crowd, nee, "sobol sets of 8"),
+      scene_test(SceneFamily::crowd, mis, "sobol sets of 4"),
       scene_test(SceneFamily::furnace, naive, "depth 3, roulette 2"),
       scene_test(SceneFamily::interior, mis, "mirror sphere"),
       scene_test(SceneFamily::sheet, naive, "refracting sheet from outside"),

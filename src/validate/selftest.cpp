@@ -97,8 +97,8 @@ TTestResult measure_scene(const RendererFactory& make_renderer, const ClosedForm
   const std::uint64_t pixels = std::uint64_t{camera.width} * camera.height;
   Film film(camera.width, camera.height, film_exponent(scene.scene));
   std::vector<RejectedSample> located;
-  renderer->render({0, static_cast<std::uint32_t>(std::max<std::uint64_t>(2, (samples + pixels - 1) / pixels))}, film,
-                   {}, located);
+  const std::uint64_t sets = scene.scene.sampler.sets_of((samples + pixels - 1) / pixels);
+  renderer->render({0, static_cast<std::uint32_t>(std::max<std::uint64_t>(2, sets))}, film, {}, located);
   rejected = film.rejected();
   const Moments m = film_moments(film, 0);
   if (m.n < 2) return {.reference = scene.expected};  // all rejected: p is 0

@@ -18,16 +18,17 @@ double luminance(const glm::vec3& rgb) {
          0.072169 * static_cast<double>(rgb.z);
 }
 
-/// Samples of a pixel so that the film gets at least `count` in all, and at least the two a variance needs.
-std::uint32_t samples_per_pixel(const Scene& scene, std::uint64_t count) {
+/// Film samples of a pixel, which are sets of paths, so that the film gets at least `count` paths in all, and at least
+/// the two sets a variance needs. Sets are independent, as a t-test demands; the paths of a set are not.
+std::uint32_t sets_per_pixel(const Scene& scene, std::uint64_t count) {
   const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
-  const std::uint64_t wanted = std::max<std::uint64_t>(count, 2);
-  const std::uint64_t spp = (wanted + pixels - 1) / pixels;
-  if (spp > std::numeric_limits<std::uint32_t>::max()) {
+  const std::uint64_t sets =
+      std::max<std::uint64_t>(scene.sampler.sets_of((count + pixels - 1) / pixels), (2 + pixels - 1) / pixels);
+  if (sets * scene.sampler.set_size() > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(ExitCode::usage,
                 fmt::format("sampleCount {} over {} pixel(s) is more than 2^32 − 1 samples a pixel", count, pixels));
   }
-  return static_cast<std::uint32_t>(spp);
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(sets, 1));
 }
 
 /// Luminance of at most `limit` of the film's samples, evenly over pixels and sample indices.
@@ -60,10 +61,11 @@ SceneTTest test_scene(const Scene& scene, double reference, std::uint32_t seed, 
   SceneTTest result;
   result.width = scene.camera.width;
   result.height = scene.camera.height;
-  const std::uint32_t spp = samples_per_pixel(scene, sample_count);
+  const std::uint32_t sets = sets_per_pixel(scene, sample_count);
+  const std::uint64_t spp = std::uint64_t{sets} * scene.sampler.set_size();
   result.samples_per_pixel = spp;
   Film film(scene.camera.width, scene.camera.height, film_exponent(scene));
-  renderer->render({0, spp}, film, {}, result.located);
+  renderer->render({0, sets}, film, {}, result.located);
   result.rejected = film.rejected();
   const Moments m = film_moments(film, 0);
   if (m.n >= 2) {

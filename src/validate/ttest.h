@@ -26,7 +26,7 @@ struct SceneTTest {
   std::string name;  ///< "scene 3" or the scene's own name
   std::uint32_t width = 0, height = 0;
   std::uint64_t samples_per_pixel = 0;
-  TTestResult test;  ///< n = samples that counted
+  TTestResult test;  ///< n = film samples that counted: paths, or sets of paths (Sampler::set_size)
   TailReport tail;
   std::uint64_t rejected = 0;           ///< NaN, infinite or out-of-range samples: any is a failure
   std::vector<RejectedSample> located;  ///< the first of them
@@ -44,7 +44,7 @@ struct TTestReport {
   bool passed() const;
 };
 
-/// Renders `sampleCount` camera samples of each scene, spread evenly over its film (rounded up to whole samples per
+/// Renders `sampleCount` paths of each scene, spread evenly over its film (rounded up to whole samples per
 /// pixel), and tests their mean luminance. Over more than one pixel the variance includes that between pixels, which
 /// makes the test conservative. Throws Error(usage) when references and scenes differ in number, or whatever the
 /// renderer throws.

@@ -13,7 +13,8 @@ Image render_image(Renderer& renderer, const Scene& scene, std::uint32_t spp, co
                    std::uint32_t seed, std::uint64_t& rejected, std::vector<RejectedSample>& located) {
   Film film(scene.camera.width, scene.camera.height, film_exponent(scene));
   std::vector<RejectedSample> here;
-  if (renderer.render({0, spp}, film, options.progress, here) != spp) {
+  const auto sets = static_cast<std::uint32_t>(scene.sampler.sets_of(spp));
+  if (renderer.render({0, sets}, film, options.progress, here) != sets) {
     throw Error(ExitCode::interrupted,
                 fmt::format("{}: stopped before all {} samples were done; there is no verdict", scene.file, spp));
   }
@@ -79,6 +80,9 @@ Validation validate_scene(const Scene& scene, const RendererFactory& make_device
   v.worst_accepted = options.worst_accepted;
   v.samples_per_pixel =
       options.samples_per_pixel != 0 ? options.samples_per_pixel : std::clamp(scene.sampler.sample_count, 16u, 64u);
+  // Whole sets, and two of them at least: an image needs standard errors to be tested.
+  v.samples_per_pixel = static_cast<std::uint32_t>(
+      std::max<std::uint64_t>(scene.sampler.sets_of(v.samples_per_pixel), 2) << scene.sampler.set_bits);
   const auto device = make_device(scene, {options.seed, FilmQuantity::color});
   const auto reference = make_reference(scene, {options.seed, FilmQuantity::color});
   v.device = device->device_name();

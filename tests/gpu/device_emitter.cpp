@@ -33,8 +33,10 @@ class DeviceEmitter : public DeviceTest {
 
 // A scene with these shapes and one receiver far from mattering, with the map into its device coordinates.
 struct LightScene {
-  explicit LightScene(std::vector<Shape> shapes) {
+  explicit LightScene(std::vector<Shape> shapes,
+                      Integrator::LightSampler light_sampler = Integrator::LightSampler::power) {
     scene.shapes = std::move(shapes);
+    scene.integrator.light_sampler = light_sampler;
     compiled = compile_scene(scene);
     normalization = find_normalization(scene);
   }
@@ -48,7 +50,7 @@ std::vector<gpu::LightCase> random_cases(const glm::vec3& p, std::size_t n, std:
   std::vector<gpu::LightCase> cases;
   for (std::size_t i = 0; i < n; ++i) {
     const gpu::uint a = random.word(), b = random.word(), c = random.word();
-    cases.push_back({p, 0, {a, b, c, random.word()}});
+    cases.push_back({p, 0, {a, b, c, random.word()}, glm::vec3(0.0f), 0});
   }
   return cases;
 }
@@ -202,7 +204,11 @@ TEST_F(DeviceEmitter, ThresholdsBelongToTheUpperEntry) {
   std::vector<gpu::LightCase> cases;
   std::vector<gpu::uint> expected;
   const auto add = [&](std::uint64_t word, std::size_t shape_index) {
-    cases.push_back({setup.normalization.point({0, 0, 0}), 0, {static_cast<gpu::uint>(word), 0x1234567u, 99u, 7u}});
+    cases.push_back({setup.normalization.point({0, 0, 0}),
+                     0,
+                     {static_cast<gpu::uint>(word), 0x1234567u, 99u, 7u},
+                     glm::vec3(0.0f),
+                     0});
     expected.push_back(static_cast<gpu::uint>(shape_index));
   };
   for (std::size_t i = 0; i < weights.size(); ++i) {

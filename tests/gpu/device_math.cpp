@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "device_test.h"
+#include "reference/rng.h"
 
 namespace etendue::test {
 namespace {
@@ -65,6 +66,22 @@ TEST_F(DeviceMath, RandomWordsAreThoseOfThePaper) {
                                             {0xd94e04e6u, 0x998ab10au, 0xbb920c7au, 0x2c384679u}};
   const auto answers = run<gpu::WordsAnswer>({kernels::sampler_words, "sampler_words", nullptr, {}}, cases);
   for (std::size_t i = 0; i < cases.size(); ++i) EXPECT_EQ(answers[i].words, expected[i]) << i;
+}
+
+TEST_F(DeviceMath, SobolWordsAreThoseOfTheReference) {
+  // L0: integers, equal to the bit for every size of a set, also beyond the first sets and with large indices.
+  for (gpu::uint bits = 1; bits <= 12; ++bits) {
+    std::vector<gpu::WordsCase> cases;
+    for (gpu::uint i = 0; i < 4096; ++i) cases.push_back({i % 3, i, i % 9, 5});
+    for (gpu::uint i = 0; i < 4096; ++i) cases.push_back({i * 977u, i * 1048573u + 11u, i % 64, i * i});
+    const auto answers = run<gpu::WordsAnswer>({kernels::sampler_words, "sampler_words", nullptr, {{19, bits}}}, cases);
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const gpu::WordsCase& c = cases[i];
+      const auto expected = reference::SampleRandom(c.seed, c.pixel, c.sample_index, bits).block(c.block);
+      ASSERT_EQ(answers[i].words, glm::uvec4(expected[0], expected[1], expected[2], expected[3]))
+          << "2^" << bits << " points, case " << i;
+    }
+  }
 }
 
 TEST_F(DeviceMath, UnitFloatsAreTheTop24Bits) {

@@ -90,6 +90,50 @@ TEST_F(RendererEquality, SmallFilmsDealSamplesToManySlots) {
                "a 9 × 2 film");
 }
 
+// The Cornell box with sets of 8 Sobol points.
+Scene sobol_cornell(std::uint32_t width, std::uint32_t height) {
+  Scene scene = cornell(width, height);
+  scene.sampler = {Sampler::Type::sobol, 64, 3};
+  return scene;
+}
+
+TEST_F(RendererEquality, SobolSetsAreWholeHoweverTheWorkIsSplit) {
+  const Scene scene = sobol_cornell(29, 13);
+  const Film whole = render(scene, {{0, 7}}, renderer_options());
+  for (const FilmPixel& p : whole.pixels()) ASSERT_EQ(p.count, 7u);
+  for (const auto& [samples, groups] : {std::pair{1u, 1u}, {2u, 7u}, {5u, 3u}, {64u, 1000u}}) {
+    GpuOptions options = renderer_options();
+    options.fixed_samples = samples;
+    options.fixed_groups = groups;
+    expect_equal(render(scene, {{0, 7}}, options), whole,
+                 std::to_string(samples) + " sets, " + std::to_string(groups) + " groups a dispatch");
+  }
+  expect_equal(render(scene, {{4, 7}, {0, 1}, {1, 4}}, renderer_options()), whole, "three ranges");
+  const Scene point = sobol_cornell(1, 1);
+  const Film deep = render(point, {{0, 5000}}, renderer_options());
+  ASSERT_EQ(deep.pixels()[0].count, 5000u);
+  expect_equal(render(point, {{0, 17}, {17, 4114}, {4114, 5000}}, renderer_options()), deep, "slots of one pixel");
+}
+
+TEST_F(RendererEquality, ASobolSampleIsTheMeanOverItsSet) {
+  const Scene scene = sobol_cornell(12, 9);
+  if (!is_lavapipe()) return;  // two kernels: another driver may round them differently
+  const Film film = render(scene, {{2, 5}}, renderer_options());
+  const auto renderer = make_gpu_renderer(scene, {.seed = 3}, renderer_options());
+  std::vector<SampleId> ids;
+  for (std::uint32_t pixel = 0; pixel < 108; ++pixel) {
+    for (std::uint32_t path = 16; path < 40; ++path) ids.push_back({pixel, path});
+  }
+  const auto records = renderer->trace_samples(ids);
+  Film sum(12, 9, film_exponent(scene));
+  for (std::size_t first = 0; first < ids.size(); first += 8) {
+    glm::vec3 mean(0.0f);
+    for (std::size_t i = first; i < first + 8; ++i) mean += records[i].radiance;
+    sum.pixels()[ids[first].pixel].add(mean / 8.0f, sum.exponent());
+  }
+  expect_equal(sum, film, "set by set");
+}
+
 TEST_F(RendererEquality, StoppingAndGoingOn) {
   const Scene scene = cornell(31, 11);
   const Film whole = render(scene, {{2, 40}}, renderer_options());

@@ -181,7 +181,13 @@ std::string samples(const std::string& value) {
                       "\"/></sampler>");
 }
 
+std::string set_size(const std::string& value) {
+  return scene_around("<sampler type=\"sobol\"><integer name=\"setSize\" value=\"" + value + "\"/></sampler>");
+}
+
 const BadInput kValues[] = {
+    {"SetSizeNoPowerOfTwo", set_size("48"), 2, 54, "setSize 48 is not a power of two; use 32 or 64"},
+    {"SetSizeOne", set_size("1"), 2, 54, "1 is out of range; allowed is 2 … 4096"},
     {"NotANumber", radius("abc"), 3, 29, "\"radius\" of <mesh type=\"sphere\">: \"abc\" is not a number"},
     {"EmptyNumber", radius(""), 3, 29, "\"\" is not a number"},
     {"TrailingJunk", radius("  1.5x"), 3, 31, "\"1.5x\" is not a number"},

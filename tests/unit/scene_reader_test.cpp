@@ -222,6 +222,23 @@ TEST(SceneReader, Overrides) {
   EXPECT_EQ(read_good(scene_around(""), {{{"sampler.sampleCount", "9"}}, false}).sampler.sample_count, 9u);
 }
 
+TEST(SceneReader, SobolSamplers) {
+  const Scene plain = read_good(scene_around("<sampler type=\"sobol\"/>"));
+  EXPECT_EQ(plain.sampler.type, Sampler::Type::sobol);
+  EXPECT_EQ(plain.sampler.set_size(), 16u);
+  const Scene other =
+      read_good(scene_around("<sampler type=\"sobol\"><integer name=\"setSize\" value=\"64\"/>"
+                             "<integer name=\"sampleCount\" value=\"100\"/></sampler>"));
+  EXPECT_EQ(other.sampler.set_bits, 6u);
+  EXPECT_EQ(other.sampler.sets_of(other.sampler.sample_count), 2u);
+  // Samples of another kind of set must never be merged with these; those of independent numbers are what they were.
+  const Scene independent = read_good(scene_around(""));
+  EXPECT_NE(scene_hash(plain), scene_hash(other));
+  EXPECT_NE(scene_hash(plain), scene_hash(independent));
+  EXPECT_EQ(independent.sampler.set_size(), 1u);
+  EXPECT_EQ(independent.sampler.sets_of(7), 7u);
+}
+
 TEST(SceneReader, OverridesThatMatchNothing) {
   for (const auto& [name, expected] : {std::pair{"camera.widht", "did you mean \"camera.width\"?"},
                                        std::pair{"rfilter.radius", "known here are: camera.farClip"},

@@ -18,6 +18,6 @@ void main() {
   }
   Shape shape;
   const Surface s = make_surface(ray, hit, shape);
-  const float pdf = shape.light_prob > 0.0 ? light_pdf(c.o, c.d, s, shape, hit.slot) : 0.0;
+  const float pdf = shape.light_prob > 0.0 ? light_pdf(c.o, vec3(0.0), c.d, s, shape, hit.slot) : 0.0;
   outputs[lane()] = EmissionAnswer(area_radiance(shape, s.ng, -c.d), pdf, s.shape, s.primitive, hit.t, 0u);
 }

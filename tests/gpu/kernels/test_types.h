@@ -87,6 +87,8 @@ struct LightCase {
   vec3 p;
   uint pad0;
   uvec4 words;
+  vec3 n;
+  uint pad1;
 };
 struct LightAnswer {
   vec3 p;
@@ -196,7 +198,7 @@ static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);
 static_assert(sizeof(FrameCase) == 32 && sizeof(FrameAnswer) == 64);
 static_assert(sizeof(BsdfCase) == 64 && sizeof(BsdfAnswer) == 80);
-static_assert(sizeof(LightCase) == 32 && sizeof(LightAnswer) == 80 && sizeof(EmissionAnswer) == 32);
+static_assert(sizeof(LightCase) == 48 && sizeof(LightAnswer) == 80 && sizeof(EmissionAnswer) == 32);
 static_assert(sizeof(RayCase) == 32 && sizeof(IntersectCase) == 80 && sizeof(TraceAnswer) == 32);
 static_assert(sizeof(SpawnCase) == 48 && sizeof(SpawnAnswer) == 48);
 static_assert(sizeof(FilmCase) == 16 && sizeof(CameraCase) == 16 && sizeof(CameraAnswer) == 48);

@@ -20,6 +20,7 @@ layout(set = 0, binding = 11, std430) buffer RayResultBuffer { RayResult ray_res
 layout(set = 0, binding = 12, std430) buffer VertexBuffer { TracedVertex vertices[]; };
 layout(set = 0, binding = 13, std430) buffer ProbePassBuffer { BsdfProbePass probe_passes[]; };
 layout(set = 0, binding = 14, std430) buffer ProbeResultBuffer { BsdfProbeResult probe_results[]; };
+layout(set = 0, binding = 15, std430) buffer LightNodeBuffer { LightNode light_nodes[]; };
 
 void main() {
   records[0].a.x = pass.pad0 + frame.seed + requests[0].pixel + floatBitsToUint(ray_requests[0].t_min);
@@ -35,4 +36,5 @@ void main() {
   vertices[0].shape = 0u;
   probe_passes[0].seed = 0u;
   probe_results[0].lobe = 0u;
+  light_nodes[0].child = 0u;
 }

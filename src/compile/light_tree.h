@@ -1,0 +1,33 @@
+#pragma once
+/// The tree that chooses among many lights: docs/conventions.md, "Light tree".
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "compile/normalization.h"
+#include "gpu_types.h"
+
+namespace etendue {
+
+/// A primitive that emits, in world space.
+struct LightLeaf {
+  double power = 0.0;     ///< luminance · area, of a sphere luminance · πr²; > 0
+  double area = 0.0;      ///< of the primitive
+  glm::dvec3 lower{0.0};  ///< corners of its box
+  glm::dvec3 upper{0.0};
+  glm::dvec3 normal{0.0};  ///< unit; 0 for a sphere
+  std::uint32_t slot = 0;  ///< its record
+};
+
+struct FlatLightTree {
+  std::vector<gpu::LightNode> nodes;  ///< the root first, siblings side by side
+  std::vector<std::uint32_t> trails;  ///< of each leaf: its turns from the root, the first in bit 0, then a final 1
+  std::uint32_t depth = 0;            ///< levels below the root, at most kMaxLightTreeDepth
+};
+
+/// Bytes are the same on every machine: splits compare integers, sums run in order. `leaves` in the order of the scene.
+FlatLightTree build_light_tree(const std::vector<LightLeaf>& leaves, const Normalization& normalization);
+
+}  // namespace etendue

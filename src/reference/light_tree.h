@@ -1,0 +1,61 @@
+#pragma once
+/// Choice among many lights by how much they can contribute to a point; docs/conventions.md, "Light tree".
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "reference/vec.h"
+
+namespace etendue::reference {
+
+/// One primitive that emits.
+struct LightLeaf {
+  std::uint32_t light = 0;      ///< the caller's number of its shape
+  std::uint32_t primitive = 0;  ///< in its shape
+  double power = 0.0;           ///< luminance times area, of a sphere times π r²; > 0
+  Vec3 lower{0.0}, upper{0.0};  ///< box
+  Vec3 normal{0.0};             ///< it emits on this side; 0: to all sides
+};
+
+class LightTree {
+ public:
+  LightTree() = default;
+  explicit LightTree(std::vector<LightLeaf> leaves);
+
+  bool empty() const { return nodes_.empty(); }
+
+  struct Choice {
+    const LightLeaf* leaf = nullptr;  ///< null: nothing can contribute
+    double prob = 0.0;
+  };
+  /// Chooses a leaf for a surface at `p` with shading normal `n`.
+  Choice choose(const Vec3& p, const Vec3& n, std::uint32_t word_a, std::uint32_t word_b) const;
+  /// The probability of that choice; 0 for a primitive that is not in the tree.
+  double prob(const Vec3& p, const Vec3& n, std::uint32_t light, std::uint32_t primitive) const;
+
+ private:
+  struct Node {
+    Vec3 center{0.0};
+    double radius = 0.0;
+    Vec3 axis{0.0};  ///< of the cone of normals
+    double cos_cone = 1.0;
+    double power = 0.0;
+    std::uint32_t left = 0, right = 0;  ///< children; equal: a leaf
+    std::uint32_t leaf = 0;             ///< first of its leaves
+    std::uint32_t count = 0;            ///< of its leaves
+  };
+  struct Key;
+  std::uint32_t build(std::uint32_t first, std::uint32_t count, std::uint32_t level, std::vector<Key>& keys);
+  Node bound(std::uint32_t first, std::uint32_t count) const;
+  static double importance(const Node& node, const Vec3& p, const Vec3& n);
+  /// Share of the left child.
+  double left_share(const Node& node, const Vec3& p, const Vec3& n) const;
+
+  std::vector<LightLeaf> leaves_;                                            ///< in the order of the tree
+  std::vector<Node> nodes_;                                                  ///< the root first
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> places_;  ///< (light, primitive) → index of its leaf
+};
+
+}  // namespace etendue::reference
