@@ -8,6 +8,7 @@
 #include "compile/discrete.h"
 #include "compile/normalization.h"
 #include "device_test.h"
+#include "reference/lights.h"
 #include "reference_scenes.h"
 #include "validate/statistics.h"
 
@@ -262,6 +263,144 @@ TEST_F(DeviceEmitter, DensityIntegratesToOne) {
     EXPECT_LT(std::abs(integral.mean() - 1.0), 4.5 * integral.standard_error() + 1e-5) << count << " lights";
     EXPECT_LT(integral.standard_error(), 0.03);
   }
+}
+
+// Lights of all sizes, shapes and directions around the origin; some cannot be seen from there.
+std::vector<Shape> crowd_of_lights(int count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Shape> shapes;
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec3 center = (0.5 + 4.0 * random.unit()) * random.direction();
+    const glm::dvec3 radiance(0.1 + random.unit(), 0.1 + 3.0 * random.unit(), 0.1 + random.unit());
+    const double size = 0.02 + 0.3 * random.unit();
+    if (i % 3 == 0) {
+      shapes.push_back(shape(Sphere{center, 0.4 * size}, diffuse(0.5), radiance));
+    } else {
+      shapes.push_back(
+          shape(quad(center, size * random.direction(), size * random.direction()), diffuse(0.5), radiance));
+    }
+  }
+  return shapes;
+}
+
+// A receiver in each of some places and directions.
+struct Receiver {
+  glm::dvec3 p, n;
+};
+std::vector<Receiver> some_receivers(int count) {
+  Random random(4);
+  std::vector<Receiver> receivers;
+  for (int i = 0; i < count; ++i)
+    receivers.push_back({(0.1 + 4.0 * random.unit()) * random.direction(), random.direction()});
+  return receivers;
+}
+
+constexpr auto kTree = Integrator::LightSampler::tree;
+
+TEST_F(DeviceEmitter, TheTreeChoosesLikeTheReference) {
+  for (const int count : {1, 2, 33, 1000}) {
+    const LightScene setup(crowd_of_lights(count, 8), kTree);
+    const reference::Lights lights(setup.scene);
+    std::vector<gpu::LightCase> cases;
+    std::vector<Receiver> receivers;
+    Random random(9);
+    for (const Receiver& r : some_receivers(64)) {
+      for (int i = 0; i < 256; ++i) {
+        const gpu::uint a = random.word(), b = random.word(), c = random.word();
+        cases.push_back({setup.normalization.point(r.p), 0, {a, b, c, random.word()}, glm::vec3(r.n), 0});
+        receivers.push_back(r);
+      }
+    }
+    const auto answers = sample(setup.compiled, cases);
+    std::size_t other = 0, none = 0, off = 0;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const glm::uvec4 w = cases[i].words;
+      const auto expected = lights.sample(setup.scene, receivers[i].p, receivers[i].n,
+                                          {w.x, w.y, reference::unit_float(w.z), reference::unit_float(w.w)});
+      none += !expected;
+      if (!expected || answers[i].shape == gpu::kNone) {
+        other += expected.has_value() != (answers[i].shape != gpu::kNone);
+        if (answers[i].shape == gpu::kNone) {
+          EXPECT_EQ(answers[i].pdf_w, 0.0f);
+        }
+        continue;
+      }
+      if (answers[i].shape != expected->shape || answers[i].primitive != expected->primitive) {
+        ++other;
+        continue;
+      }
+      const double scale = setup.normalization.scale;
+      const double distance = glm::length(expected->surface.p - receivers[i].p) * scale;
+      const double cosine = std::abs(glm::dot(expected->wi, expected->surface.ng));
+      off += !(std::abs(answers[i].pdf_w - expected->pdf_w) <=
+               (2e-4 + 3e-5 / std::max(1e-3, cosine * distance)) * expected->pdf_w);
+    }
+    EXPECT_LE(other, cases.size() / 5000) << count << " lights";
+    EXPECT_LE(off, cases.size() / 500) << count << " lights";
+    EXPECT_LT(none, cases.size() * 3 / 4) << "hardly anything was tested";
+  }
+}
+
+TEST_F(DeviceEmitter, TheTreeChoosesWithTheProbabilitiesItSays) {
+  for (const int count : {2, 33, 300}) {
+    const LightScene setup(crowd_of_lights(count, 10), kTree);
+    const reference::Lights lights(setup.scene);
+    for (const Receiver& r : some_receivers(3)) {
+      constexpr std::size_t kSamples = 1 << 16;
+      std::vector<gpu::LightCase> cases = random_cases(setup.normalization.point(r.p), kSamples, 11);
+      for (gpu::LightCase& c : cases) c.n = glm::vec3(r.n);
+      std::map<std::pair<gpu::uint, gpu::uint>, double> counts;
+      for (const auto& a : sample(setup.compiled, cases)) ++counts[{a.shape, a.primitive}];
+      std::vector<double> observed, expected;
+      double rest = kSamples;
+      for (gpu::uint i = 0; i < setup.scene.shapes.size(); ++i) {
+        const auto* mesh = std::get_if<TriangleMesh>(&setup.scene.shapes[i].geometry);
+        for (gpu::uint k = 0; k < (mesh != nullptr ? mesh->triangles.size() : 1); ++k) {
+          observed.push_back(counts[{i, k}]);
+          expected.push_back(kSamples * lights.prob(r.p, r.n, i, k));
+          rest -= expected.back();
+        }
+      }
+      double chosen = 0.0;
+      for (const double c : observed) chosen += c;
+      observed.push_back(kSamples - chosen);  // no light can contribute
+      expected.push_back(std::max(0.0, rest));
+      EXPECT_GT(chi_square_test(observed, expected).p_value, kSmallestP) << count << " lights";
+    }
+  }
+}
+
+TEST_F(DeviceEmitter, SamplingByTreeAndChanceAgreeOnTheDensity) {
+  const LightScene setup(ring_of_lights(50), kTree);
+  const glm::vec3 p = setup.normalization.point({0.02, 0.05, -0.03});
+  const auto samples = sample(setup.compiled, random_cases(p, 4096, 6));
+  std::vector<gpu::RayCase> rays;
+  for (const auto& s : samples) rays.push_back({p, 0.0f, s.wi, INFINITY});
+  const auto met = emission(setup.compiled, rays);
+  std::size_t missed = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (met[i].shape != samples[i].shape || met[i].primitive != samples[i].primitive) {
+      ++missed;  // rays to the very rim
+      continue;
+    }
+    const double cosine = std::abs(glm::dot(samples[i].wi, samples[i].ng));
+    EXPECT_NEAR(met[i].pdf, samples[i].mis_pdf, (1e-4 + 1e-5 / std::max(1e-3, cosine)) * samples[i].mis_pdf) << i;
+    EXPECT_NEAR(samples[i].pdf_w, samples[i].mis_pdf, 1e-5 * samples[i].mis_pdf);
+  }
+  EXPECT_LT(missed, samples.size() / 500);
+}
+
+TEST_F(DeviceEmitter, TheDensityOfTheTreeIntegratesToOne) {
+  // As above; without a normal no light is below a horizon.
+  const LightScene setup(ring_of_lights(50), kTree);
+  const glm::vec3 p = setup.normalization.point({0, 0, 0});
+  Random random(7);
+  std::vector<gpu::RayCase> rays;
+  for (int i = 0; i < 1 << 18; ++i) rays.push_back({p, 0.0f, glm::vec3(random.direction()), INFINITY});
+  RunningMoments integral;
+  for (const auto& a : emission(setup.compiled, rays)) integral.add(4.0 * kPi * a.pdf);
+  EXPECT_LT(std::abs(integral.mean() - 1.0), 4.5 * integral.standard_error() + 1e-5);
+  EXPECT_LT(integral.standard_error(), 0.03);
 }
 
 }  // namespace
