@@ -15,6 +15,7 @@ enum class ExitCode : int {
   no_device = 4,      ///< no suitable Vulkan device
   device_lost = 5,    ///< device lost or out of device memory
   file_error = 6,     ///< cannot read or write a file
+  bug = 70,           ///< an error in the program itself
   skipped = 77,       ///< a test that cannot run here
   interrupted = 130,  ///< stopped by a signal after saving what is done
 };

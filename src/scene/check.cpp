@@ -122,6 +122,26 @@ void check_camera_medium(const Scene& scene, const std::vector<Box>& boxes, Diag
                   text::quoted(innermost->name), innermost->position.line));
 }
 
+/// Devices compute in single precision, relative to the size of the whole scene.
+void check_scale(const Shape& shape, const Box& box, const Box& all, Diagnostics& diagnostics) {
+  constexpr double kTooSmall = 1e-6;
+  const double size = volume_size(box), whole = volume_size(all);
+  if (!(size < kTooSmall * whole)) return;
+  diagnostics.warning(
+      shape.position,
+      fmt::format("{} is {:.0e} of the scene's size: single precision, in which devices compute, cannot resolve it; "
+                  "shrink what is largest, or use --device reference",
+                  text::quoted(shape.name), size / whole));
+}
+
+/// What is written and changes nothing.
+void check_effect(const Shape& shape, Diagnostics& diagnostics) {
+  const auto* glass = std::get_if<DielectricBsdf>(&shape.bsdf);
+  if (glass == nullptr || glass->int_ior != glass->ext_ior) return;
+  diagnostics.warning(shape.position, fmt::format("the dielectric {} has no effect: intIOR and extIOR are both {}",
+                                                  text::quoted(shape.name), glass->int_ior));
+}
+
 void check_normals(const Shape& shape, Diagnostics& diagnostics) {
   const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
   if (mesh == nullptr || mesh->normals.empty()) return;
@@ -201,8 +221,11 @@ void check_scene(const Scene& scene, Diagnostics& diagnostics) {
   all.add(glm::dvec3(scene.camera.world_from_camera[3]));
   if (scene.integrator.type == Integrator::Type::path) check_light(scene, diagnostics);
   check_camera_medium(scene, boxes, diagnostics);
-  for (const Shape& shape : scene.shapes) {
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+    const Shape& shape = scene.shapes[i];
+    check_scale(shape, boxes[i], all, diagnostics);
     check_facing(scene, shape, all, diagnostics);
+    check_effect(shape, diagnostics);
     check_normals(shape, diagnostics);
     check_closed(shape, diagnostics);
   }

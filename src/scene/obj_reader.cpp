@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <string_view>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -26,9 +25,13 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 /// there.
 constexpr std::int64_t kMaxPolygonWork = 3'000'000'000;
 
+/// Errors listed of one file; nobody reads more.
+constexpr std::size_t kMaxErrors = 20;
+
 struct ObjError {
   std::size_t offset;  ///< in the current line
   std::string message;
+  bool last = false;  ///< reading on makes no sense
 };
 
 /// Splits a line at blanks.
@@ -74,15 +77,15 @@ class ObjParser {
   /// False after a reported error.
   bool parse() {
     try {
-      while (lines_.next()) parse_line();
+      while (lines_.next()) parse_line_or_report();
     } catch (const LineReader::TooLong& error) {
       diagnostics_.error(error.position,
                          fmt::format("this line has more than {} bytes; no face needs that", ObjLimits::kMaxLine));
       return false;
-    } catch (const ObjError& error) {
-      diagnostics_.error(lines_.position(error.offset), error.message);
+    } catch (const EndOfReading&) {
       return false;
     }
+    if (errors_ > 0) return false;
     if (mesh_.position_triangles.empty()) {
       diagnostics_.error({file_, 0, 0}, "the mesh has no faces; export the surface as f lines");
       return false;
@@ -99,6 +102,18 @@ class ObjParser {
     std::uint32_t normal = kNone;
   };
 
+  struct EndOfReading {};
+
+  /// A line with an error is skipped, so that one pass lists them all.
+  void parse_line_or_report() {
+    try {
+      parse_line();
+    } catch (const ObjError& error) {
+      diagnostics_.error(lines_.position(error.offset), error.message);
+      if (error.last || ++errors_ == kMaxErrors) throw EndOfReading{};
+    }
+  }
+
   void parse_line() {
     Tokens tokens(lines_.line());
     if (std::exchange(first_line_, false) && lines_.line().starts_with("\xef\xbb\xbf"))
@@ -112,7 +127,7 @@ class ObjParser {
     static constexpr std::string_view kIgnored[] = {"g", "o", "s", "usemtl", "mtllib"};
     if (std::find(std::begin(kIgnored), std::end(kIgnored), keyword) != std::end(kIgnored)) return;
     if (keyword.find('\0') != std::string_view::npos) {
-      throw ObjError{tokens.offset(), "the line holds binary data; an OBJ file is plain ASCII or UTF-8 text"};
+      throw ObjError{tokens.offset(), "the line holds binary data; an OBJ file is plain ASCII or UTF-8 text", true};
     }
     if (std::exchange(unknown_, true)) return;
     diagnostics_.warning(
@@ -140,11 +155,13 @@ class ObjParser {
   }
 
   static void check_capacity(std::size_t size, std::size_t limit, const char* what) {
-    if (size >= limit) throw ObjError{0, fmt::format("the file has more than {} {}; split the mesh", limit, what)};
+    if (size >= limit)
+      throw ObjError{0, fmt::format("the file has more than {} {}; split the mesh", limit, what), true};
   }
 
   void parse_position(Tokens& tokens) {
     check_capacity(mesh_.positions.size(), ObjLimits::kMaxVertices, "vertices");
+    mesh_.positions.emplace_back(0.0);  // counts even when the line is wrong, or all faces after it would be, too
     // Three coordinates, then perhaps a weight (for curves only) or a colour, as some exporters write.
     std::array<double, 8> n{};
     parse_numbers(tokens, n, 3, 7, "a vertex");
@@ -154,11 +171,12 @@ class ObjParser {
       throw ObjError{0, fmt::format("the vertex lies at {} {} {} in world space; coordinates up to {} are supported",
                                     p.x, p.y, p.z, kMaxCoordinate)};
     }
-    mesh_.positions.push_back(p);
+    mesh_.positions.back() = p;
   }
 
   void parse_normal(Tokens& tokens) {
     check_capacity(mesh_.normals.size(), ObjLimits::kMaxVertices, "normals");
+    mesh_.normals.emplace_back(0.0);
     std::array<double, 8> n{};
     parse_numbers(tokens, n, 3, 3, "a normal");
     const double largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
@@ -168,14 +186,14 @@ class ObjParser {
       const double size = std::max({std::abs(world.x), std::abs(world.y), std::abs(world.z)});
       if (size > 0.0 && std::isfinite(size)) normal = glm::normalize(world / size);
     }
-    mesh_.normals.push_back(normal);
+    mesh_.normals.back() = normal;
   }
 
   void parse_texture(Tokens& tokens) {
     check_capacity(textures_, ObjLimits::kMaxVertices, "texture coordinates");
+    ++textures_;
     std::array<double, 8> n{};
     parse_numbers(tokens, n, 1, 3, "a texture coordinate");
-    ++textures_;
   }
 
   /// One index of a corner, `count` elements being defined so far: 1-based, or negative from the end.
@@ -235,8 +253,8 @@ class ObjParser {
     for (const Corner& corner : corners_) polygon_.push_back(mesh_.positions[corner.position]);
     if (!triangulate(polygon_, triangles_, polygon_work_)) {
       if (polygon_work_ <= 0)
-        throw ObjError{0,
-                       "the concave faces of this file are too large to triangulate here; triangulate them on export"};
+        throw ObjError{
+            0, "the concave faces of this file are too large to triangulate here; triangulate them on export", true};
       if (crossing_ == 0) first_crossing_ = lines_.position(0);
       ++crossing_;
     }
@@ -272,6 +290,7 @@ class ObjParser {
   std::size_t textures_ = 0;
   bool first_line_ = true;
   bool unknown_ = false;
+  std::size_t errors_ = 0;
   std::size_t crossing_ = 0;
   SourcePosition first_crossing_;
   std::int64_t polygon_work_ = kMaxPolygonWork;
@@ -280,83 +299,132 @@ class ObjParser {
   std::vector<PolygonTriangle> triangles_;
 };
 
-/// Turns the two index lists of an OBJ file into one: a vertex of the result is a pair of position and normal.
+/// Numbers of the vertices after the first of their position, found by position and normal: open addressing over bare
+/// numbers, a tenth of what a table of pairs would take.
+class VertexTable {
+ public:
+  /// A vertex of the result: what it is made of. `source` is an index into the normals, or kPlane plus the triangle
+  /// whose plane gives the normal.
+  struct Vertex {
+    std::uint32_t position;
+    std::uint32_t source;
+  };
+
+  /// The place of a pair among `vertices`: its number, or kNone to be replaced by one.
+  std::uint32_t& find(const Vertex& wanted, const std::vector<Vertex>& vertices) {
+    if (2 * (count_ + 1) > slots_.size()) grow(vertices);
+    std::uint32_t& slot = probe(wanted, vertices);
+    if (slot == kNone) ++count_;
+    return slot;
+  }
+
+ private:
+  std::uint32_t& probe(const Vertex& wanted, const std::vector<Vertex>& vertices) {
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t i = mix(wanted) & mask;; i = (i + 1) & mask) {
+      if (slots_[i] == kNone) return slots_[i];
+      const Vertex& found = vertices[slots_[i]];
+      if (found.position == wanted.position && found.source == wanted.source) return slots_[i];
+    }
+  }
+
+  void grow(const std::vector<Vertex>& vertices) {
+    std::vector<std::uint32_t> before(std::max<std::size_t>(1024, 2 * slots_.size()), kNone);
+    before.swap(slots_);
+    for (const std::uint32_t number : before) {
+      if (number != kNone) probe(vertices[number], vertices) = number;
+    }
+  }
+
+  /// Mixed well: a file could otherwise make all pairs collide.
+  static std::size_t mix(const Vertex& v) {
+    std::uint64_t x = std::uint64_t{v.position} << 32 | v.source;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+  }
+
+  std::vector<std::uint32_t> slots_;
+  std::size_t count_ = 0;
+};
+
+/// Turns the two index lists of an OBJ file into one: a vertex of the result is a pair of position and normal. Vertices
+/// are numbered first and written out afterwards, list by list, each after the one it came from is freed: the largest
+/// file allowed stays within some 3 GiB.
 class VertexSplitter {
  public:
-  explicit VertexSplitter(RawMesh& raw) : raw_(raw), first_(raw.positions.size(), Slot{}) {}
+  explicit VertexSplitter(RawMesh& raw) : raw_(raw), first_(raw.positions.size(), kNone) {}
 
   /// Nothing if there would be more than kMaxVertices.
   std::optional<TriangleMesh> split() {
     const bool with_normals = !raw_.normal_triangles.empty();
-    mesh_.positions.reserve(raw_.positions.size());
     mesh_.triangles = std::move(raw_.position_triangles);
-    for (std::size_t i = 0; i < mesh_.triangles.size() && !full_; ++i) {
-      glm::uvec3& triangle = mesh_.triangles[i];
-      const glm::uvec3 normals = with_normals ? raw_.normal_triangles[i] : glm::uvec3(kNone);
-      const glm::dvec3 ng = with_normals ? plane_normal(triangle) : glm::dvec3(0.0);
-      for (int corner = 0; corner < 3; ++corner)
-        triangle[corner] = vertex(triangle[corner], normals[corner], ng, with_normals);
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+      for (int corner = 0; corner < 3; ++corner) {
+        std::uint32_t& index = mesh_.triangles[i][corner];
+        index = number({index, with_normals ? source_of(raw_.normal_triangles[i][corner], i) : 0});
+        if (vertices_.size() > ObjLimits::kMaxVertices) return std::nullopt;
+      }
     }
-    if (full_) return std::nullopt;
+    first_ = {};
+    further_ = {};
+    raw_.normal_triangles = {};
+    write_positions();
+    if (with_normals) write_normals();
     return std::move(mesh_);
   }
 
  private:
-  struct Slot {
-    std::uint32_t normal = kNone;
-    std::uint32_t vertex = kNone;
-  };
-  /// std::hash of an integer is the integer: a file could make all of them collide.
-  struct Mix {
-    std::size_t operator()(std::uint64_t x) const {
-      x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-      x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-      return x ^ (x >> 31);
+  using Vertex = VertexTable::Vertex;
+  static constexpr std::uint32_t kPlane = 0x80000000u;
+  static_assert(ObjLimits::kMaxVertices < kPlane && ObjLimits::kMaxTriangles < kPlane);
+
+  std::uint32_t source_of(std::uint32_t normal, std::uint32_t triangle) const {
+    const bool flat = normal == kNone || raw_.normals[normal] == glm::dvec3(0.0);
+    return flat ? kPlane + triangle : normal;
+  }
+
+  std::uint32_t number(const Vertex& vertex) {
+    const auto next = static_cast<std::uint32_t>(vertices_.size());
+    // Nearly every position has one normal: the first one is kept in a flat array, only further ones in the table.
+    std::uint32_t& first = first_[vertex.position];
+    if (first != kNone && vertices_[first].source == vertex.source) return first;
+    std::uint32_t& place = first == kNone ? first : further_.find(vertex, vertices_);
+    if (place != kNone) return place;
+    place = next;
+    vertices_.push_back(vertex);
+    return next;
+  }
+
+  void write_positions() {
+    mesh_.positions.reserve(vertices_.size());
+    for (const Vertex& vertex : vertices_) mesh_.positions.push_back(raw_.positions[vertex.position]);
+    raw_.positions = {};
+  }
+
+  void write_normals() {
+    mesh_.normals.reserve(vertices_.size());
+    for (const Vertex& vertex : vertices_) {
+      const bool flat = vertex.source >= kPlane;
+      mesh_.normals.push_back(flat ? plane_normal(mesh_.triangles[vertex.source - kPlane])
+                                   : raw_.normals[vertex.source]);
     }
-  };
+    raw_.normals = {};
+  }
 
   glm::dvec3 plane_normal(const glm::uvec3& t) const {
-    const glm::dvec3 n =
-        glm::cross(raw_.positions[t.y] - raw_.positions[t.x], raw_.positions[t.z] - raw_.positions[t.x]);
+    const glm::dvec3& p = mesh_.positions[t.x];
+    const glm::dvec3 n = glm::cross(mesh_.positions[t.y] - p, mesh_.positions[t.z] - p);
     const double length = glm::length(n);
     return length > 0.0 ? n / length
                         : glm::dvec3(0.0, 0.0, 1.0);  // no ray hits a triangle without area: any unit vector will do
   }
 
-  std::uint32_t add(std::uint32_t position) {
-    full_ = full_ || mesh_.positions.size() == ObjLimits::kMaxVertices;
-    if (full_) return 0;
-    mesh_.positions.push_back(raw_.positions[position]);
-    return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
-  }
-
-  std::uint32_t vertex(std::uint32_t position, std::uint32_t normal, const glm::dvec3& ng, bool with_normals) {
-    const bool flat = with_normals && (normal == kNone || raw_.normals[normal] == glm::dvec3(0.0));
-    if (flat) {
-      const std::uint32_t added = add(position);
-      if (!full_) mesh_.normals.push_back(ng);
-      return added;
-    }
-    // Nearly every vertex has one normal: the first one is kept in a flat array, only further ones in the hash table.
-    Slot& slot = first_[position];
-    if (slot.vertex != kNone && slot.normal == normal) return slot.vertex;
-    std::uint32_t* target = &slot.vertex;
-    if (slot.vertex != kNone) {
-      target = &further_.try_emplace(std::uint64_t{position} << 32 | normal, kNone).first->second;
-      if (*target != kNone) return *target;
-    } else {
-      slot.normal = normal;
-    }
-    *target = add(position);
-    if (with_normals && !full_) mesh_.normals.push_back(raw_.normals[normal]);
-    return *target;
-  }
-
   RawMesh& raw_;
   TriangleMesh mesh_;
-  std::vector<Slot> first_;
-  bool full_ = false;
-  std::unordered_map<std::uint64_t, std::uint32_t, Mix> further_;
+  std::vector<Vertex> vertices_;
+  std::vector<std::uint32_t> first_;  ///< vertex of each position that was made first
+  VertexTable further_;
 };
 
 void warn_degenerate(const TriangleMesh& mesh, const std::string& file, Diagnostics& diagnostics) {

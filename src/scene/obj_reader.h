@@ -29,8 +29,8 @@ using ByteSource = std::function<std::size_t(char* buffer, std::size_t capacity)
 /// Reads `v`, `vt`, `vn` and `f` lines into one mesh in world space; groups, materials and smoothing groups are
 /// ignored. Positions go through `world_from_object`, normals through its inverse transpose. Polygons are triangulated,
 /// vertices with several normals are split, vertices no face uses are left out. Where only some faces have normals, the
-/// others get that of their plane. The first error ends the reading and is reported, with line and column; then there
-/// is no mesh. Warnings are reported too.
+/// others get that of their plane. Lines with errors are reported, with line and column, and skipped, up to 20 of them;
+/// then there is no mesh. Warnings are reported too.
 std::optional<TriangleMesh> read_obj(const std::string& path, const glm::dmat4& world_from_object,
                                      Diagnostics& diagnostics);
 /// The same from any source of bytes; `file` is for messages.

@@ -62,16 +62,24 @@ NumberError parse_integer(std::string_view token, std::int64_t& value) {
   return NumberError::none;
 }
 
+namespace {
+
+const char* example(std::string_view kind) {
+  return kind == "an integer" ? "640" : kind == "an index" ? "3 or -1" : "1.5 or -2e3";
+}
+
+}  // namespace
+
 std::string describe(NumberError error, std::string_view token, const char* kind) {
   switch (error) {
     case NumberError::none:
       return {};
     case NumberError::not_a_number:
-      return fmt::format("{} is not {}", quoted(token), kind);
+      return fmt::format("{} is not {}; write it like {}", quoted(token), kind, example(kind));
     case NumberError::not_finite:
-      return fmt::format("{} is not a finite number", quoted(token));
+      return fmt::format("{} is not a finite number; write it like {}", quoted(token), example(kind));
     case NumberError::too_large:
-      return fmt::format("{} is too large", quoted(token));
+      return fmt::format("{} is too large to be {}", quoted(token), kind);
   }
   return {};
 }

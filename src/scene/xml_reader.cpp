@@ -23,8 +23,11 @@ namespace fs = std::filesystem;
 
 /// Errors after which meshes are no longer opened: a file that names one broken mesh a million times ends soon.
 constexpr std::size_t kMaxErrorsBeforeMeshes = 100;
-/// Triangles of all meshes of a file together.
-constexpr std::size_t kMaxSceneTriangles = std::size_t{1} << 26;
+/// Triangles and vertices of all meshes of a file together: what one mesh may have.
+constexpr std::size_t kMaxSceneTriangles = ObjLimits::kMaxTriangles;
+constexpr std::size_t kMaxSceneVertices = ObjLimits::kMaxVertices;
+/// Bytes of all mesh files together, one that is named twice counting twice: some minutes of reading.
+constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{1} << 34;
 /// Darkest emission: below it single precision loses digits and then the light.
 constexpr double kMinRadiance = 1e-20;
 
@@ -287,20 +290,35 @@ class SceneReader {
 
   std::optional<TriangleMesh> load_mesh(const std::string& path, const glm::dmat4& world_from_object,
                                         const SourcePosition& position) {
+    if (too_many_meshes_) return std::nullopt;
+    std::error_code unknown;
+    const std::uintmax_t bytes = fs::file_size(path, unknown);
+    if (!unknown) mesh_bytes_ += bytes;
+    if (exceeds(mesh_bytes_, kMaxMeshBytes, "bytes of OBJ files", position)) return std::nullopt;
     std::optional<TriangleMesh> mesh;
     try {
       mesh = load_mesh_(path, world_from_object, sink_);
     } catch (const Error& error) {  // the file cannot be opened or read: say who asked for it
-      sink_.error(position, fmt::format("mesh {}", error.what()), error.code());
+      const bool missing = !fs::exists(path, unknown) && !unknown;
+      const char* remedy = missing ? "; names are relative to the folder of the scene file" : "";
+      sink_.error(position, fmt::format("mesh {}{}", error.what(), remedy), error.code());
     }
     if (!mesh) return std::nullopt;
     triangles_ += mesh->triangles.size();
-    if (triangles_ > kMaxSceneTriangles) {
-      sink_.error(position, fmt::format("with this mesh the scene has {} triangles; at most {} are supported",
-                                        triangles_, kMaxSceneTriangles));
-      return std::nullopt;
-    }
+    vertices_ += mesh->positions.size();
+    if (exceeds(triangles_, kMaxSceneTriangles, "triangles", position)) return std::nullopt;
+    if (exceeds(vertices_, kMaxSceneVertices, "vertices", position)) return std::nullopt;
     return mesh;
+  }
+
+  /// Reports a sum over all meshes that is too large, once; no further mesh is read then.
+  bool exceeds(std::uintmax_t sum, std::uintmax_t limit, const char* what, const SourcePosition& position) {
+    if (sum <= limit) return false;
+    too_many_meshes_ = true;
+    sink_.error(position,
+                fmt::format("with this mesh the scene has {} {}; at most {} are supported: use coarser meshes", sum,
+                            what, limit));
+    return true;
   }
 
   /// A scene from a stranger may name any file of the machine; reading it is allowed, but not in silence.
@@ -397,7 +415,9 @@ class SceneReader {
   Diagnostics& sink_;
   const MeshLoader& load_mesh_;
   std::string path_;
-  std::size_t triangles_ = 0;
+  std::size_t triangles_ = 0, vertices_ = 0;
+  std::uintmax_t mesh_bytes_ = 0;
+  bool too_many_meshes_ = false;
 };
 
 void report_unmatched_overrides(const ReadContext& context) {

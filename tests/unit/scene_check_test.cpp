@@ -97,6 +97,22 @@ TEST(Check, OpenGlass) {
   EXPECT_EQ(check(kLight + mesh("cube.obj", kGlass)), "");
 }
 
+TEST(Check, ShapesTooSmallForSinglePrecision) {
+  const auto ball = [](const char* radius) {
+    return "<mesh type=\"sphere\"><float name=\"radius\" value=\"" + std::string(radius) + "\"/></mesh>\n";
+  };
+  expect_says(check(kLight + ball("1e6") + ball("0.1")),
+              "s.xml:3:1: \"sphere\" is 1e-07 of the scene's size: single precision");
+  EXPECT_EQ(check(kLight + ball("1e4") + ball("0.1")), "");
+}
+
+TEST(Check, GlassWithoutEffect) {
+  expect_says(check(kLight + mesh("cube.obj",
+                                  "<bsdf type=\"dielectric\"><float name=\"intIOR\" value=\"1.3\"/><float "
+                                  "name=\"extIOR\" value=\"1.3\"/></bsdf>")),
+              "the dielectric \"cube.obj\" has no effect: intIOR and extIOR are both 1.3");
+}
+
 TEST(Check, MirroredMesh) {
   expect_says(check(kLight + mesh("up.obj", "", "<scale value=\"-1 1 1\"/>")),
               "s.xml:2:95: this transform mirrors the mesh");

@@ -59,6 +59,42 @@ TEST(Obj, VerticesWithSeveralNormalsAreSplit) {
   EXPECT_EQ(mesh.normals[mesh.triangles[4].z], glm::dvec3(0, 1, 0));
 }
 
+TEST(Obj, ManyNormalsOfOnePositionKeepTheirCorners) {
+  // Each corner has a normal of its own, all at three positions: the table of further vertices grows many times.
+  std::string text = kThree;
+  constexpr int kFaces = 3000;
+  for (int i = 0; i < 3 * kFaces; ++i) text += fmt::format("vn 1 {} {}\n", i % 97, i);
+  for (int i = 0; i < kFaces; ++i) text += fmt::format("f 1//{} 2//{} 3//{}\n", 3 * i + 1, 3 * i + 2, 3 * i + 3);
+  for (int i = 0; i < kFaces; ++i) text += fmt::format("f 1//{} 2//{} 3//{}\n", 3 * i + 1, 3 * i + 2, 3 * i + 3);
+  const TriangleMesh mesh = read(text);
+  ASSERT_EQ(mesh.positions.size(), 3u * kFaces);
+  for (int i = 0; i < kFaces; ++i) {
+    EXPECT_EQ(mesh.triangles[kFaces + i], mesh.triangles[i]);
+    for (int corner = 0; corner < 3; ++corner) {
+      const int n = 3 * i + corner;
+      const glm::dvec3 wanted = glm::normalize(glm::dvec3(1, n % 97, n));
+      EXPECT_LT(glm::length(mesh.normals[mesh.triangles[i][corner]] - wanted), 1e-12);
+      EXPECT_EQ(mesh.positions[mesh.triangles[i][corner]], glm::dvec3(corner == 1, corner == 2, 0));
+    }
+  }
+}
+
+TEST(Obj, AllBadLinesAreListed) {
+  Diagnostics diagnostics;
+  const std::string text = "v 0 0 0\nv 1 x 0\nv 0 1 0\nvn nan 0 1\nf 1 2 3\nf 1 2 4\nf 1 2\nf 1//1 2//1 3//1\n";
+  EXPECT_FALSE(read_obj(memory_source(text), "m.obj", glm::dmat4(1.0), diagnostics));
+  EXPECT_EQ(all_messages(diagnostics),
+            "m.obj:2:5: \"x\" is not a number; write it like 1.5 or -2e3\n"
+            "m.obj:4:4: \"nan\" is not a finite number; write it like 1.5 or -2e3\n"
+            "m.obj:6:7: index 4 of a vertex is out of range; the file has 3 so far\n"
+            "m.obj:7:1: a face has 2 corners; it needs 3 or more\n");
+  std::string many;
+  for (int i = 0; i < 1000; ++i) many += "v x\n";
+  Diagnostics few;
+  EXPECT_FALSE(read_obj(memory_source(many), "m.obj", glm::dmat4(1.0), few));
+  EXPECT_EQ(few.error_count(), 20u);
+}
+
 TEST(Obj, FacesWithoutNormalsAmongOthersGetTheirPlane) {
   const TriangleMesh mesh = read(kThree + "v 0 0 1\nvn 0 0 1\nvn 0 0 0\nf 1 2 4\nf 1//1 2//1 3//1\nf 1//2 2//2 4//2\n");
   for (const std::size_t flat : {0u, 2u}) {

@@ -356,7 +356,8 @@ TEST(SceneReader, FoldersAreComparedAlsoForRelativePaths) {
   std::filesystem::current_path(before);
   ASSERT_EQ(diagnostics.list().size(), 1u) << all_messages(diagnostics);
   EXPECT_EQ(to_string(diagnostics.list()[0]),
-            "s.xml:2:49: mesh none.obj: cannot open the file: No such file or directory");
+            "s.xml:2:49: mesh none.obj: cannot open the file: No such file or directory; names are relative to the "
+            "folder of the scene file");
 }
 
 TEST(SceneHash, ChangesWithEverythingThatChangesTheImage) {
