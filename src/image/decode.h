@@ -6,14 +6,21 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "image/image.h"
 
 namespace etendue {
 
-/// Largest width or height and largest number of pixels of a file.
+/// Largest width or height and largest number of pixels of a file: as many as a film can have. A file of kilobytes may
+/// unpack to that many.
 inline constexpr std::uint32_t kMaxImageSide = 65536;
-inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 28;
+inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 26;
+/// Largest file: a film of that many pixels, hardly compressed.
+inline constexpr std::uint64_t kMaxImageBytes = std::uint64_t{1} << 34;
+
+/// The bytes of a picture or film. Throws Error(file_error), also when there are more than kMaxImageBytes.
+std::vector<std::byte> read_whole_image(const std::string& path);
 
 bool is_exr(std::span<const std::byte> bytes);
 bool is_png(std::span<const std::byte> bytes);

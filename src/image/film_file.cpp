@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <new>
 #include <optional>
@@ -219,12 +220,15 @@ void write_film(const std::string& path, const FilmFile& file) {
 
 FilmHeader read_film_header(const std::string& path) {
   // Headers are short; one that fills the first piece is tried again with a longer one.
+  constexpr std::uint64_t kLongest = 1 << 24;
   for (std::uint64_t limit = 1 << 16;; limit *= 16) {
     const std::vector<std::byte> bytes = read_file(path, limit);
     try {
-      return film_header(read_exr_header(bytes, path), path);
+      const Imf::Header header = read_exr_header(bytes, path);
+      check_exr_size(header, std::filesystem::file_size(path), path);
+      return film_header(header, path);
     } catch (const Error&) {
-      if (bytes.size() < limit) throw;
+      if (bytes.size() < limit || limit == kLongest) throw;
     }
   }
 }
@@ -258,7 +262,8 @@ FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, 
 
 FilmFile read_film(const std::string& path) {
   try {
-    return decode_film(read_file(path), path, true);
+    if (!is_exr(read_file(path, 4))) fail(path, "holds no film: it is not an EXR file");
+    return decode_film(read_whole_image(path), path, true);
   } catch (const std::bad_alloc&) {
     fail(path, "is too large for the memory of this machine");
   }

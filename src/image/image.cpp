@@ -30,11 +30,21 @@ Image image_from_film(const Film& film, Metadata metadata) {
   return image;
 }
 
+std::vector<std::byte> read_whole_image(const std::string& path) {
+  std::vector<std::byte> bytes = read_file(path, kMaxImageBytes + 1);
+  if (bytes.size() > kMaxImageBytes)
+    throw Error(ExitCode::file_error,
+                fmt::format("{}: has more than {} bytes; no picture or film of at most {} pixels does", path,
+                            kMaxImageBytes, kMaxImagePixels));
+  return bytes;
+}
+
 Image read_image(const std::string& path) {
   try {
-    const std::vector<std::byte> bytes = read_file(path);
-    if (is_exr(bytes)) return decode_exr_image(bytes, path);
-    if (is_png(bytes)) return decode_png(bytes, path);
+    // The kind first: gigabytes of something else need not be read.
+    const std::vector<std::byte> head = read_file(path, 8);
+    if (is_exr(head)) return decode_exr_image(read_whole_image(path), path);
+    if (is_png(head)) return decode_png(read_whole_image(path), path);
   } catch (const std::bad_alloc&) {
     throw Error(ExitCode::file_error, fmt::format("{}: is too large for the memory of this machine", path));
   }

@@ -103,6 +103,14 @@ bool read_info(png_structp png, png_infop info, PngState& state) {
   return true;
 }
 
+/// Where each of `height` rows begins in bytes without gaps.
+std::vector<png_bytep> row_pointers(std::vector<png_byte>& bytes, std::size_t height) {
+  std::vector<png_bytep> rows;
+  const std::size_t stride = bytes.size() / height;
+  for (std::size_t y = 0; y < height; ++y) rows.push_back(bytes.data() + y * stride);
+  return rows;
+}
+
 /// Everything becomes three 16-bit channels: palettes and greys are expanded, alpha is left out.
 bool read_rows(png_structp png, png_infop info, PngState& state, png_bytepp rows) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
@@ -191,8 +199,7 @@ void write_png(const std::string& path, const Image& image) {
       for (int c = 0; c < 3; ++c) encoded[3 * i + c] = encode_srgb(image.pixels[i][c]);
     }
   });
-  std::vector<png_bytep> rows(image.height);
-  for (std::uint32_t y = 0; y < image.height; ++y) rows[y] = encoded.data() + std::size_t{3} * y * image.width;
+  std::vector<png_bytep> rows = row_pointers(encoded, image.height);
   // International text: values are UTF-8. libpng does not change what the non-const pointers point to.
   std::vector<png_text> texts;
   for (const auto& [key, value] : image.metadata) {
@@ -233,8 +240,7 @@ Image decode_png(std::span<const std::byte> bytes, const std::string& path) {
   image.height = png_get_image_height(reader.png, reader.info);
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
   std::vector<png_byte> encoded(6 * count);
-  std::vector<png_bytep> rows(image.height);
-  for (std::uint32_t y = 0; y < image.height; ++y) rows[y] = encoded.data() + std::size_t{6} * y * image.width;
+  std::vector<png_bytep> rows = row_pointers(encoded, image.height);
   if (!read_rows(reader.png, reader.info, state, rows.data())) throw damaged();
 
   image.pixels.resize(count);
