@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "validate/scene_probe.h"
 
 namespace etendue::cli {
 namespace {
@@ -33,7 +34,10 @@ ExitCode check_files(const Options& options) {
     Diagnostics diagnostics;
     ReadOptions read = options.scene.read_options();
     read.strict = true;  // a check is strict by nature: an unknown property is a mistake until shown otherwise
-    if (const auto scene = read_scene_file(file, read, diagnostics)) check_scene_file(*scene, diagnostics);
+    if (std::optional<SceneFile> content = read_scene_file(file, read, diagnostics)) {
+      check_scene_file(*content, diagnostics);
+      if (auto* scene = std::get_if<Scene>(&*content)) probe_scene(std::move(*scene), diagnostics);
+    }
     for (const Diagnostic& d : diagnostics.list()) {
       if (d.severity == Severity::error && code == ExitCode::ok) code = d.code;
       if (options.json) {

@@ -1,7 +1,11 @@
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <iostream>
 #include <new>
+#include <system_error>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -23,7 +27,7 @@ ExitCode run(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 ok, 1 comparison or test failed, 2 usage, 3 scene error, 4 no suitable device, 5 device lost or "
       "out of memory, "
-      "6 file error, 77 skipped, 130 interrupted.");
+      "6 file error, 70 a bug, 77 skipped, 130 interrupted.");
   etendue::cli::Action action;
   etendue::cli::add_render_command(app, action);
   etendue::cli::add_devices_command(app, action);
@@ -52,16 +56,32 @@ ExitCode run(int argc, char** argv) {
   return code;
 }
 
+// Results that did not arrive are no results: a full disk under a redirected stdout must not look like success.
+void flush_results() {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return;
+  throw etendue::Error(ExitCode::file_error,
+                       fmt::format("The results cannot be written to stdout: {}.", std::strerror(errno)));
+}
+
 // Runs the command; an error becomes a sentence on stderr and an exit code.
 ExitCode guarded_run(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    const ExitCode code = run(argc, argv);
+    flush_results();
+    return code;
   } catch (const etendue::Error& error) {
     etendue::log::error(error.what());
     return error.code();
   } catch (const std::bad_alloc&) {
     etendue::log::error("The host ran out of memory; use a smaller image or mesh.");
     return ExitCode::device_lost;
+  } catch (const std::system_error& error) {  // what fmt::print throws, above all
+    etendue::log::error(fmt::format("The system refused: {}.", error.what()));
+    return ExitCode::file_error;
+  } catch (const std::exception& error) {
+    etendue::log::error(fmt::format("This is a bug in etendue, please report it: {}.", error.what()));
+    return ExitCode::bug;
   }
 }
 

@@ -233,7 +233,7 @@ ExitCode render(const Options& options) {
   RenderJob job(identity(scene, options.seed), {{wanted.begin, wanted.end}});
   if (!options.resume.empty()) job.resume(read_film(options.resume), options.resume);
   for (const std::string& path : session.outputs) check_writable(path);
-  if (!session.checkpoint.empty()) check_writable(session.checkpoint);
+  if (!session.checkpoint.empty()) check_checkpoint(session.checkpoint);
 
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : options.device.factories()) {

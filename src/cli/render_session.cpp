@@ -1,11 +1,13 @@
 #include "cli/render_session.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/core.h>
 
 #include "core/errors.h"
 #include "core/log.h"
+#include "image/decode.h"
 #include "image/files.h"
 #include "render/stopping.h"
 
@@ -109,6 +111,15 @@ void Session::write_outputs() const {
 
 void check_writable(const std::string& path) {
   const AtomicFile probe(path);
+}
+
+void check_checkpoint(const std::string& path) {
+  check_writable(path);
+  if (!std::filesystem::exists(path)) return;
+  const std::vector<std::byte> head = read_file(path, 4);
+  if (head.empty() || is_exr(head)) return;
+  throw Error(ExitCode::usage,
+              fmt::format("'--checkpoint {}' would replace a file that is no film; give another name.", path));
 }
 
 void write_output(const std::string& path, const FilmFile& film, bool as_film) {

@@ -63,6 +63,10 @@ class Session {
 /// not touched.
 void check_writable(const std::string& path);
 
+/// The same for a checkpoint; and Error(usage) when something stands there that is neither a film nor a picture: a slip
+/// of the pen must not cost a scene.
+void check_checkpoint(const std::string& path);
+
 /// Writes a film as picture (.png), picture or film (.exr).
 void write_output(const std::string& path, const FilmFile& film, bool as_film);
 

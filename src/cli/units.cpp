@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/errors.h"
+#include "scene/plugins.h"
 
 namespace etendue::cli {
 namespace {
@@ -74,7 +75,12 @@ Size parse_size(const std::string& text) {
     const auto width = parse_number<std::uint32_t>(std::string_view(text).substr(0, x));
     const auto height = parse_number<std::uint32_t>(std::string_view(text).substr(x + 1));
     const auto good = [](const auto& side) { return side && *side >= 1 && *side <= 65536; };
-    if (good(width) && good(height)) return {*width, *height};
+    if (good(width) && good(height)) {
+      const std::int64_t pixels = std::int64_t{*width} * *height;
+      if (pixels <= kMaxPixels) return {*width, *height};
+      throw Error(ExitCode::usage,
+                  fmt::format("'--size {}' has {} pixels; at most {} are supported.", text, pixels, kMaxPixels));
+    }
   }
   refuse("--size", text, "WIDTHxHEIGHT in pixels from 1 to 65536; write for example --size 800x600");
 }

@@ -503,7 +503,7 @@ const char* scene_family_name(SceneFamily family) {
 }
 
 const char* light_strategy_name(LightStrategy strategy) {
-  constexpr std::array<const char*, 3> kNames{"naive", "nee", "mis"};
+  static constexpr const char* kNames[] = {"naive", "nee", "mis"};
   return kNames[static_cast<std::size_t>(strategy)];
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -107,8 +108,7 @@ void locate(Renderer& device, Renderer& reference, std::vector<RankedSample>& of
   std::sort(off.begin(), off.end(), [](const RankedSample& a, const RankedSample& b) { return a.error > b.error; });
   std::vector<RankedSample> chosen;
   if (off.empty() && worst.error > 0.0) chosen.push_back(worst);
-  chosen.insert(chosen.end(), off.begin(),
-                off.begin() + static_cast<std::ptrdiff_t>(std::min(kLocatedEach, off.size())));
+  std::copy_n(off.begin(), std::min(kLocatedEach, off.size()), std::back_inserter(chosen));
   const std::size_t stride = std::max<std::size_t>(1, flips.size() / kLocatedEach);
   for (std::size_t i = 0; i < flips.size() && i < stride * kLocatedEach; i += stride) chosen.push_back({0.0, flips[i]});
   for (const RankedSample& sample : chosen) {
