@@ -30,6 +30,7 @@ vec2 cos_sin_turn(float u) {
   return (q & 2u) != 0u ? -turned : turned;
 }
 
-bool is_finite(vec3 v) { return !any(isnan(v)) && !any(isinf(v)); }
+// By the bits: drivers may assume that isnan() is never true.
+bool is_finite(vec3 v) { return all(lessThan(floatBitsToUint(v) & 0x7f800000u, uvec3(0x7f800000u))); }
 
 #endif

@@ -24,7 +24,11 @@ float surface_error(Primitive prim) {
   return scale * (8.0 / 8388608.0);
 }
 
-vec3 triangle_normal(Primitive tri) { return normalize(cross(tri.p1 - tri.p0, tri.p2 - tri.p0)); }
+// Scaled before it is normalised: the square of a tiny triangle's area would vanish.
+vec3 triangle_normal(Primitive tri) {
+  const vec3 n = cross(tri.p1 - tri.p0, tri.p2 - tri.p0);
+  return normalize(n / max_component(abs(n)));
+}
 
 // Interpolated vertex normal; ng where the mesh has none or they cancel.
 vec3 shading_normal(Shape shape, uint primitive, float b1, float b2, vec3 ng) {

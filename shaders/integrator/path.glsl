@@ -138,6 +138,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   path.shadow_pending = false;
   if (hit.slot == kNone) {
     if (kIntegrator == kIntegratorPath) path.radiance += path.beta * sky_radiance(path.ray.d);
+    if (!is_finite(path.ray.o + path.ray.d)) path.radiance = vec3(kInfinity);  // the film rejects the sample and counts it
     return;
   }
   Shape shape;

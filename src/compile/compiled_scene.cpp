@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "compile/bvh.h"
 #include "compile/discrete.h"
 #include "compile/few_primitives.h"
@@ -13,6 +15,7 @@
 #include "compile/normalization.h"
 #include "compile/reinsertion.h"
 #include "compile/wide_bvh.h"
+#include "core/errors.h"
 
 namespace etendue {
 namespace {
@@ -93,11 +96,25 @@ Box primitive_box(const gpu::Primitive& p) {
   return box;
 }
 
+// A power of two that brings the camera's axes to where their squares fit a float; 1 for any usual camera. toWorld may
+// scale by whatever a double holds, and only the directions count.
+double camera_unit(const glm::dmat4& world_from_camera, double tan_x, double tan_y) {
+  double largest = 0.0;
+  for (int a = 0; a < 3; ++a) {
+    largest = std::max({largest, std::abs(world_from_camera[0][a]) * tan_x, std::abs(world_from_camera[1][a]) * tan_y,
+                        std::abs(world_from_camera[2][a])});
+  }
+  constexpr int kUsual = 40;
+  const int exponent = std::ilogb(largest);
+  return std::abs(exponent) <= kUsual ? 1.0 : std::ldexp(1.0, exponent);
+}
+
 class Compiler {
  public:
   explicit Compiler(const Scene& scene) : scene_(scene), normalization_(find_normalization(scene)) {}
 
   CompiledScene compile() {
+    check_size();
     flatten_shapes();
     build_tree();
     make_lights();
@@ -107,6 +124,17 @@ class Compiler {
   }
 
  private:
+  // The tree refuses what it cannot address; here it costs neither time nor memory.
+  void check_size() const {
+    std::size_t primitives = 0;
+    for (const Shape& shape : scene_.shapes) primitives += primitive_count(shape);
+    if (primitives < kMaxRecords) return;
+    throw Error(ExitCode::scene_error,
+                fmt::format("The scene {} has {} primitives; kernels address fewer than {}. Use coarser meshes or "
+                            "--device reference.",
+                            scene_.name, primitives, kMaxRecords));
+  }
+
   void flatten_shapes() {
     for (const Shape& shape : scene_.shapes) {
       gpu::Shape flat = flatten_material(shape);
@@ -250,15 +278,20 @@ class Compiler {
     const Camera& camera = scene_.camera;
     const glm::dmat4& m = camera.world_from_camera;
     gpu::Frame& f = out_.frame;
-    f.camera_origin = normalization_.point(glm::dvec3(m[3]));
-    f.camera_x = glm::vec3(m[0]);
-    f.camera_y = glm::vec3(m[1]);
-    f.camera_z = glm::vec3(m[2]);
-    f.near_clip = static_cast<float>(camera.near_clip * normalization_.scale);
-    f.far_clip = static_cast<float>(camera.far_clip * normalization_.scale);
     const double tan_x = std::tan(0.5 * camera.fov * kPi / 180.0);
+    const double tan_y = tan_x * camera.height / camera.width;
+    // Beyond this a scene of size 1 is far below what single precision can see, and squares would overflow.
+    const glm::dvec3 farthest(0x1p60);
+    const glm::dvec3 origin = (glm::dvec3(m[3]) - normalization_.center) * normalization_.scale;
+    f.camera_origin = glm::vec3(glm::clamp(origin, -farthest, farthest));
+    const double unit = camera_unit(m, tan_x, tan_y);
+    f.camera_x = glm::vec3(m[0] / unit);
+    f.camera_y = glm::vec3(m[1] / unit);
+    f.camera_z = glm::vec3(m[2] / unit);
+    f.near_clip = static_cast<float>(camera.near_clip * normalization_.scale * unit);
+    f.far_clip = static_cast<float>(camera.far_clip * normalization_.scale * unit);
     f.tan_x = static_cast<float>(tan_x);
-    f.tan_y = static_cast<float>(tan_x * camera.height / camera.width);
+    f.tan_y = static_cast<float>(tan_y);
     f.sky_top = glm::vec3(scene_.sky.top);
     f.sky_horizon = glm::vec3(scene_.sky.horizon);
     f.distance_scale = static_cast<float>(normalization_.scale);

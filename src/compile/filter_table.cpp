@@ -1,5 +1,6 @@
 #include "compile/filter_table.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "gpu_types.h"
@@ -13,6 +14,26 @@ double filter_radius(const ReconstructionFilter& f) {
   return f.type == ReconstructionFilter::Type::tent ? 1.0 : f.radius;
 }
 
+// Standard deviations beyond which a Gaussian is 0 to any precision.
+constexpr double kGaussianReach = 39.0;
+
+bool is_narrow_gaussian(const ReconstructionFilter& f) {
+  return f.type == ReconstructionFilter::Type::gaussian && kGaussianReach * f.stddev < f.radius;
+}
+
+// Where the filter is not 0, in pixels: a Gaussian may be far narrower than its radius.
+double filter_reach(const ReconstructionFilter& f) {
+  return is_narrow_gaussian(f) ? kGaussianReach * f.stddev : filter_radius(f);
+}
+
+// exp(−x²/2σ²) − exp(−r²/2σ²), up to a factor, at x = u · reach: as a product, so that nothing cancels when σ is much
+// larger than r.
+double gaussian(const ReconstructionFilter& f, double u) {
+  if (is_narrow_gaussian(f)) return std::exp(-0.5 * kGaussianReach * kGaussianReach * u * u);
+  const double s = 0.5 * (f.radius / f.stddev) * (f.radius / f.stddev);
+  return std::exp(-u * u * s) * (s > 0.0 ? -std::expm1((u * u - 1.0) * s) / s : 1.0 - u * u);
+}
+
 // [Mitchell1988, eq. 8] on [0, 2].
 double mitchell(double x, double b, double c) {
   if (x < 1.0) return ((12 - 9 * b - 6 * c) * x * x * x + (-18 + 12 * b + 6 * c) * x * x + (6 - 2 * b)) / 6.0;
@@ -21,36 +42,34 @@ double mitchell(double x, double b, double c) {
   return 0.0;
 }
 
-double filter_value(const ReconstructionFilter& f, double x) {
-  x = std::abs(x);
+// At u · reach, u in [−1, 1], up to a factor.
+double filter_value(const ReconstructionFilter& f, double u) {
+  u = std::abs(u);
   switch (f.type) {
     case ReconstructionFilter::Type::tent:
-      return std::max(0.0, 1.0 - x);
-    case ReconstructionFilter::Type::gaussian: {
-      const double k = -1.0 / (2.0 * f.stddev * f.stddev);
-      return std::max(0.0, std::exp(k * x * x) - std::exp(k * f.radius * f.radius));
-    }
+      return 1.0 - u;
+    case ReconstructionFilter::Type::gaussian:
+      return gaussian(f, u);
     case ReconstructionFilter::Type::mitchell:
-      return mitchell(2.0 * x / f.radius, f.b, f.c);
+      return mitchell(2.0 * u, f.b, f.c);
     case ReconstructionFilter::Type::box:
-      return x <= 0.5 ? 1.0 : 0.0;
+      return 1.0;
   }
   return 0.0;
 }
 
-// Where the filter turns negative; its radius when it does not.
+// Where the filter turns negative, as a part of its reach; 1 when it does not.
 double find_zero(const ReconstructionFilter& f) {
-  const double radius = filter_radius(f);
-  double positive = 0.0, negative = radius;
+  double positive = 0.0, negative = 1.0;
   for (int i = 1; i < kIntegrationSteps; ++i) {
-    const double x = radius * i / kIntegrationSteps;
-    if (filter_value(f, x) < 0.0) {
-      negative = x;
-      positive = radius * (i - 1) / kIntegrationSteps;
+    const double u = static_cast<double>(i) / kIntegrationSteps;
+    if (filter_value(f, u) < 0.0) {
+      negative = u;
+      positive = static_cast<double>(i - 1) / kIntegrationSteps;
       break;
     }
   }
-  if (negative == radius) return radius;
+  if (negative == 1.0) return 1.0;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (positive + negative);
     (filter_value(f, middle) < 0.0 ? negative : positive) = middle;
@@ -63,28 +82,29 @@ double find_zero(const ReconstructionFilter& f) {
 FilterTable make_filter_table(const ReconstructionFilter& f) {
   FilterTable table;
   if (f.type == ReconstructionFilter::Type::box) return table;
-  const double radius = filter_radius(f);
-  const double h = 2.0 * radius / kIntegrationSteps;
+  const double reach = filter_reach(f);
+  constexpr double kStep = 2.0 / kIntegrationSteps;
   std::vector<double> cdf(kIntegrationSteps + 1, 0.0);
   double signed_sum = 0.0;
   for (int i = 0; i < kIntegrationSteps; ++i) {
-    const double value = filter_value(f, -radius + (i + 0.5) * h);
+    const double value = filter_value(f, -1.0 + (i + 0.5) * kStep);
     cdf[i + 1] = cdf[i] + std::abs(value);
     signed_sum += value;
   }
   table.weight = cdf.back() / signed_sum;
-  table.zero = find_zero(f);
-  table.has_negative_lobes = table.zero < radius;
+  const double zero = find_zero(f);
+  table.zero = zero * reach;
+  table.has_negative_lobes = zero < 1.0;
   int cell = 0;
   for (gpu::uint i = 0; i <= gpu::kFilterSteps; ++i) {
     const double target = cdf.back() * i / gpu::kFilterSteps;
     while (cell + 1 < kIntegrationSteps && cdf[cell + 1] < target) ++cell;
     const double width = cdf[cell + 1] - cdf[cell];
     const double inside = width > 0.0 ? (target - cdf[cell]) / width : 0.0;
-    table.knots.push_back(static_cast<float>(-radius + (cell + inside) * h));
+    table.knots.push_back(static_cast<float>(reach * (-1.0 + (cell + inside) * kStep)));
   }
-  table.knots.front() = static_cast<float>(-radius);
-  table.knots.back() = static_cast<float>(radius);
+  table.knots.front() = static_cast<float>(-reach);
+  table.knots.back() = static_cast<float>(reach);
   return table;
 }
 

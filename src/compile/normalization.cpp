@@ -44,7 +44,8 @@ Normalization find_normalization(const Scene& scene) {
   for (int a = 0; a < 3; ++a) n.center[a] = median(centroids[a]);
   const glm::dvec3 reach = glm::max(upper - n.center, n.center - lower);
   const double farthest = std::max({reach.x, reach.y, reach.z});
-  if (farthest > 0.0) n.scale = std::exp2(-std::ceil(std::log2(farthest)));
+  constexpr double kLargestExponent = 1000.0;  // a scene of one denormal sphere must not be scaled by infinity
+  if (farthest > 0.0) n.scale = std::exp2(std::min(-std::ceil(std::log2(farthest)), kLargestExponent));
   return n;
 }
 

@@ -14,7 +14,6 @@ namespace etendue {
 namespace {
 
 constexpr std::uint32_t kWidth = 4;
-constexpr std::uint64_t kMaxRecords = std::uint64_t{1} << 25;
 // Levels beyond the least possible ones: one lets the cheapest collapse be taken nearly everywhere.
 constexpr std::uint32_t kSpareLevels = 0;
 constexpr std::uint64_t kGrain = 1u << 14;
@@ -87,8 +86,9 @@ class CollapsePlan {
   void fill(std::uint32_t node) {
     const std::uint32_t left = nodes_[node].first, right = left + 1;
     Entry e{};
-    std::array<float, kWidth + 1> split_cost;
-    std::array<std::uint32_t, kWidth + 1> split_levels;
+    constexpr std::size_t kCounts = kWidth + 1;  // by number of children; 0 and 1 are not used
+    std::array<float, kCounts> split_cost;
+    std::array<std::uint32_t, kCounts> split_levels;
     for (std::uint32_t k = 2; k <= kWidth; ++k) {
       split_cost[k] = std::numeric_limits<float>::infinity();
       split_levels[k] = ~0u;

@@ -9,6 +9,9 @@
 
 namespace etendue {
 
+/// Nodes and primitives that a tree can have: what a stack entry can address.
+inline constexpr std::uint64_t kMaxRecords = std::uint64_t{1} << 25;
+
 struct WideBvh {
   std::vector<gpu::Record> records;    ///< nodes and primitives share the array
   std::vector<std::uint32_t> slot_of;  ///< record index of each primitive

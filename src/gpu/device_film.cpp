@@ -39,8 +39,15 @@ std::uint32_t SlotLayout::layer(std::uint64_t group, std::uint32_t lane) const {
   return packed() ? static_cast<std::uint32_t>((group * gpu::kWorkgroupSize + lane) / pixels()) : 0;
 }
 
+DeviceNeed film_need(const SlotLayout& layout) {
+  constexpr std::uint64_t kBytesPerSlot = sizeof(gpu::FilmSlot) + sizeof(std::uint32_t);
+  return {"film", layout.groups() * gpu::kWorkgroupSize * kBytesPerSlot, DeviceNeed::Kind::memory};
+}
+
 std::uint32_t max_groups_per_band(const vulkan::Context& context) {
   constexpr std::uint64_t kBytesPerGroup = sizeof(gpu::FilmSlot) * gpu::kWorkgroupSize;
+  const DeviceNeed least{"film tile", kBytesPerGroup, DeviceNeed::Kind::storage};
+  check_needs({&least, 1}, limits_of(context));
   return static_cast<std::uint32_t>(context.limits().maxStorageBufferRange / kBytesPerGroup);
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "gpu/device_limits.h"
 #include "image/film.h"
 #include "render/renderer.h"
 #include "vulkan/commands.h"
@@ -48,6 +49,9 @@ class FilmBand {
   vulkan::Buffer slots_, progress_;
   std::optional<vulkan::Buffer> set_sums_;
 };
+
+/// What a film takes on a device: slots and progress.
+DeviceNeed film_need(const SlotLayout& layout);
 
 /// Workgroups whose slots fit into one binding of the device.
 std::uint32_t max_groups_per_band(const vulkan::Context& context);

@@ -81,6 +81,13 @@ std::vector<vulkan::Binding> kernel_bindings(TableLoads loads) {
   return bindings;
 }
 
+std::vector<DeviceNeed> scene_needs(const CompiledScene& scene) {
+  std::vector<DeviceNeed> needs;
+  for (const Table& table : tables(scene)) needs.push_back({table.what, table.bytes.size()});
+  needs.push_back({"reconstruction filter", scene.filter_knots.size() * sizeof(float), DeviceNeed::Kind::storage});
+  return needs;
+}
+
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) {
   const LightRounds light_rounds(scene);
   std::vector<vulkan::Specialization> constants = {{8, std::max(1u, scene.tree_depth)},

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "compile/compiled_scene.h"
+#include "gpu/device_limits.h"
 #include "vulkan/commands.h"
 #include "vulkan/kernel.h"
 
@@ -29,8 +30,12 @@ struct LightRounds {
 /// Specialization constants of every kernel that traces rays: tree, lights, and the few primitives outside the tree.
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene);
 
+/// What a scene takes on a device.
+std::vector<DeviceNeed> scene_needs(const CompiledScene& scene);
+
 class DeviceScene {
  public:
+  /// The needs of the scene must have been checked.
   DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene,
               TableLoads loads = TableLoads::texel_buffer);
   void bind(vulkan::BindingSet& set) const;

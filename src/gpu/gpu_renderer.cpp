@@ -87,6 +87,7 @@ class GpuRenderer final : public Renderer {
     timings_.compile = timer.seconds();
     timer = {};
     const TableLoads loads = choose_table_loads(context_, compiled, options.loads);
+    check_limits(compiled);
     kernels_ = kernel_set(options.mutant, loads);
     layout_.emplace(context_, kernel_bindings(loads), sizeof(gpu::Pass));
     scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled, loads);
@@ -128,6 +129,12 @@ class GpuRenderer final : public Renderer {
 
  private:
   class SampleTracer;
+  void check_limits(const CompiledScene& scene) const {
+    std::vector<DeviceNeed> needs = scene_needs(scene);
+    constexpr std::uint32_t kManySamples = ~0u;
+    needs.push_back(film_need({frame_.width, frame_.height, kManySamples, wanted_slots(context_)}));
+    check_needs(needs, limits_of(context_));
+  }
   vulkan::Kernel make_kernel(std::span<const std::uint32_t> spirv, const char* name) {
     const Timer timer;
     vulkan::Kernel kernel(context_, *layout_, spirv, constants_, name);

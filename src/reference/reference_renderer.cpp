@@ -195,7 +195,8 @@ void ReferenceRenderer::render_pass(SampleRange pass, Film& film, ProgressMeter&
 std::uint32_t ReferenceRenderer::render(SampleRange range, Film& film, const Progress& progress,
                                         std::vector<RejectedSample>& rejected) {
   check_size(film);
-  ProgressMeter meter(progress, std::uint64_t{range.count()} * film.pixels().size());
+  const std::uint64_t total = std::uint64_t{range.count()} * film.pixels().size();
+  ProgressMeter meter(progress, total);
   std::vector<RejectedSample> found;
   // A pass is the least that can be kept when asked to stop: about a quarter of a second, at least one sample index.
   const std::uint64_t pass_samples = std::max<std::uint64_t>(1, 65536 * thread_count() / film.pixels().size());

@@ -1,6 +1,7 @@
 #pragma once
 /// Vocabulary of the reference renderer: double-precision vectors and constants.
 
+#include <cmath>
 #include <numbers>
 
 #include <glm/glm.hpp>
@@ -18,6 +19,9 @@ inline double luminance(const Vec3& rgb) {
 }
 inline double max_component(const Vec3& v) {
   return glm::max(v.x, glm::max(v.y, v.z));
+}
+inline bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 inline bool is_zero(const Vec3& v) {
   return v.x == 0.0 && v.y == 0.0 && v.z == 0.0;

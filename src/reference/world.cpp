@@ -50,6 +50,8 @@ std::vector<World::Primitive> World::collect() const {
 }
 
 std::optional<Surface> World::closest_hit(const Ray& ray) const {
+  // A ray that is none would meet every box of the tree; it misses, and the sample becomes not a number.
+  if (!is_finite(ray.origin + ray.direction)) return std::nullopt;
   const TriangleTest triangle_test(ray);
   const Primitive* nearest = nullptr;
   TriangleHit hit;
@@ -75,6 +77,7 @@ std::optional<Surface> World::closest_hit(const Ray& ray) const {
 
 bool World::occluded(const Vec3& from, const Vec3& to) const {
   const double distance = glm::length(to - from);
+  if (!(distance > 0.0)) return false;  // no direction to look in
   const Ray ray{.origin = from, .direction = (to - from) / distance, .t_min = 0.0, .t_max = distance};
   const TriangleTest triangle_test(ray);
   return bvh_.traverse(ray, [&](std::uint32_t position, double& t_max) {

@@ -84,6 +84,15 @@ int compute_family(VkPhysicalDevice device) {
   return best;
 }
 
+bool has_extension(VkPhysicalDevice device, const char* name) {
+  std::uint32_t count = 0;
+  if (vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr) != VK_SUCCESS) return false;
+  std::vector<VkExtensionProperties> extensions(count);
+  if (vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()) != VK_SUCCESS) return false;
+  return std::ranges::any_of(extensions,
+                             [&](const VkExtensionProperties& e) { return std::string_view(e.extensionName) == name; });
+}
+
 std::string missing_features(VkPhysicalDevice device, const VkPhysicalDeviceProperties& p) {
   if (p.apiVersion < VK_API_VERSION_1_2) {
     return fmt::format("it speaks Vulkan {}.{}, 1.2 is needed", VK_API_VERSION_MAJOR(p.apiVersion),
@@ -320,16 +329,47 @@ Context::~Context() {
   vkDestroyDevice(device_, nullptr);
 }
 
+Context::AvailableMemory Context::available_memory() const {
+  std::uint32_t largest = 0;
+  for (std::uint32_t i = 0; i < memory_.memoryHeapCount; ++i) {
+    const VkMemoryHeap &heap = memory_.memoryHeaps[i], &best = memory_.memoryHeaps[largest];
+    const bool local = (heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) != 0;
+    const bool best_local = (best.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) != 0;
+    if (local != best_local ? local : heap.size > best.size) largest = i;
+  }
+  const std::uint64_t size = memory_.memoryHeaps[largest].size;
+  if (!has_extension(physical_, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME)) return {size, "size of its memory heap"};
+  VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{.sType =
+                                                       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
+  VkPhysicalDeviceMemoryProperties2 memory{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
+                                           .pNext = &budget};
+  vkGetPhysicalDeviceMemoryProperties2(physical_, &memory);
+  const std::uint64_t free =
+      budget.heapBudget[largest] - std::min(budget.heapUsage[largest], budget.heapBudget[largest]);
+  if (free < size) return {free, "what VK_EXT_memory_budget leaves of its memory heap"};
+  return {size, "size of its memory heap"};
+}
+
 void Context::open_device() {
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+  VkPhysicalDeviceMaintenance3Properties maintenance{.sType =
+                                                         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+                                         .pNext = &maintenance};
+  vkGetPhysicalDeviceProperties2(physical_, &properties);
+  max_allocation_ = maintenance.maxMemoryAllocationSize;
   queue_family_ = static_cast<std::uint32_t>(compute_family(physical_));
   const float priority = 1.0f;
   const VkDeviceQueueCreateInfo queue_info{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                            .queueFamilyIndex = queue_family_,
                                            .queueCount = 1,
                                            .pQueuePriorities = &priority};
-  const VkDeviceCreateInfo info{
-      .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue_info};
+  // Every Vulkan device has it: an index out of range, were there one, reads zero or does nothing instead of harm.
+  const VkPhysicalDeviceFeatures features{.robustBufferAccess = VK_TRUE};
+  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .queueCreateInfoCount = 1,
+                                .pQueueCreateInfos = &queue_info,
+                                .pEnabledFeatures = &features};
   check(vkCreateDevice(physical_, &info, nullptr, &device_), fmt::format("open the device '{}'", info_.name));
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 }

@@ -55,6 +55,15 @@ class Context {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   const ContextOptions& options() const { return options_; }
+  /// Bytes of the largest single allocation.
+  std::uint64_t max_allocation() const { return max_allocation_; }
+  /// Device memory that is there for this process, and who says so: the driver's budget (VK_EXT_memory_budget) where it
+  /// has one, and never more than the largest device-local heap.
+  struct AvailableMemory {
+    std::uint64_t bytes = 0;
+    const char* name = "";
+  };
+  AvailableMemory available_memory() const;
   bool is_cpu() const { return is_cpu_; }
   VkDevice device() const { return device_; }
   VkQueue queue() const { return queue_; }
@@ -79,6 +88,7 @@ class Context {
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkPhysicalDeviceLimits limits_{};
   VkPhysicalDeviceMemoryProperties memory_{};
+  std::uint64_t max_allocation_ = 0;
   bool is_cpu_ = false;
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;

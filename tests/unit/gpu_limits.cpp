@@ -1,0 +1,56 @@
+// Needs held against made-up limits: each limit is named with what is needed and what is there.
+
+#include "gpu/device_limits.h"
+
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+
+namespace etendue {
+namespace {
+
+using Kind = DeviceNeed::Kind;
+
+const DeviceLimits kDevice{.device = "Toy",
+                           .max_storage_buffer_range = 500,
+                           .max_memory_allocation_size = 12000,
+                           .memory = 20000,
+                           .memory_name = "size of its memory heap"};
+
+std::string refusal(const std::vector<DeviceNeed>& needs, const DeviceLimits& limits = kDevice) {
+  try {
+    check_needs(needs, limits);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::device_lost);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(DeviceLimits, WhatFitsIsFine) {
+  EXPECT_EQ(refusal({}), "");
+  EXPECT_EQ(refusal({{"tree", 12000}, {"film", 7500, Kind::memory}, {"filter", 500, Kind::storage}}), "");
+}
+
+TEST(DeviceLimits, EachIsNamed) {
+  const std::string remedy = "; use coarser meshes or a smaller image, another --device, or --device reference.";
+  EXPECT_EQ(refusal({{"filter", 501, Kind::storage}}),
+            "The filter needs 501 bytes in one binding, but 'Toy' has 500 (maxStorageBufferRange)" + remedy);
+  EXPECT_EQ(refusal({{"tree", 12001}}),
+            "The tree needs 12001 bytes in one piece, but 'Toy' has 12000 (maxMemoryAllocationSize)" + remedy);
+  EXPECT_EQ(refusal({{"tree", 11000}, {"film", 9001, Kind::memory}}),
+            "The render, most of it the tree of 11000 bytes, needs 20001 bytes of device memory, but 'Toy' has 20000 "
+            "(size of its memory heap)" +
+                remedy);
+}
+
+TEST(DeviceLimits, AFilmIsCutAndOnlyItsSumCounts) {
+  EXPECT_EQ(refusal({{"film", 20000, Kind::memory}}), "");
+  EXPECT_THAT(refusal({{"film", 20001, Kind::memory}}), testing::HasSubstr("of device memory"));
+}
+
+}  // namespace
+}  // namespace etendue
