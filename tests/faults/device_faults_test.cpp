@@ -82,6 +82,26 @@ TEST_F(DeviceFaults, ExhaustedMemoryIsNotTriedAgain) {
   expect_untouched();
 }
 
+// cbox-sphere.xml has 34 primitives, so a tree; 640 × 480 pixels take 40 MB of film.
+TEST_F(DeviceFaults, LimitsAreNamedBeforeAnythingIsUploaded) {
+  struct Limit {
+    std::map<std::string, std::string> environment;
+    const char* words;
+  };
+  const Limit limits[] = {
+      {{{"ETENDUE_FAULT_TEXELS", "20"}, {"ETENDUE_FAULT_RANGE", "1000"}},
+       "reads at most 20 texels of 16 bytes (maxTexelBufferElements) or 1000 bytes (maxStorageBufferRange)"},
+      {{{"ETENDUE_FAULT_RANGE", "4096"}}, "needs 8192 bytes in one binding, but"},
+      {{{"ETENDUE_FAULT_HEAP", "1000000"}}, "of device memory, but"},
+      {{{"ETENDUE_FAULT_ALLOCATION", "100"}}, "(maxMemoryAllocationSize); use coarser meshes"}};
+  for (const Limit& limit : limits) {
+    ProcessOptions options = fault("limits", 0);
+    options.environment.insert(limit.environment.begin(), limit.environment.end());
+    expect_error(run({"render", kScene, "--size", "640x480", "--spp", "1", "-o", "x.exr"}, options), 5, limit.words);
+    EXPECT_FALSE(exists("x.exr"));
+  }
+}
+
 TEST_F(DeviceFaults, ADispatchThatNeverEndsEndsTheProcess) {
   prepare();
   for (const char* device : {"0", "0,0"}) {

@@ -3,11 +3,15 @@
 /// - ETENDUE_FAULT=hang: a dispatch never reaches the driver, its fence is never signalled, and to close its device
 /// takes for ever.
 /// - ETENDUE_FAULT=memory: an allocation returns VK_ERROR_OUT_OF_DEVICE_MEMORY.
+/// - ETENDUE_FAULT=limits: the device says it can take less: ETENDUE_FAULT_TEXELS, ETENDUE_FAULT_RANGE,
+/// ETENDUE_FAULT_HEAP and ETENDUE_FAULT_ALLOCATION lower maxTexelBufferElements, maxStorageBufferRange, the size of its
+/// memory heaps and maxMemoryAllocationSize.
 /// - ETENDUE_FAULT_AFTER=N: the first N dispatches or allocations of the process are good.
 /// - ETENDUE_FAULT_TIMES=N: faults in all; unlimited by default.
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
@@ -29,6 +33,9 @@ namespace {
 struct InstanceTable {
   PFN_vkGetInstanceProcAddr get = nullptr;
   PFN_vkDestroyInstance destroy = nullptr;
+  PFN_vkGetPhysicalDeviceProperties properties = nullptr;
+  PFN_vkGetPhysicalDeviceProperties2 properties2 = nullptr;
+  PFN_vkGetPhysicalDeviceMemoryProperties memory = nullptr;
 };
 struct DeviceTable {
   PFN_vkGetDeviceProcAddr get = nullptr;
@@ -69,6 +76,45 @@ bool fails_now() {
   if (g_faults >= number("ETENDUE_FAULT_TIMES", 1L << 30)) return false;
   ++g_faults;
   return true;
+}
+
+InstanceTable table_of(VkPhysicalDevice device) {
+  const std::lock_guard lock(g_mutex);
+  return g_instances.at(key(device));
+}
+
+// Lowers a limit to what the environment says.
+template <typename T>
+void lower(T& limit, const char* name) {
+  if (fault() == "limits") limit = std::min(limit, static_cast<T>(number(name, 1L << 62)));
+}
+
+void lower_limits(VkPhysicalDeviceLimits& limits) {
+  std::uint64_t texels = limits.maxTexelBufferElements, range = limits.maxStorageBufferRange;
+  lower(texels, "ETENDUE_FAULT_TEXELS");
+  lower(range, "ETENDUE_FAULT_RANGE");
+  limits.maxTexelBufferElements = static_cast<std::uint32_t>(texels);
+  limits.maxStorageBufferRange = static_cast<std::uint32_t>(range);
+}
+
+VKAPI_ATTR void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperties* properties) {
+  table_of(device).properties(device, properties);
+  lower_limits(properties->limits);
+}
+
+VKAPI_ATTR void VKAPI_CALL get_properties2(VkPhysicalDevice device, VkPhysicalDeviceProperties2* properties) {
+  table_of(device).properties2(device, properties);
+  lower_limits(properties->properties.limits);
+  for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next != nullptr; next = next->pNext) {
+    if (next->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES) continue;
+    lower(reinterpret_cast<VkPhysicalDeviceMaintenance3Properties*>(next)->maxMemoryAllocationSize,
+          "ETENDUE_FAULT_ALLOCATION");
+  }
+}
+
+VKAPI_ATTR void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties* memory) {
+  table_of(device).memory(device, memory);
+  for (std::uint32_t i = 0; i < memory->memoryHeapCount; ++i) lower(memory->memoryHeaps[i].size, "ETENDUE_FAULT_HEAP");
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos, VkFence fence) {
@@ -159,7 +205,15 @@ VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info,
   const VkResult result = create(info, callbacks, instance);
   if (result != VK_SUCCESS) return result;
   const std::lock_guard lock(g_mutex);
-  g_instances[key(*instance)] = {get, reinterpret_cast<PFN_vkDestroyInstance>(get(*instance, "vkDestroyInstance"))};
+  InstanceTable& table = g_instances[key(*instance)];
+  table.get = get;
+  table.destroy = reinterpret_cast<PFN_vkDestroyInstance>(get(*instance, "vkDestroyInstance"));
+  table.properties =
+      reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(get(*instance, "vkGetPhysicalDeviceProperties"));
+  table.properties2 =
+      reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(get(*instance, "vkGetPhysicalDeviceProperties2"));
+  table.memory =
+      reinterpret_cast<PFN_vkGetPhysicalDeviceMemoryProperties>(get(*instance, "vkGetPhysicalDeviceMemoryProperties"));
   return VK_SUCCESS;
 }
 
@@ -216,6 +270,9 @@ PFN_vkVoidFunction own(const char* name) {
       {"vkGetDeviceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(fault_GetDeviceProcAddr)},
       {"vkCreateInstance", reinterpret_cast<PFN_vkVoidFunction>(create_instance)},
       {"vkDestroyInstance", reinterpret_cast<PFN_vkVoidFunction>(destroy_instance)},
+      {"vkGetPhysicalDeviceProperties", reinterpret_cast<PFN_vkVoidFunction>(get_properties)},
+      {"vkGetPhysicalDeviceProperties2", reinterpret_cast<PFN_vkVoidFunction>(get_properties2)},
+      {"vkGetPhysicalDeviceMemoryProperties", reinterpret_cast<PFN_vkVoidFunction>(get_memory)},
       {"vkCreateDevice", reinterpret_cast<PFN_vkVoidFunction>(create_device)},
       {"vkDestroyDevice", reinterpret_cast<PFN_vkVoidFunction>(destroy_device)},
       {"vkQueueSubmit", reinterpret_cast<PFN_vkVoidFunction>(submit)},

@@ -9,7 +9,9 @@
 namespace etendue::test {
 namespace {
 
-constexpr vulkan::ContextOptions kValidation{.validation = true};
+// ETENDUE_VALIDATION=2 adds synchronization and GPU-assisted validation.
+const vulkan::ContextOptions kValidation{
+    .validation = true, .validation_extra = vulkan::ContextOptions::from_environment().validation_extra};
 
 struct Device {
   Device() : context("auto", kValidation), commands(context), layout(context, kernel_bindings(), sizeof(gpu::Pass)) {}

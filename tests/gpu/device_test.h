@@ -61,7 +61,9 @@ class Random {
   float unit() { return static_cast<float>(engine_() >> 40) * 0x1p-24f; }
   float uniform(float low, float high) { return low + (high - low) * unit(); }
   std::uint32_t word() { return static_cast<std::uint32_t>(engine_() >> 32); }
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(std::uint64_t{word()} * n >> 32); }
+  std::uint32_t below(std::uint32_t n) {
+    return static_cast<std::uint32_t>(static_cast<std::uint64_t>(word()) * n >> 32);
+  }
   glm::vec3 point(float half) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
   /// Uniform on the sphere.
   glm::dvec3 direction() {
