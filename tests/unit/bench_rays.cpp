@@ -289,7 +289,7 @@ TEST_F(BenchExport, RaysComeBackByteForByte) {
   std::ifstream file(path, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(file)), {});
   std::size_t at = 0;
-  const auto take = [&]<typename T>(T value) {
+  const auto take = [&](auto value) {
     std::memcpy(&value, bytes.data() + at, sizeof value);
     at += sizeof value;
     return value;

@@ -1,0 +1,93 @@
+/// Any scene that `check` accepts renders without a fault: on the reference, and on a Vulkan device when the
+/// environment variable ETENDUE_FUZZ_DEVICE names one (a kernel is compiled for each scene, which makes it slow).
+///
+/// An input is a scene file; behind a line "%%%" may follow an OBJ file, which stands for every mesh the scene names.
+/// Sizes are clamped here, for time; whatever else the scene says is rendered.
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "gpu/gpu_renderer.h"
+#include "reference/reference_renderer.h"
+#include "scene/check.h"
+#include "scene/obj_reader.h"
+#include "scene/xml_reader.h"
+
+namespace {
+
+constexpr std::string_view kSeparator = "\n%%%\n";
+constexpr std::uint32_t kSamples = 2;
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+std::optional<etendue::TriangleMesh> load_from(std::string_view obj, const std::string& path,
+                                               const glm::dmat4& world_from_object, etendue::Diagnostics& sink) {
+  const etendue::ByteSource source = [obj](char* buffer, std::size_t capacity) mutable {
+    const std::size_t count = obj.copy(buffer, capacity);
+    obj.remove_prefix(count);
+    return count;
+  };
+  return etendue::read_obj(source, path, world_from_object, sink);
+}
+
+/// The scene of an input, small enough; nothing when `check` would refuse it.
+std::optional<etendue::Scene> read_input(std::string_view input) {
+  const std::size_t end = std::min(input.find(kSeparator), input.size());
+  const std::string_view obj = end < input.size() ? input.substr(end + kSeparator.size())
+                                                  : "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
+  etendue::Diagnostics diagnostics;
+  const auto load = [obj](const std::string& path, const glm::dmat4& world_from_object, etendue::Diagnostics& sink) {
+    return load_from(obj, path, world_from_object, sink);
+  };
+  auto file = etendue::parse_scene_file(std::string(input.substr(0, end)), "fuzz.xml", {}, load, diagnostics);
+  if (!file || !std::holds_alternative<etendue::Scene>(*file)) return std::nullopt;
+  etendue::check_scene_file(*file, diagnostics);
+  etendue::Scene scene = std::move(std::get<etendue::Scene>(*file));
+  scene.camera.width = std::min(scene.camera.width, 6u);
+  scene.camera.height = std::min(scene.camera.height, 5u);
+  scene.integrator.max_depth = std::min(scene.integrator.max_depth, 24u);
+  if (scene.shapes.size() > 100) return std::nullopt;
+  return scene;
+}
+
+/// Every sample is either in the film or counted as rejected.
+void render(etendue::Renderer& renderer, const etendue::Scene& scene) {
+  etendue::Film film(scene.camera.width, scene.camera.height, etendue::film_exponent(scene));
+  std::vector<etendue::RejectedSample> rejected;
+  require(renderer.render({0, kSamples}, film, {}, rejected) == kSamples);
+  for (const etendue::FilmPixel& pixel : film.pixels()) require(pixel.count + pixel.rejected == kSamples);
+}
+
+/// Where there is no device, nothing is left to do.
+void render_on_device(const etendue::Scene& scene, const char* device) {
+  etendue::GpuOptions options;
+  options.device = device;
+  std::unique_ptr<etendue::Renderer> renderer;
+  try {
+    renderer = etendue::make_gpu_renderer(scene, {}, options);
+  } catch (const etendue::Error& error) {
+    require(error.code() == etendue::ExitCode::no_device);
+    return;
+  }
+  render(*renderer, scene);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  etendue::set_thread_count(1);
+  const std::optional<etendue::Scene> scene = read_input({reinterpret_cast<const char*>(data), size});
+  if (!scene) return 0;
+  render(*etendue::make_reference_renderer(*scene, {}), *scene);
+  static const char* const device = std::getenv("ETENDUE_FUZZ_DEVICE");
+  if (device != nullptr) render_on_device(*scene, device);
+  return 0;
+}
