@@ -223,6 +223,11 @@ struct RayResult {
   uint primitive;
   uint steps;
 };
+// What the lanes of a film slot did, counted by the render kernel's build for profiles. Of each class of rays: rays, nodes, primitives.
+struct SlotProfile {
+  uvec4 camera, scattered, shadow;
+  vec4 shares;  // x: traversal steps of subgroups that were this lane's share, y: of this lane; z, w: the same of shading
+};
 // bsdf_samples: the push constants and the answers of one material's probe. Queries are directions, one vec4 each.
 struct BsdfProbePass {
   vec3 wo;
@@ -263,6 +268,7 @@ static_assert(sizeof(Frame) == 144);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);
 static_assert(sizeof(SampleResult) == 32);
+static_assert(sizeof(SlotProfile) == 64);
 static_assert(sizeof(BsdfProbePass) == 32);
 static_assert(sizeof(BsdfProbeResult) == 32);
 static_assert(sizeof(TracedVertex) == 48);

@@ -5,6 +5,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 #include "intersect.glsl"
+#include "profile.glsl"
 
 layout(constant_id = 8) const uint kStackSize = 16u;  // levels of the tree, so that the stack cannot overflow
 layout(constant_id = 17) const uint kTreeRoot = 0u;   // record of the root; kNone for a scene without a tree
@@ -89,6 +90,7 @@ uvec4 sort_keys(uvec4 k) {
 // The step before the tree, for walks that have not taken it: the primitives that most rays would meet there anyhow.
 void test_few_primitives(inout Walk walk) {
   if (!kHasFew || walk.current != kBeforeTree) return;
+  PROFILE(profile_step(0u, kFewTriangles + kFewSpheres));
   walk.hit = intersect_few_primitives(walk.rf);
   walk.current = walk.any_hit && walk.hit.slot != kNone ? kNone : kTreeRoot;
 }
@@ -98,6 +100,7 @@ void walk_step(inout Walk walk) {
   if (kTreeRoot == kNone) return;
   const Record record = fetch_record(walk.current);
   const bool node = (record.a.w & kRecordNode) != 0u;
+  PROFILE(profile_step(node ? 1u : 0u, node ? 0u : 1u));
 
   const uvec4 keys = sort_keys(child_keys(walk, record));
   const uint hits = node ? uint(keys.x != kMissKey) + uint(keys.y != kMissKey) + uint(keys.z != kMissKey) + uint(keys.w != kMissKey) : 0u;

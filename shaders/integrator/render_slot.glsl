@@ -91,17 +91,20 @@ void render_slot(uint group, uint lane) {
         walk_step(walk);
       }
       if (walk.current == kNone && path.shadow_pending) {
+        PROFILE(profile_arrival(true, false));
         settle_light(path, walk.hit.slot != kNone);
         if (path.alive) walk = begin_walk(path.ray, false);
       }
     }
     if (walk.current != kNone) continue;
     if (path.alive) {
+      PROFILE(profile_arrival(false, path.segment == 1u));
       Decisions decisions;
       arrive(path, walk.hit, decisions);
     }
     if (!path.alive && !path.shadow_pending) {
       finish_path(path, set_sum, sums, first_rejected);
+      PROFILE(profile_finish());
       path = begin_path(pixel, path_after(path.sample_index));
     }
     if (path.shadow_pending) {
@@ -115,6 +118,7 @@ void render_slot(uint group, uint lane) {
     if (path.sample_index == first_path) atomicAdd(report.stuck, 1u);
   }
   if (first_rejected.sample_index != kNone) report_rejected(pixel, first_rejected);
+  PROFILE(profile_store(slot));
   film[slot] = sums;
   next_path[slot] = path.sample_index;
   if (kSetBits > 0u) set_sums[slot] = vec4(set_sum, 0.0);

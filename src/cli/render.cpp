@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/render_session.h"
+#include "cli/render_stats.h"
 #include "cli/units.h"
 #include "core/log.h"
 #include "core/version.h"
@@ -31,6 +32,8 @@ struct Options {
   bool film = false;
   bool quiet = false;
   bool json = false;
+  bool stats = false;
+  std::vector<std::string> heat_maps;  ///< .exr and .png
 };
 
 bool uses_gpu(const Options& options) {
@@ -141,6 +144,7 @@ struct Outcome {
   SessionEnd end;
   std::uint64_t samples = 0;  ///< sample indices rendered by this run
   double render_seconds = 0, seconds = 0;
+  std::optional<RenderProfile> profile;
 };
 
 std::string reason_text(const Outcome& outcome, const RenderJob& job, const Options& options, std::uint32_t set_size) {
@@ -182,6 +186,7 @@ nlohmann::json to_json(const Outcome& outcome, const RenderJob& job, const Sessi
     }
     out["devices"].push_back(device);
   }
+  if (outcome.profile) out["stats"] = stats_json(*outcome.profile, gpu_timings(*team.renderers().front()));
   return out;
 }
 
@@ -198,9 +203,22 @@ void report(const Outcome& outcome, const RenderJob& job, const Options& options
                           reason_text(outcome, job, options, session.set_size), duration_text(outcome.render_seconds),
                           rate * 1e-6, fmt::join(session.outputs, " and ")));
   }
+  if (outcome.profile && options.stats && !options.json)
+    fmt::print("{}", stats_text(*outcome.profile, gpu_timings(*team.renderers().front())));
 }
 
-ExitCode run_job(RenderJob& job, DeviceTeam& team, const Options& options, const SessionOptions& session) {
+// Statistics and heat maps are counted afterwards, on the first device and a few samples: the render pays nothing.
+std::optional<RenderProfile> count_profile(const Scene& scene, const Options& options) {
+  constexpr std::uint32_t kProfiledSamples = 4;
+  if (!options.stats && options.heat_maps.empty()) return std::nullopt;
+  const auto renderer = options.device.factories().front()(scene, RenderSettings{.seed = options.seed});
+  RenderProfile profile = gpu_profile(*renderer, kProfiledSamples);
+  for (const std::string& path : options.heat_maps) write_heat_map(path, profile);
+  return profile;
+}
+
+ExitCode run_job(RenderJob& job, DeviceTeam& team, const Scene& scene, const Options& options,
+                 const SessionOptions& session) {
   const std::uint64_t before = job.done();
   const auto render_start = Clock::now();
   Session run(job, session);
@@ -215,11 +233,15 @@ ExitCode run_job(RenderJob& job, DeviceTeam& team, const Options& options, const
   report_rejected(job, options.scene.strict);
   run.write_outputs();
   outcome.seconds = std::chrono::duration<double>(Clock::now() - session.start).count();
+  if (outcome.end != SessionEnd::interrupted) outcome.profile = count_profile(scene, options);
   report(outcome, job, options, session, team);
   return outcome.end == SessionEnd::interrupted ? ExitCode::interrupted : ExitCode::ok;
 }
 
 ExitCode render(const Options& options) {
+  for (const std::string& path : options.heat_maps) check_output_name(path);
+  if ((options.stats || !options.heat_maps.empty()) && !uses_gpu(options))
+    throw Error(ExitCode::usage, "--stats and --heat-map count on a Vulkan device; choose another --device.");
   SessionOptions session = session_options(options, Clock::now());
   Scene scene = read_scene(options.scene_file, options.scene.read_options());
   if (!options.size.empty()) {
@@ -233,6 +255,7 @@ ExitCode render(const Options& options) {
   RenderJob job(identity(scene, options.seed), {{wanted.begin, wanted.end}});
   if (!options.resume.empty()) job.resume(read_film(options.resume), options.resume);
   for (const std::string& path : session.outputs) check_writable(path);
+  for (const std::string& path : options.heat_maps) check_writable(path);
   if (!session.checkpoint.empty()) check_checkpoint(session.checkpoint);
 
   std::vector<OpenRenderer> open;
@@ -244,7 +267,7 @@ ExitCode render(const Options& options) {
   if (!options.quiet && uses_gpu(options)) {
     for (const Renderer* renderer : team.renderers()) log::info(gpu_device_choice(*renderer));
   }
-  return run_job(job, team, options, session);
+  return run_job(job, team, scene, options, session);
 }
 
 void add_job_options(CLI::App& command, Options& options) {
@@ -290,6 +313,13 @@ void add_render_command(CLI::App& app, Action& action) {
   add_job_options(*command, *options);
   options->scene.add_to(*command);
   options->device.add_to(*command);
+  command->add_flag("--stats", options->stats,
+                    "count rays, nodes, primitives and working lanes on some samples afterwards");
+  command
+      ->add_option("--heat-map", options->heat_maps,
+                   "what the pixels cost: nodes, primitives and rays per sample as .exr, false colours as .png; may be "
+                   "repeated")
+      ->allow_extra_args(false);
   command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--json", options->json, "print what was done as JSON");
   command->footer(

@@ -12,6 +12,8 @@
 #include "gpu/device_film.h"
 #include "gpu/device_scene.h"
 #include "gpu/kernel_set.h"
+#include "kernels_profile.h"
+#include "kernels_profile_subgroups.h"
 
 namespace etendue {
 namespace {
@@ -126,6 +128,7 @@ class GpuRenderer final : public Renderer {
                        std::vector<RejectedSample>& rejected) override;
   std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) override;
   std::vector<PathVertex> trace_path(SampleId id) override;
+  RenderProfile profile(std::uint32_t samples);
 
  private:
   class SampleTracer;
@@ -157,10 +160,12 @@ class GpuRenderer final : public Renderer {
     return commands_.dispatch(*layout_, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
   }
   std::vector<FilmBand> make_bands(const SlotLayout& slots, SampleRange range);
-  void run_pass(const FilmBand& band, const vulkan::BindingSet& set, const SlotLayout& slots, std::uint32_t samples,
-                std::uint32_t sample_end);
-  void run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples);
+  void run_pass(const vulkan::Kernel& kernel, const FilmBand& band, const vulkan::BindingSet& set,
+                const SlotLayout& slots, std::uint32_t samples, std::uint32_t sample_end);
+  void run_groups(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups,
+                  std::uint32_t samples);
   gpu::ReportHead take_report();
+  void prepare_sizer();
 
   GpuOptions options_;
   KernelSet kernels_;
@@ -239,13 +244,15 @@ gpu::ReportHead GpuRenderer::take_report() {
 }
 
 // Dispatches one run of groups until every lane has reached pass.path_end.
-void GpuRenderer::run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups,
-                             std::uint32_t samples) {
+void GpuRenderer::run_groups(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, gpu::Pass pass,
+                             std::uint32_t groups, std::uint32_t samples) {
   pass.step_budget = step_budget_;
   for (;;) {
-    const double seconds = dispatch(render_kernel_, set, pass, groups);
+    const double seconds = dispatch(kernel, set, pass, groups);
     const gpu::ReportHead head = take_report();
     if (first_dispatch_done_) {
+      ++timings_.dispatches;
+      timings_.longest = std::max(timings_.longest, seconds);
       timings_.render += seconds;
       sizer_->measured(static_cast<double>(samples) * groups * gpu::kWorkgroupSize, seconds);
     } else {
@@ -262,8 +269,8 @@ void GpuRenderer::run_groups(const vulkan::BindingSet& set, gpu::Pass pass, std:
   }
 }
 
-void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, const SlotLayout& slots,
-                           std::uint32_t samples, std::uint32_t sample_end) {
+void GpuRenderer::run_pass(const vulkan::Kernel& kernel, const FilmBand& band, const vulkan::BindingSet& set,
+                           const SlotLayout& slots, std::uint32_t samples, std::uint32_t sample_end) {
   gpu::Pass pass{};
   pass.slot_base = band.first_group() * gpu::kWorkgroupSize;
   pass.path_end = sample_end << set_bits_;
@@ -273,17 +280,70 @@ void GpuRenderer::run_pass(const FilmBand& band, const vulkan::BindingSet& set, 
     const std::uint32_t groups =
         std::min({sizer_->groups(band.group_count() - done, samples), context_.limits().maxComputeWorkGroupCount[0]});
     pass.first_group = band.first_group() + done;
-    run_groups(set, pass, groups, samples);
+    run_groups(kernel, set, pass, groups, samples);
     done += groups;
   }
+}
+
+void GpuRenderer::prepare_sizer() {
+  if (sizer_) return;
+  sizer_ = std::make_unique<PassSizer>(context_.is_cpu() ? kCpuPassSeconds : options_.pass_seconds,
+                                       options_.fixed_samples, options_.fixed_groups);
+}
+
+// A slot's counts become its pixel's.
+void add_profile(RenderProfile& profile, const gpu::SlotProfile& slot, std::uint32_t pixel, glm::dvec4& shares) {
+  const auto add = [](RayCounts& counts, const gpu::uvec4& more) {
+    counts.rays += more.x;
+    counts.nodes += more.y;
+    counts.primitives += more.z;
+  };
+  add(profile.camera, slot.camera);
+  add(profile.scattered, slot.scattered);
+  add(profile.shadow, slot.shadow);
+  const gpu::uvec4 all = slot.camera + slot.scattered + slot.shadow;
+  profile.visits[pixel] = glm::vec3(all.y, all.z, all.x) / static_cast<float>(profile.samples);
+  shares += glm::dvec4(slot.shares);
+}
+
+RenderProfile GpuRenderer::profile(std::uint32_t samples) {
+  const bool ballots = context_.info().subgroup_ballot;
+  const vulkan::Kernel kernel =
+      make_kernel(ballots ? kernels::render_profile_subgroups : kernels::render_profile, "render_profile");
+  prepare_sizer();
+  const SlotLayout slots(frame_.width, frame_.height, samples, 1);  // one slot a pixel
+  RenderProfile out{.width = frame_.width, .height = frame_.height, .samples = samples << set_bits_};
+  out.visits.resize(slots.pixels());
+  glm::dvec4 shares(0.0);
+  for (const FilmBand& band : make_bands(slots, {0, samples})) {
+    std::vector<gpu::SlotProfile> counts(std::size_t{band.group_count()} * gpu::kWorkgroupSize);
+    const vulkan::Buffer buffer(context_, counts.size() * sizeof(gpu::SlotProfile), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                vulkan::Buffer::Memory::device, "profile");
+    commands_.fill(buffer, 0);
+    vulkan::BindingSet set = make_set();
+    set.bind(gpu::kBindingFilm, band.slots());
+    set.bind(gpu::kBindingProgress, band.progress());
+    if (band.set_sums() != nullptr) set.bind(gpu::kBindingSetSums, *band.set_sums());
+    set.bind(gpu::kBindingReport, report_);
+    set.bind(gpu::kBindingResults, buffer);
+    run_pass(kernel, band, set, slots, samples, samples);
+    commands_.download(buffer, 0, std::as_writable_bytes(std::span(counts)));
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      const std::uint32_t pixel = slots.pixel(band.first_group() + i / gpu::kWorkgroupSize,
+                                              static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
+      if (pixel != ~0u) add_profile(out, counts[i], pixel, shares);
+    }
+  }
+  const double size = context_.info().subgroup_size;
+  if (shares.x > 0.0) out.walk_utilisation = shares.y / (shares.x * size);
+  if (shares.z > 0.0) out.shade_utilisation = shares.w / (shares.z * size);
+  return out;
 }
 
 std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress,
                                   std::vector<RejectedSample>& rejected) {
   if (!render_kernel_.get()) render_kernel_ = make_kernel(kernels_.render, "render");
-  if (!sizer_)
-    sizer_ = std::make_unique<PassSizer>(context_.is_cpu() ? kCpuPassSeconds : options_.pass_seconds,
-                                         options_.fixed_samples, options_.fixed_groups);
+  prepare_sizer();
   rejected_.clear();
   const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context_));
   const std::vector<FilmBand> bands = make_bands(slots, range);
@@ -304,7 +364,8 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
     const auto samples = static_cast<std::uint32_t>(
         std::min<std::uint64_t>(sizer_->samples(slots.groups() * gpu::kWorkgroupSize), left_a_slot));
     const std::uint32_t end = done + static_cast<std::uint32_t>(std::min(std::uint64_t{samples} * slots.layers, left));
-    for (std::size_t i = 0; i < bands.size(); ++i) run_pass(bands[i], sets[i], slots, samples, end);
+    for (std::size_t i = 0; i < bands.size(); ++i) run_pass(render_kernel_, bands[i], sets[i], slots, samples, end);
+    ++timings_.passes;
     done = end;
     if (progress) go_on = progress((done - range.begin) * pixels, range.count() * pixels);
   }
@@ -374,6 +435,9 @@ std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSett
 
 GpuTimings gpu_timings(const Renderer& renderer) {
   return dynamic_cast<const GpuRenderer&>(renderer).timings();
+}
+RenderProfile gpu_profile(Renderer& renderer, std::uint32_t samples) {
+  return dynamic_cast<GpuRenderer&>(renderer).profile(samples);
 }
 std::string gpu_device_choice(const Renderer& renderer) {
   return dynamic_cast<const GpuRenderer&>(renderer).choice();

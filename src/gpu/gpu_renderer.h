@@ -15,8 +15,25 @@ namespace etendue {
 struct GpuTimings {
   double compile = 0;  ///< scene to buffers, BVH included
   double upload = 0;
-  double pipeline = 0;  ///< kernel compilation, the first dispatch's lazy part included
-  double render = 0;    ///< dispatches after the first
+  double pipeline = 0;           ///< kernel compilation, the first dispatch's lazy part included
+  double render = 0;             ///< dispatches after the first
+  std::uint64_t passes = 0;      ///< times the whole film was brought to a later sample
+  std::uint64_t dispatches = 0;  ///< after the first
+  double longest = 0;            ///< of these, seconds
+};
+
+/// Rays of one class and what they visited.
+struct RayCounts {
+  std::uint64_t rays = 0, nodes = 0, primitives = 0;
+};
+
+struct RenderProfile {
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t samples = 0;  ///< of each pixel, paths of sets counted one by one
+  RayCounts camera, scattered, shadow;
+  /// Lanes of a subgroup that work when any does, as a fraction; nothing where the device cannot tell.
+  std::optional<double> walk_utilisation, shade_utilisation;
+  std::vector<glm::vec3> visits;  ///< of each pixel, per sample: nodes, primitives, rays
 };
 
 struct GpuOptions {
@@ -36,6 +53,9 @@ std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSett
 
 /// Timings of a renderer made by make_gpu_renderer.
 GpuTimings gpu_timings(const Renderer& renderer);
+/// What the render kernel does with samples [0, samples) of every pixel, counted by a build of it that is slower for
+/// it.
+RenderProfile gpu_profile(Renderer& renderer, std::uint32_t samples);
 /// The sentence that says which device was taken and why.
 std::string gpu_device_choice(const Renderer& renderer);
 

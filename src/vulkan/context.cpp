@@ -124,6 +124,8 @@ DeviceInfo describe(VkPhysicalDevice device, std::uint32_t index) {
     vkGetPhysicalDeviceProperties2(device, &properties);
     info.driver = fmt::format("{} ({})", driver.driverName, driver.driverInfo);
     info.subgroup_size = subgroup.subgroupSize;
+    info.subgroup_ballot = (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT) != 0 &&
+                           (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
   }
   VkPhysicalDeviceMemoryProperties memory;
   vkGetPhysicalDeviceMemoryProperties(device, &memory);

@@ -19,7 +19,8 @@ struct DeviceInfo {
   std::uint32_t api_version = 0;
   std::uint64_t memory_bytes = 0;  ///< largest device-local heap
   std::uint32_t subgroup_size = 0;
-  std::string missing;  ///< why it cannot be used; empty when it can
+  bool subgroup_ballot = false;  ///< compute kernels may ask which lanes of a subgroup are active
+  std::string missing;           ///< why it cannot be used; empty when it can
 };
 
 /// Options of the Vulkan instance.

@@ -22,7 +22,10 @@ layout(set = 0, binding = 13, std430) buffer ProbePassBuffer { BsdfProbePass pro
 layout(set = 0, binding = 14, std430) buffer ProbeResultBuffer { BsdfProbeResult probe_results[]; };
 layout(set = 0, binding = 15, std430) buffer LightNodeBuffer { LightNode light_nodes[]; };
 
+layout(set = 0, binding = 16, std430) buffer SlotProfileBuffer { SlotProfile slot_profiles[]; };
+
 void main() {
+  slot_profiles[0].camera.x = 0u;
   records[0].a.x = pass.pad0 + frame.seed + requests[0].pixel + floatBitsToUint(ray_requests[0].t_min);
   primitives[0].kind = 0u;
   shapes[0].bsdf = 0u;

@@ -1,0 +1,61 @@
+// Counters of what the render kernel does, for `etendue render --stats` and heat maps.
+//
+// The kernels that render pictures are built without ETENDUE_PROFILE: PROFILE is empty there, and their SPIR-V is the same as if those
+// lines did not exist. A second build of the render kernel counts; a third, with ETENDUE_PROFILE_SUBGROUPS, also counts the lanes that
+// work together, where a device has subgroup ballots.
+#ifndef PROFILE_GLSL
+#define PROFILE_GLSL
+
+#ifdef ETENDUE_PROFILE
+
+#ifdef ETENDUE_PROFILE_SUBGROUPS
+#extension GL_KHR_shader_subgroup_ballot : require
+// This lane's share of a step that its subgroup takes together: over the active lanes the shares add up to 1.
+float subgroup_share() { return 1.0 / float(subgroupBallotBitCount(subgroupBallot(true))); }
+#else
+float subgroup_share() { return 0.0; }
+#endif
+
+#include "gpu_types.h"
+
+layout(set = 0, binding = kBindingResults, std430) buffer ProfileBuffer { SlotProfile profiles[]; };
+
+const SlotProfile kNoCounts = SlotProfile(uvec4(0u), uvec4(0u), uvec4(0u), vec4(0.0));
+SlotProfile finished_profile = kNoCounts;  // up to the last whole sample
+SlotProfile lane_profile = kNoCounts;
+uvec2 walk_visits = uvec2(0u);  // nodes and primitives of the ray on its way
+
+void profile_step(uint nodes, uint primitives) {
+  walk_visits += uvec2(nodes, primitives);
+  lane_profile.shares.x += subgroup_share();
+  lane_profile.shares.y += 1.0;
+}
+
+// The ray on its way has arrived.
+void profile_arrival(bool shadow, bool camera) {
+  const uvec4 counts = uvec4(1u, walk_visits, 0u);
+  walk_visits = uvec2(0u);
+  lane_profile.shadow += shadow ? counts : uvec4(0u);
+  lane_profile.camera += camera && !shadow ? counts : uvec4(0u);
+  lane_profile.scattered += camera || shadow ? uvec4(0u) : counts;
+  lane_profile.shares.z += subgroup_share();
+  lane_profile.shares.w += 1.0;
+}
+
+// A sample that does not fit into a dispatch is computed again by the next one: only whole samples count.
+void profile_finish() { finished_profile = lane_profile; }
+
+// Several dispatches may work on a slot.
+void profile_store(uint slot) {
+  profiles[slot].camera += finished_profile.camera;
+  profiles[slot].scattered += finished_profile.scattered;
+  profiles[slot].shadow += finished_profile.shadow;
+  profiles[slot].shares += finished_profile.shares;
+}
+
+#define PROFILE(statement) { statement; }
+#else
+#define PROFILE(statement)
+#endif
+
+#endif
