@@ -89,8 +89,8 @@ TEST_F(DeviceFaults, LimitsAreNamedBeforeAnythingIsUploaded) {
     const char* words;
   };
   const Limit limits[] = {
-      {{{"ETENDUE_FAULT_TEXELS", "20"}, {"ETENDUE_FAULT_RANGE", "1000"}},
-       "reads at most 20 texels of 16 bytes (maxTexelBufferElements) or 1000 bytes (maxStorageBufferRange)"},
+      {{{"ETENDUE_FAULT_TEXELS", "20"}, {"ETENDUE_FAULT_RANGE", "500"}},
+       "reads at most 20 texels of 16 bytes (maxTexelBufferElements) or 500 bytes (maxStorageBufferRange)"},
       {{{"ETENDUE_FAULT_RANGE", "4096"}}, "needs 8192 bytes in one binding, but"},
       {{{"ETENDUE_FAULT_HEAP", "1000000"}}, "of device memory, but"},
       {{{"ETENDUE_FAULT_ALLOCATION", "100"}}, "(maxMemoryAllocationSize); use coarser meshes"}};
