@@ -55,8 +55,14 @@ def run(studio):
     on_processor = studio.driver_on_processor()
     rows = [measure(studio, count, on_processor) for count in counts]
     plot(studio, "tree", rows, "{}_steps", "records of the tree that a ray visits")
+    plot(studio, "tree-time", rows, "{}_ns", "time of a ray (ns of one core)" if on_processor else "time of a ray (ns)")
     first, last = rows[0], rows[-1]
     steps = [{"triangles": row["triangles"], **{kind: row[f"{kind}_steps"] for kind in CLASSES}} for row in rows]
     studio.keep_table("tree", steps)
+    studio.keep_table("time_tree", rows)
     studio.keep_data("tree", {"rows": steps, "growth": last["triangles"] / first["triangles"], "largest": last["triangles"],
                               "steps_growth": {kind: last[f"{kind}_steps"] / first[f"{kind}_steps"] for kind in CLASSES}})
+    studio.keep_data("time_tree", {
+        "rows": rows, "largest_build": last["build_s"], "build_rate": last["triangles"] / last["build_s"] / 1e6,
+        "time_growth": {kind: last[f"{kind}_ns"] / first[f"{kind}_ns"] for kind in CLASSES},
+    })  # yapf: disable
