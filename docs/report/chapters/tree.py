@@ -50,7 +50,15 @@ def plot(studio, name, rows, quantity, label):
     studio.keep_plot(name, figure)
 
 
+def heat_map(studio):
+    """Where in a picture the tree is dear: nodes and primitives a sample, all rays of its path together."""
+    picture = studio.scratch / "heat-map.png"
+    studio.render("cbox-bumpy", "heat", spp=studio.pick(64, 1), size=studio.pick((400, 300), (40, 30)), more=("--heat-map", picture))
+    studio.keep_picture("heat-map", picture)
+
+
 def run(studio):
+    heat_map(studio)
     counts = studio.pick([120, 1000, 10_000, 100_000, 1_000_000, 10_000_000], [120, 1000])  # the smallest that the sculptor does well
     on_processor = studio.driver_on_processor()
     rows = [measure(studio, count, on_processor) for count in counts]
