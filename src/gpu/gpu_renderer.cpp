@@ -12,8 +12,6 @@
 #include "gpu/device_film.h"
 #include "gpu/device_scene.h"
 #include "gpu/kernel_set.h"
-#include "kernels_profile.h"
-#include "kernels_profile_subgroups.h"
 
 namespace etendue {
 namespace {
@@ -308,8 +306,7 @@ void add_profile(RenderProfile& profile, const gpu::SlotProfile& slot, std::uint
 
 RenderProfile GpuRenderer::profile(std::uint32_t samples) {
   const bool ballots = context_.info().subgroup_ballot;
-  const vulkan::Kernel kernel =
-      make_kernel(ballots ? kernels::render_profile_subgroups : kernels::render_profile, "render_profile");
+  const vulkan::Kernel kernel = make_kernel(ballots ? kernels_.profile_subgroups : kernels_.profile, "render_profile");
   prepare_sizer();
   const SlotLayout slots(frame_.width, frame_.height, samples, 1);  // one slot a pixel
   RenderProfile out{.width = frame_.width, .height = frame_.height, .samples = samples << set_bits_};

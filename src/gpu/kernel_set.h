@@ -12,6 +12,8 @@ namespace etendue {
 
 struct KernelSet {
   std::span<const std::uint32_t> render, trace_samples, trace_path, trace_rays, bsdf_samples;  ///< SPIR-V words
+  std::span<const std::uint32_t> profile,
+      profile_subgroups;                          ///< the render kernel that counts, see shaders/profile.glsl
   std::vector<vulkan::Specialization> constants;  ///< to be added to those of the scene
 };
 

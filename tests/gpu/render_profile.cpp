@@ -74,6 +74,16 @@ TEST_F(RenderCounts, RaysAreTheSegmentsOfTheSamples) {
   }
 }
 
+TEST_F(RenderCounts, TheSameWhereverTablesAreRead) {
+  GpuOptions texels = renderer_options(), storage = renderer_options();
+  texels.loads = TableLoads::texel_buffer;
+  storage.loads = TableLoads::storage_buffer;
+  const RenderProfile a = gpu_profile(*make_gpu_renderer(room(true), {}, texels), 2);
+  const RenderProfile b = gpu_profile(*make_gpu_renderer(room(true), {}, storage), 2);
+  EXPECT_EQ(a.visits, b.visits);
+  EXPECT_EQ(a.shadow.nodes, b.shadow.nodes);
+}
+
 TEST_F(RenderCounts, LanesAtWorkAreAFraction) {
   const auto renderer = make_gpu_renderer(room(true), {}, renderer_options());
   const RenderProfile p = gpu_profile(*renderer, 4);
