@@ -208,17 +208,15 @@ void report(const Outcome& outcome, const RenderJob& job, const Options& options
 }
 
 // Statistics and heat maps are counted afterwards, on the first device and a few samples: the render pays nothing.
-std::optional<RenderProfile> count_profile(const Scene& scene, const Options& options) {
+std::optional<RenderProfile> count_profile(const DeviceTeam& team, const Options& options) {
   constexpr std::uint32_t kProfiledSamples = 4;
   if (!options.stats && options.heat_maps.empty()) return std::nullopt;
-  const auto renderer = options.device.factories().front()(scene, RenderSettings{.seed = options.seed});
-  RenderProfile profile = gpu_profile(*renderer, kProfiledSamples);
+  RenderProfile profile = gpu_profile(*team.renderers().front(), kProfiledSamples);
   for (const std::string& path : options.heat_maps) write_heat_map(path, profile);
   return profile;
 }
 
-ExitCode run_job(RenderJob& job, DeviceTeam& team, const Scene& scene, const Options& options,
-                 const SessionOptions& session) {
+ExitCode run_job(RenderJob& job, DeviceTeam& team, const Options& options, const SessionOptions& session) {
   const std::uint64_t before = job.done();
   const auto render_start = Clock::now();
   Session run(job, session);
@@ -233,7 +231,7 @@ ExitCode run_job(RenderJob& job, DeviceTeam& team, const Scene& scene, const Opt
   report_rejected(job, options.scene.strict);
   run.write_outputs();
   outcome.seconds = std::chrono::duration<double>(Clock::now() - session.start).count();
-  if (outcome.end != SessionEnd::interrupted) outcome.profile = count_profile(scene, options);
+  if (outcome.end != SessionEnd::interrupted) outcome.profile = count_profile(team, options);
   report(outcome, job, options, session, team);
   return outcome.end == SessionEnd::interrupted ? ExitCode::interrupted : ExitCode::ok;
 }
@@ -267,7 +265,7 @@ ExitCode render(const Options& options) {
   if (!options.quiet && uses_gpu(options)) {
     for (const Renderer* renderer : team.renderers()) log::info(gpu_device_choice(*renderer));
   }
-  return run_job(job, team, scene, options, session);
+  return run_job(job, team, options, session);
 }
 
 void add_job_options(CLI::App& command, Options& options) {

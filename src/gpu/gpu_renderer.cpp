@@ -86,7 +86,7 @@ class GpuRenderer final : public Renderer {
     frame_ = compiled.frame;
     timings_.compile = timer.seconds();
     timer = {};
-    const TableLoads loads = choose_table_loads(context_, compiled, options.loads);
+    const TableLoads loads = choose_table_loads(context_, compiled, options.wanted_loads());
     check_limits(compiled);
     kernels_ = kernel_set(options.mutant, loads);
     layout_.emplace(context_, kernel_bindings(loads), sizeof(gpu::Pass));
@@ -305,6 +305,7 @@ void add_profile(RenderProfile& profile, const gpu::SlotProfile& slot, std::uint
 }
 
 RenderProfile GpuRenderer::profile(std::uint32_t samples) {
+  const GpuTimings of_renders = timings_;
   const bool ballots = context_.info().subgroup_ballot;
   const vulkan::Kernel kernel = make_kernel(ballots ? kernels_.profile_subgroups : kernels_.profile, "render_profile");
   prepare_sizer();
@@ -334,6 +335,7 @@ RenderProfile GpuRenderer::profile(std::uint32_t samples) {
   const double size = context_.info().subgroup_size;
   if (shares.x > 0.0) out.walk_utilisation = shares.y / (shares.x * size);
   if (shares.z > 0.0) out.shade_utilisation = shares.w / (shares.z * size);
+  timings_ = of_renders;  // counting is none
   return out;
 }
 

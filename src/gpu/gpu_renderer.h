@@ -45,6 +45,9 @@ struct GpuOptions {
   std::optional<TableLoads> loads;  ///< see choose_table_loads; for tests and measurements
   std::optional<std::uint32_t>
       mutant;  ///< kernels with a planted error (shaders/mutants.h), for tests of the tests; 0: those kernels, no error
+
+  /// The choice of `loads` that is open: kernels with planted errors read texel buffers only.
+  std::optional<TableLoads> wanted_loads() const { return mutant ? TableLoads::texel_buffer : loads; }
 };
 
 /// Opens the device and uploads the scene. Throws Error(no_device, device_lost).

@@ -27,7 +27,7 @@ class GpuRayCaster final : public RayCaster {
   GpuRayCaster(const Scene& scene, const GpuOptions& options)
       : placement_(find_placement(scene)), context_(options.device, options.context), commands_(context_) {
     const CompiledScene compiled = compile_scene(scene);
-    const TableLoads loads = choose_table_loads(context_, compiled, options.loads);
+    const TableLoads loads = choose_table_loads(context_, compiled, options.wanted_loads());
     kernels_ = kernel_set(options.mutant, loads);
     layout_.emplace(context_, kernel_bindings(loads), sizeof(gpu::Pass));
     set_.emplace(context_, *layout_);

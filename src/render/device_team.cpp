@@ -62,8 +62,8 @@ DeviceTeam::DeviceTeam(std::vector<OpenRenderer> open) {
   }
 }
 
-std::vector<const Renderer*> DeviceTeam::renderers() const {
-  std::vector<const Renderer*> all;
+std::vector<Renderer*> DeviceTeam::renderers() const {
+  std::vector<Renderer*> all;
   for (const Member& member : members_) {
     if (member.renderer) all.push_back(member.renderer.get());
   }

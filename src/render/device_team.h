@@ -44,7 +44,7 @@ class DeviceTeam {
               const std::function<bool(std::uint64_t done)>& go_on);
 
   /// One renderer per device that works.
-  std::vector<const Renderer*> renderers() const;
+  std::vector<Renderer*> renderers() const;
 
  private:
   struct Member {
