@@ -35,7 +35,7 @@ const uint kBindingRequests = 12u;
 const uint kBindingResults = 13u;
 const uint kBindingVertices = 14u;
 const uint kBindingSetSums = 15u;
-const uint kBindingLightNodes = 16u;
+const uint kBindingLightPairs = 16u;
 const uint kBindingLightTrails = 17u;
 const uint kBindingCount = 18u;
 
@@ -120,19 +120,31 @@ struct LightPrimitive {
   uint pad0;
 };
 
-// The light tree: what a group of lights can do at most; siblings lie side by side, the root first.
-struct LightNode {
-  vec3 center;           // of its box
-  float radius_squared;  // of the sphere around that box
-  vec3 axis;             // of the cone of normals
-  float cos_cone;        // of the cone's half angle
-  float power;           // share of all lights
-  float sin_cone;
-  uint child;            // the first of two; of a leaf kLightLeaf | record
-  float area;            // of a leaf's primitive
+// What a group of lights can do at most.
+struct LightBounds {
+  vec3 center;     // of its box
+  float radius;    // of the sphere around that box
+  vec3 axis;       // of the cone of normals
+  float cos_cone;  // of the cone's half angle
+};
+// A branching of the light tree; the first pair is the root's. Both halves together, because the choice between them needs both.
+struct LightPair {
+  LightBounds left_bounds, right_bounds;
+  float left_power;  // shares of all lights
+  float right_power;
+  uint left;         // a pair, or kLightLeaf | record
+  uint right;
 };
 const uint kLightLeaf = 0x80000000u;
 const uint kMaxLightTreeDepth = 31u;
+
+// The way from the root of the light tree to a primitive.
+struct LightTrail {
+  uint turns;  // bit i is 1 where level i turns right, and a final 1 follows; 0 where the primitive is no light
+  float area;  // of the primitive
+  uint pad0;
+  uint pad1;
+};
 
 // Everything that is constant during a render. Directions and positions are in normalised scene coordinates.
 struct Frame {
@@ -263,7 +275,8 @@ static_assert(sizeof(Primitive) == 48);
 static_assert(sizeof(Shape) == 48);
 static_assert(sizeof(LightShape) == 16);
 static_assert(sizeof(LightPrimitive) == 16);
-static_assert(sizeof(LightNode) == 48);
+static_assert(sizeof(LightPair) == 80);
+static_assert(sizeof(LightTrail) == 16);
 static_assert(sizeof(Frame) == 144);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);

@@ -23,7 +23,7 @@ TABLE(triangle, kBindingTriangles)
 TABLE(normal, kBindingNormals)
 TABLE(light_shape, kBindingLightShapes)
 TABLE(light_primitive, kBindingLightPrimitives)
-TABLE(light_node, kBindingLightNodes)
+TABLE(light_pair, kBindingLightPairs)
 TABLE(light_trail, kBindingLightTrails)
 layout(set = 0, binding = kBindingFilter, std430) readonly buffer FilterBuffer { float filter_knots[]; };
 
@@ -47,17 +47,19 @@ LightPrimitive fetch_light_primitive(uint i) {
   const uvec4 a = load_light_primitive(i);
   return LightPrimitive(a.x, a.y, uintBitsToFloat(a.z), a.w);
 }
-LightNode fetch_light_node(uint i) {
-  const uvec4 a = load_light_node(3u * i);
-  const uvec4 b = load_light_node(3u * i + 1u);
-  const uvec4 c = load_light_node(3u * i + 2u);
-  return LightNode(uintBitsToFloat(a.xyz), uintBitsToFloat(a.w), uintBitsToFloat(b.xyz), uintBitsToFloat(b.w), uintBitsToFloat(c.x),
-                   uintBitsToFloat(c.y), c.z, uintBitsToFloat(c.w));
+LightBounds fetch_light_bounds(uint quad) {
+  const uvec4 a = load_light_pair(quad);
+  const uvec4 b = load_light_pair(quad + 1u);
+  return LightBounds(uintBitsToFloat(a.xyz), uintBitsToFloat(a.w), uintBitsToFloat(b.xyz), uintBitsToFloat(b.w));
 }
-// The way from the root of the light tree to a primitive: bit i is 1 where level i turns right, and a final 1 follows; 0 where it is no light.
-uint fetch_light_trail(uint shape, uint primitive) {
+LightPair fetch_light_pair(uint i) {
+  const uvec4 e = load_light_pair(5u * i + 4u);
+  return LightPair(fetch_light_bounds(5u * i), fetch_light_bounds(5u * i + 2u), uintBitsToFloat(e.x), uintBitsToFloat(e.y), e.z, e.w);
+}
+LightTrail fetch_light_trail(uint shape, uint primitive) {
   const uint first = load_light_trail(shape).x;
-  return load_light_trail(first + primitive).x;
+  const uvec4 a = load_light_trail(first + primitive);
+  return LightTrail(a.x, uintBitsToFloat(a.y), a.z, a.w);
 }
 // Vertex indices of a triangle in xyz; only for shapes with vertex normals.
 uvec3 fetch_triangle(uint i) { return load_triangle(i).xyz; }

@@ -52,19 +52,15 @@ uint choose_light_primitive(LightShape light, uint word) {
 
 #include "light_tree.glsl"
 
-// One primitive as the only one of its shape, chosen with probability `prob`: what the tree's choices look like to area.glsl.
-Shape as_chosen(Shape shape, LightNode leaf, float prob) {
-  shape.light_prob = prob;
-  shape.light_area = leaf.area;
-  return shape;
-}
-
 LightSample sample_light_of_tree(vec3 p, vec3 n, uvec4 words) {
   float prob;
-  const LightNode leaf = choose_light(p, n, words.xy, prob);
-  const uint slot = leaf.child & ~kLightLeaf;
-  const uint shape = fetch_primitive(slot).shape;
-  LightSample ls = area_sample(p, shape, as_chosen(fetch_shape(shape), leaf, prob), LightPrimitive(0u, slot, 1.0, 0u), to_unit(words.zw));
+  const uint slot = choose_light(p, n, words.xy, prob);
+  const uint shape_index = fetch_primitive(slot).shape;
+  // The primitive as the only one of its shape, chosen with probability `prob`: so the tree's choices look to area.glsl.
+  Shape shape = fetch_shape(shape_index);
+  shape.light_prob = prob;
+  LightSample ls = area_sample(p, shape_index, shape, LightPrimitive(0u, slot, 1.0, 0u), to_unit(words.zw));
+  ls.mis_pdf = ls.pdf_w;
   ls.shape = prob > 0.0 ? ls.shape : kNone;
   return ls;
 }
@@ -81,11 +77,10 @@ LightSample sample_light(vec3 p, vec3 n, uvec4 words) {
 // Density with which sample_light would have found the surface point `s` from `p` in direction wi; the mis_pdf of LightSample.
 float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, Shape shape, uint slot) {
   if (kLightTree) {
-    float prob;
     // No walk for what does not emit: the loop ends at once when that holds for all lanes.
-    const uint trail = shape.light_prob > 0.0 ? fetch_light_trail(s.shape, s.primitive) : 0u;
-    const LightNode leaf = find_light(p, n, trail, prob);
-    shape = as_chosen(shape, leaf, prob);
+    const LightTrail trail = shape.light_prob > 0.0 ? fetch_light_trail(s.shape, s.primitive) : LightTrail(0u, 1.0, 0u, 0u);
+    shape.light_prob = light_choice_prob(p, n, trail.turns);
+    shape.light_area = trail.area;
   }
   MUTATE(kMutantMisChoiceForgotten, return area_pdf(p, wi, s, shape, slot) / shape.light_prob);
   return area_pdf(p, wi, s, shape, slot);

@@ -5,31 +5,31 @@
 layout(constant_id = 18) const uint kLightTreeDepth = 0u;
 const bool kLightTree = kLightTreeDepth > 0u;
 
-// Cosine and sine.
-vec2 angle_of_cosine(float c) { return vec2(c, sqrt(max(0.0, 1.0 - c * c))); }
-// a − b, or 0 where b is the larger one.
-vec2 angle_minus(vec2 a, vec2 b) { return a.x >= b.x ? vec2(1.0, 0.0) : vec2(a.x * b.x + a.y * b.y, a.y * b.x - a.x * b.y); }
+// How high a point lies above a plane, for a choice: `most` is the height of the middle of a group, which reaches `reach` beyond on both sides.
+// 0 only where all of it lies below. The highest point is rarely the one that counts: 0.7 and 0.1 are docs/conventions.md's.
+float usual_height(float most, float reach) { return most + reach > 0.0 ? max(most + 0.7 * reach, 0.1 * reach) : 0.0; }
 
-// Bounds what the node's lights send to a surface at p with normal n, up to a factor that all nodes share: power · cos · cos / d² with the
-// least angles that any of its points and normals can have. 0 only where nothing arrives.
-float light_importance(LightNode node, vec3 p, vec3 n) {
-  const vec3 v = node.center - p;
+// What a group of lights is likely to send to a surface at p with normal n, up to a factor that all groups share: power · cos · cos / d². 0 only
+// where nothing arrives.
+float light_importance(LightBounds bounds, float power, vec3 p, vec3 n) {
+  const vec3 v = bounds.center - p;
   const float d2 = dot(v, v);
-  const vec3 w = v * inversesqrt(d2);
-  const float sin2 = node.radius_squared / d2;
-  const vec2 extent = vec2(sqrt(max(0.0, 1.0 - sin2)), sqrt(sin2));
-  const vec2 emitted = angle_minus(angle_minus(angle_of_cosine(-dot(node.axis, w)), vec2(node.cos_cone, node.sin_cone)), extent);
-  vec2 received = angle_minus(angle_of_cosine(dot(n, w)), extent);
-  MUTATE(kMutantTreeCullsTooMuch, received.x = dot(n, w) - 0.3);
-  const float margin = 1e-5;  // rounding must not lose a light at the horizon
-  const float outside = node.power / d2 * max(0.0, emitted.x + margin) * max(0.0, received.x + margin);
-  return d2 <= node.radius_squared ? node.power / node.radius_squared : outside;
+  const float d = sqrt(d2);
+  const float along = -dot(bounds.axis, v);
+  const float across = sqrt(max(0.0, d2 - along * along));
+  const float sin_cone = sqrt(max(0.0, 1.0 - bounds.cos_cone * bounds.cos_cone));
+  const float above_light = along >= bounds.cos_cone * d ? d : bounds.cos_cone * along + sin_cone * across;  // over the cone of normals
+  float above_surface = dot(n, v);
+  MUTATE(kMutantTreeCullsTooMuch, above_surface -= 0.3 * d + bounds.radius);
+  const float reach = bounds.radius + 1e-5 * d;  // rounding must not lose a light at the horizon
+  const float inv = 1.0 / (d2 + 0.35 * bounds.radius * bounds.radius + 1e-30);
+  return power * (usual_height(above_light, reach) * inv) * (usual_height(above_surface, reach) * inv);
 }
 
-// Probability of the left child, or −1 where neither can contribute.
-float left_share(uint child, vec3 p, vec3 n) {
-  const float left = light_importance(fetch_light_node(child), p, n);
-  const float right = light_importance(fetch_light_node(child + 1u), p, n);
+// Probability of the left one, or −1 where neither can contribute.
+float left_share(LightPair pair, vec3 p, vec3 n) {
+  const float left = light_importance(pair.left_bounds, pair.left_power, p, n);
+  const float right = light_importance(pair.right_bounds, pair.right_power, p, n);
   return left + right > 0.0 ? left / (left + right) : -1.0;
 }
 
@@ -44,39 +44,39 @@ float fresh_number(uint level, uvec2 words) {
   return to_unit(level == 0u ? words.x : level == kLevelsPerWord ? words.y : x);
 }
 
-// Chooses a leaf; `prob` is 0 when nothing can contribute.
-LightNode choose_light(vec3 p, vec3 n, uvec2 words, out float prob) {
+// Chooses a primitive and returns its record; `prob` is 0 when nothing can contribute.
+uint choose_light(vec3 p, vec3 n, uvec2 words, out float prob) {
   uint at = 0u;
-  uint child = fetch_light_node(0u).child;
   float u = 0.0;
   prob = 1.0;
   for (uint level = 0u; level < kLightTreeDepth; ++level) {
-    if ((child & kLightLeaf) != 0u) break;
+    if ((at & kLightLeaf) != 0u) break;
+    const LightPair pair = fetch_light_pair(at);
     u = level % kLevelsPerWord == 0u ? fresh_number(level, words) : u;
-    const float share = left_share(child, p, n);
+    const float share = left_share(pair, p, n);
     const bool left = u < share;
-    u = min(left ? u / share : (u - share) / (1.0 - share), 1.0 - 1.0 / 16777216.0);
-    prob = share < 0.0 ? 0.0 : prob * (left ? share : 1.0 - share);
-    at = left ? child : child + 1u;
-    child = fetch_light_node(at).child;
-    MUTATE(kMutantTreeShareForgotten, prob = (child & kLightLeaf) != 0u && share > 0.0 ? prob / (left ? share : 1.0 - share) : prob);
+    const float chance = left ? share : 1.0 - share;
+    u = min((left ? u : u - share) / chance, 1.0 - 1.0 / 16777216.0);
+    prob = share < 0.0 ? 0.0 : prob * chance;
+    at = left ? pair.left : pair.right;
+    MUTATE(kMutantTreeShareForgotten, prob = (at & kLightLeaf) != 0u && share > 0.0 ? prob / chance : prob);
   }
-  return fetch_light_node(at);
+  return at & ~kLightLeaf;
 }
 
-// The leaf of a primitive and the probability of its choice; `prob` is 0 for a primitive that is never chosen.
-LightNode find_light(vec3 p, vec3 n, uint trail, out float prob) {
+// The probability that the primitive at the end of the trail is chosen; 0 for one that never is.
+float light_choice_prob(vec3 p, vec3 n, uint trail) {
   uint at = 0u;
-  prob = trail != 0u ? 1.0 : 0.0;
+  float prob = trail != 0u ? 1.0 : 0.0;
   for (uint level = 0u; level < kLightTreeDepth; ++level) {
     if (trail <= 1u) break;
-    const uint child = fetch_light_node(at).child;
-    const float share = left_share(child, p, n);
+    const LightPair pair = fetch_light_pair(at);
+    const float share = left_share(pair, p, n);
     const bool left = (trail & 1u) == 0u;
     prob = share < 0.0 ? 0.0 : prob * (left ? share : 1.0 - share);
-    at = left ? child : child + 1u;
+    at = left ? pair.left : pair.right;
     MUTATE(kMutantTreeMisForgotten, prob = level == 0u ? 1.0 : prob);
     trail >>= 1u;
   }
-  return fetch_light_node(at);
+  return prob;
 }

@@ -259,19 +259,21 @@ class Compiler {
   void make_light_tree() {
     std::vector<std::pair<std::size_t, std::size_t>> where;
     const std::vector<LightLeaf> leaves = light_leaves(where);
-    if (leaves.empty()) return;
+    if (leaves.size() < 2) return;  // nothing to choose: by power is the same
     FlatLightTree tree = build_light_tree(leaves, normalization_);
-    std::vector<gpu::uvec4>& trails = out_.light_trails;
-    trails.resize(scene_.shapes.size(), gpu::uvec4(0));
+    std::vector<gpu::LightTrail>& trails = out_.light_trails;
+    trails.resize(scene_.shapes.size());
     for (std::size_t s = 0; s < scene_.shapes.size(); ++s) {
       if (!scene_.shapes[s].emitter) continue;
-      trails[s].x = static_cast<gpu::uint>(trails.size());
-      trails.resize(trails.size() + primitive_count(scene_.shapes[s]), gpu::uvec4(0));
+      trails[s].turns = static_cast<gpu::uint>(trails.size());
+      trails.resize(trails.size() + primitive_count(scene_.shapes[s]), gpu::LightTrail{0, 1.0f, 0, 0});
     }
-    for (std::size_t i = 0; i < where.size(); ++i)
-      trails[trails[where[i].first].x + where[i].second].x = tree.trails[i];
-    out_.light_nodes = std::move(tree.nodes);
-    out_.light_tree_depth = std::max(1u, tree.depth);
+    for (std::size_t i = 0; i < where.size(); ++i) {
+      const auto [shape, primitive] = where[i];
+      trails[trails[shape].turns + primitive] = tree.trails[i];
+    }
+    out_.light_pairs = std::move(tree.pairs);
+    out_.light_tree_depth = tree.depth;
   }
 
   void make_frame() {

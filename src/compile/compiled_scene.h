@@ -19,10 +19,10 @@ struct CompiledScene {
   std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
   std::vector<gpu::LightShape> light_shapes;
   std::vector<gpu::LightPrimitive> light_primitives;
-  std::vector<gpu::LightNode> light_nodes;  ///< of the light tree; empty where lights are chosen by power
-  /// Per shape in x the place in this table of its first primitive's trail, then the trails (see fetch_light_trail).
-  std::vector<gpu::uvec4> light_trails;
-  std::uint32_t light_tree_depth = 0;    ///< levels below the root; at least 1 where there is a tree
+  std::vector<gpu::LightPair> light_pairs;  ///< of the light tree; empty where lights are chosen by power
+  /// Per shape in `turns` the place in this table of its first primitive's trail, then the trails.
+  std::vector<gpu::LightTrail> light_trails;
+  std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 where there is no tree
   std::vector<float> filter_knots;       ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
   std::uint32_t tree_root = gpu::kNone;  ///< record of the root; kNone when all primitives stand outside the tree
   std::uint32_t tree_depth = 0;          ///< levels of nodes

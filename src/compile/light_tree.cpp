@@ -50,30 +50,33 @@ class Builder {
 
   FlatLightTree build() {
     out_.trails.resize(leaves_.size());
-    out_.nodes.resize(1);
-    fill(0, 0, static_cast<Index>(order_.size()), 0, 0);
+    branch(0, static_cast<Index>(order_.size()), 0, 0);
     return std::move(out_);
   }
 
  private:
-  // Makes `node` of order_[first, first + count), `level` turns below the root.
-  void fill(Index node, Index first, Index count, Index level, Index turns) {
-    gpu::LightNode flat = bounds(first, count);
-    if (count == 1) {
-      const LightLeaf& leaf = leaves_[order_[first]];
-      flat.child = gpu::kLightLeaf | leaf.slot;
-      flat.area = static_cast<float>(leaf.area * normalization_.scale * normalization_.scale);
-      out_.trails[order_[first]] = turns | Index{1} << level;
-      out_.depth = std::max(out_.depth, level);
-      out_.nodes[node] = flat;
-      return;
-    }
-    flat.child = static_cast<Index>(out_.nodes.size());
-    out_.nodes[node] = flat;
-    out_.nodes.resize(out_.nodes.size() + 2);
+  // Makes the half of a pair for order_[first, first + count), `level` turns below the root; returns what points to it.
+  Index half(Index first, Index count, Index level, Index turns) {
+    if (count > 1) return branch(first, count, level, turns);
+    const LightLeaf& leaf = leaves_[order_[first]];
+    const double area = leaf.area * normalization_.scale * normalization_.scale;
+    out_.trails[order_[first]] = {turns | Index{1} << level, static_cast<float>(area), 0, 0};
+    out_.depth = std::max(out_.depth, level);
+    return gpu::kLightLeaf | leaf.slot;
+  }
+
+  // Makes the pair of order_[first, first + count) and returns its index.
+  Index branch(Index first, Index count, Index level, Index turns) {
+    const auto index = static_cast<Index>(out_.pairs.size());
+    out_.pairs.emplace_back();
     const Index left = split(first, count, level);
-    fill(flat.child, first, left, level + 1, turns);
-    fill(flat.child + 1, first + left, count - left, level + 1, turns | Index{1} << level);
+    gpu::LightPair pair{};
+    pair.left_bounds = bounds(first, left, pair.left_power);
+    pair.right_bounds = bounds(first + left, count - left, pair.right_power);
+    pair.left = half(first, left, level + 1, turns);
+    pair.right = half(first + left, count - left, level + 1, turns | Index{1} << level);
+    out_.pairs[index] = pair;
+    return index;
   }
 
   // Reorders the leaves and returns how many go left: the widest of the six axes is cut in its middle. Where all leaves
@@ -98,7 +101,7 @@ class Builder {
     return static_cast<Index>(right - begin);
   }
 
-  gpu::LightNode bounds(Index first, Index count) const {
+  gpu::LightBounds bounds(Index first, Index count, float& power_share) const {
     glm::dvec3 lower(std::numeric_limits<double>::infinity()), upper(-lower), sum(0.0);
     double power = 0.0;
     for (Index i = first; i < first + count; ++i) {
@@ -117,15 +120,11 @@ class Builder {
       const glm::dvec3& normal = leaves_[order_[i]].normal;
       cosine = std::min(cosine, normal == glm::dvec3(0.0) ? -1.0 : glm::dot(axis, normal));
     }
-    const double radius = 0.5 * glm::length(upper - lower) * normalization_.scale;
-    gpu::LightNode node{};
-    node.center = normalization_.point(0.5 * (lower + upper));
-    node.radius_squared = static_cast<float>(radius * radius);
-    node.axis = glm::vec3(axis);
-    node.cos_cone = static_cast<float>(cosine);
-    node.sin_cone = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
-    node.power = static_cast<float>(power / total_power_);
-    return node;
+    power_share = static_cast<float>(power / total_power_);
+    return {.center = normalization_.point(0.5 * (lower + upper)),
+            .radius = static_cast<float>(0.5 * glm::length(upper - lower) * normalization_.scale),
+            .axis = glm::vec3(axis),
+            .cos_cone = static_cast<float>(cosine)};
   }
 
   const std::vector<LightLeaf>& leaves_;
@@ -139,7 +138,6 @@ class Builder {
 }  // namespace
 
 FlatLightTree build_light_tree(const std::vector<LightLeaf>& leaves, const Normalization& normalization) {
-  if (leaves.empty()) return {};
   return Builder(leaves, normalization).build();
 }
 

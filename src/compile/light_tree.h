@@ -22,12 +22,13 @@ struct LightLeaf {
 };
 
 struct FlatLightTree {
-  std::vector<gpu::LightNode> nodes;  ///< the root first, siblings side by side
-  std::vector<std::uint32_t> trails;  ///< of each leaf: its turns from the root, the first in bit 0, then a final 1
-  std::uint32_t depth = 0;            ///< levels below the root, at most kMaxLightTreeDepth
+  std::vector<gpu::LightPair> pairs;    ///< the root's first
+  std::vector<gpu::LightTrail> trails;  ///< of each leaf
+  std::uint32_t depth = 0;              ///< levels below the root, at most kMaxLightTreeDepth
 };
 
-/// Bytes are the same on every machine: splits compare integers, sums run in order. `leaves` in the order of the scene.
+/// Bytes are the same on every machine: splits compare integers, sums run in order. At least two `leaves`, in the order
+/// of the scene.
 FlatLightTree build_light_tree(const std::vector<LightLeaf>& leaves, const Normalization& normalization);
 
 }  // namespace etendue

@@ -26,7 +26,7 @@ std::array<Table, 8> tables(const CompiledScene& scene) {
            {gpu::kBindingNormals, "vertex normals", std::as_bytes(std::span(scene.normals))},
            {gpu::kBindingLightShapes, "emitters", std::as_bytes(std::span(scene.light_shapes))},
            {gpu::kBindingLightPrimitives, "emitting primitives", std::as_bytes(std::span(scene.light_primitives))},
-           {gpu::kBindingLightNodes, "light tree", std::as_bytes(std::span(scene.light_nodes))},
+           {gpu::kBindingLightPairs, "light tree", std::as_bytes(std::span(scene.light_pairs))},
            {gpu::kBindingLightTrails, "trails of the light tree", std::as_bytes(std::span(scene.light_trails))}}};
 }
 

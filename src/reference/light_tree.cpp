@@ -24,16 +24,6 @@ double fresh_number(std::uint32_t level, std::uint32_t word_a, std::uint32_t wor
   return unit_float(x ^ x >> 16);
 }
 
-/// The larger of the cosine of angle a − b and 0, or 1 where a < b.
-struct Angle {
-  double cos = 1.0, sin = 0.0;
-  static Angle of_cosine(double c) { return {c, std::sqrt(std::max(0.0, 1.0 - c * c))}; }
-  Angle minus(const Angle& b) const {
-    if (cos >= b.cos) return {};
-    return {cos * b.cos + sin * b.sin, sin * b.cos - cos * b.sin};
-  }
-};
-
 }  // namespace
 
 /// Where a leaf lies in the space that is split: the centre of its box and its normal, as integers so that the tree is
@@ -134,16 +124,16 @@ LightTree::Node LightTree::bound(std::uint32_t first, std::uint32_t count) const
 
 double LightTree::importance(const Node& node, const Vec3& p, const Vec3& n) {
   const Vec3 to_center = node.center - p;
-  const double d2 = glm::dot(to_center, to_center);
-  const double r2 = node.radius * node.radius;
-  if (d2 <= r2) return node.power / r2;
-  const Vec3 w = to_center / std::sqrt(d2);
-  const Angle extent{std::sqrt(1.0 - r2 / d2), std::sqrt(r2 / d2)};
-  // The least angles that any point and any normal of the node can have.
-  const Angle emitted = Angle::of_cosine(-glm::dot(node.axis, w)).minus(Angle::of_cosine(node.cos_cone)).minus(extent);
-  const Angle received = Angle::of_cosine(glm::dot(n, w)).minus(extent);
-  constexpr double kMargin = 1e-5;  // rounding must not lose a light at the horizon
-  return node.power / d2 * std::max(0.0, emitted.cos + kMargin) * std::max(0.0, received.cos + kMargin);
+  const double d = glm::length(to_center);
+  const double reach = node.radius + 1e-5 * d;
+  const auto usual_height = [&](double of_center) {
+    return of_center + reach > 0.0 ? std::max(of_center + 0.7 * reach, 0.1 * reach) : 0.0;
+  };
+  const double angle = std::acos(d > 0.0 ? std::clamp(-glm::dot(node.axis, to_center) / d, -1.0, 1.0) : 1.0);
+  const double above_light = d * std::cos(std::max(0.0, angle - std::acos(node.cos_cone)));
+  const double above_surface = glm::dot(n, to_center);
+  const double distance2 = d * d + 0.35 * node.radius * node.radius;
+  return node.power * usual_height(above_light) * usual_height(above_surface) / (distance2 * distance2);
 }
 
 double LightTree::left_share(const Node& node, const Vec3& p, const Vec3& n) const {

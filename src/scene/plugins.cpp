@@ -40,7 +40,7 @@ Parameter light_sampler() {
   return {
       "lightSampler", string, "auto", any(),
       "how next-event estimation chooses a light: power, by its power alone; tree, by what it can contribute to the "
-      "point; auto, tree for 32 or more emitting primitives, else power"};
+      "point; auto, tree for 10 or more emitting primitives, else power"};
 }
 
 std::vector<Parameter> alias_parameters() {

@@ -159,7 +159,7 @@ struct Chi2Test {
 std::uint64_t scene_hash(const Scene& scene);
 
 /// What LightSampler::automatic means: a tree from this many emitting primitives on, where it begins to pay.
-inline constexpr std::size_t kManyLights = 32;
+inline constexpr std::size_t kManyLights = 10;
 /// Whether lights are chosen by a tree; docs/conventions.md, "Light tree".
 bool uses_light_tree(const Scene& scene);
 

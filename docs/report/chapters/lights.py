@@ -1,4 +1,6 @@
 """Light sampling against chance at equal samples and at equal time; many emitters; multiple importance sampling against both."""
+from pathlib import Path
+
 import numpy as np
 
 import exr
@@ -70,6 +72,46 @@ def many_emitters(studio):
                                   "sum_difference": float(difference), "sum_error": error, "sum_z": float(difference) / error})
 
 
+def from_above(studio, lamps):
+    """A change of scenes/thousand-lamps.xml: so many lamps that together shine alike, seen from above, where they show their dark backs; without
+    the bright globe and the mirror, so that the choice of lamps is all the noise there is."""
+    mesh = studio.scratch / f"lamps-{lamps}.obj"
+    studio.run(studio.sculptor, "--kind", "lamps", "--triangles", lamps, "-o", mesh)
+
+    def change(root):
+        for entry in root.iter("string"):
+            if Path(entry.get("value")).name == "lamps.obj":
+                entry.set("value", str(mesh))
+        for sphere in root.findall("mesh[@type='sphere']"):
+            if sphere.find("emitter") is not None or sphere.find("bsdf[@type='mirror']") is not None:
+                root.remove(sphere)
+        root.find("camera/transform/lookat").attrib.update(origin="0, 2.5, 0.01", target="0, 0, 0", up="0, 0, -1")
+        root.find("sampler").set("type", "independent")
+
+    return change
+
+
+def many_lamps(studio):
+    """Lights chosen by power and by the tree: pictures at equal samples, and what a second is worth with ever more lamps."""
+    tree, power = ["integrator.lightSampler=tree"], ["integrator.lightSampler=power"]
+    picture, spp = studio.pick((360, 200), (48, 27)), 64
+    for name, define in (("power", power), ("tree", tree)):
+        studio.keep_picture(f"lamps-{name}", studio.render("thousand-lamps", f"lamps-{name}", spp=spp, size=picture, define=define).png())
+    size, deep = studio.pick((96, 54), (32, 18)), studio.pick(128, 16)
+    rows, times = [], []
+    for lamps in (10, 100, 1000):
+        scene = studio.variant("thousand-lamps", f"lamps-{lamps}", from_above(studio, lamps))
+        variance = {way: studio.render(scene, f"lamps-deep-{way}", spp=deep, size=size, seed=1, define=define).variance()
+                    for way, define in (("power", power), ("tree", tree))}
+        cost = studio.costs(scene, studio.pick(65, 3), size, {"power": power, "tree": tree}, studio.pick(3, 1))
+        ratio = variance["power"] / variance["tree"]
+        rows.append({"lamps": lamps, **variance, "ratio": ratio})
+        times.append({"lamps": lamps, "cost": cost["tree"] / cost["power"], "gain": ratio * cost["power"] / cost["tree"],
+                      "microseconds": 1e6 * cost["tree"] / (size[0] * size[1])})
+    studio.keep_data("lamps", {"spp": spp, "deep_spp": deep, "rows": rows})
+    studio.keep_data("time_lamps", {"rows": times})
+
+
 def regions(width, height):
     """The four lamps of scenes/lamps.xml and the floor before them, as columns of the picture; shares of its width."""
     edges = [0.0, 0.125, 0.30, 0.54, 1.0]
@@ -100,4 +142,5 @@ def against_both(studio):
 def run(studio):
     next_event(studio)
     many_emitters(studio)
+    many_lamps(studio)
     against_both(studio)

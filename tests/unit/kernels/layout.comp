@@ -20,9 +20,11 @@ layout(set = 0, binding = 11, std430) buffer RayResultBuffer { RayResult ray_res
 layout(set = 0, binding = 12, std430) buffer VertexBuffer { TracedVertex vertices[]; };
 layout(set = 0, binding = 13, std430) buffer ProbePassBuffer { BsdfProbePass probe_passes[]; };
 layout(set = 0, binding = 14, std430) buffer ProbeResultBuffer { BsdfProbeResult probe_results[]; };
-layout(set = 0, binding = 15, std430) buffer LightNodeBuffer { LightNode light_nodes[]; };
+layout(set = 0, binding = 15, std430) buffer LightPairBuffer { LightPair light_pairs[]; };
+layout(set = 0, binding = 16, std430) buffer LightBoundsBuffer { LightBounds light_bounds[]; };
+layout(set = 0, binding = 17, std430) buffer LightTrailBuffer { LightTrail light_trails[]; };
 
-layout(set = 0, binding = 16, std430) buffer SlotProfileBuffer { SlotProfile slot_profiles[]; };
+layout(set = 0, binding = 18, std430) buffer SlotProfileBuffer { SlotProfile slot_profiles[]; };
 
 void main() {
   slot_profiles[0].camera.x = 0u;
@@ -39,5 +41,7 @@ void main() {
   vertices[0].shape = 0u;
   probe_passes[0].seed = 0u;
   probe_results[0].lobe = 0u;
-  light_nodes[0].child = 0u;
+  light_pairs[0].left = 0u;
+  light_bounds[0].radius = 0.0;
+  light_trails[0].turns = 0u;
 }
