@@ -5,22 +5,24 @@
 #include "math.glsl"
 #include "mutants.h"
 
-// Unit disk, concentric map [Shirley1997]; pdf 1/π w.r.t. area.
-vec2 square_to_disk(vec2 u) {
-  const vec2 ab = 2.0 * u - 1.0;
+// Unit disk, concentric map [Shirley1997]; pdf 1/π w.r.t. area. A number stands for the middle of its cell of 2^-24: the rim is never met, and all
+// of this is exact in floats. |r| is the distance from the centre.
+vec2 square_to_disk(vec2 u, out float r) {
+  const vec2 ab = 2.0 * u - (1.0 - 1.0 / 16777216.0);
   const bool wide = abs(ab.x) > abs(ab.y);
-  const float r = wide ? ab.x : ab.y;
+  r = wide ? ab.x : ab.y;
   const float other = wide ? ab.y : ab.x;
-  const vec2 cs = cos_sin_octant((0.25 * kPi) * (r == 0.0 ? 0.0 : other / r));
+  const vec2 cs = cos_sin_octant((0.25 * kPi) * (other / r));
   // cos(π/2 − x) = sin x: the second half of the map swaps the two.
   return r * (wide ? cs : cs.yx);
 }
 
-// Cosine-weighted direction about +Z; pdf_w = z/π.
+// Cosine-weighted direction about +Z; pdf_w = z/π, never 0.
 vec3 square_to_cosine_hemisphere(vec2 u) {
   MUTATE(kMutantHemisphereUniform, return vec3(sqrt(max(0.0, 1.0 - u.x * u.x)) * cos_sin_turn(u.y), u.x));
-  const vec2 d = square_to_disk(u);
-  return vec3(d, sqrt(max(0.0, 1.0 - dot(d, d))));
+  float r;
+  const vec2 d = square_to_disk(u, r);
+  return vec3(d, sqrt((1.0 - r) * (1.0 + r)));
 }
 
 // Weights of p0, p1, p2, uniform over the triangle's area [Turk1990].

@@ -10,9 +10,9 @@ namespace etendue::reference {
 
 /// Uniform on the unit disk; `pdf_a` = 1/π. Source: [Shirley1997].
 inline Vec2 square_to_disk(const Vec2& u) {
-  const double a = 2.0 * u.x - 1.0;
-  const double b = 2.0 * u.y - 1.0;
-  if (a == 0.0 && b == 0.0) return {0.0, 0.0};
+  // The middle of the cell that the random number stands for; never the rim, never the centre.
+  const double a = 2.0 * u.x - 1.0 + 0x1p-24;
+  const double b = 2.0 * u.y - 1.0 + 0x1p-24;
   double r, phi;
   if (std::abs(a) > std::abs(b)) {
     r = a;
@@ -24,7 +24,7 @@ inline Vec2 square_to_disk(const Vec2& u) {
   return {r * std::cos(phi), r * std::sin(phi)};
 }
 
-/// Cosine-distributed unit direction with z >= 0; `pdf_w` = z/π.
+/// Cosine-distributed unit direction with z > 0; `pdf_w` = z/π.
 inline Vec3 square_to_cosine_hemisphere(const Vec2& u) {
   const Vec2 disk = square_to_disk(u);
   return {disk.x, disk.y, std::sqrt(std::max(0.0, 1.0 - glm::dot(disk, disk)))};

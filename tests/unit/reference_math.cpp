@@ -153,6 +153,12 @@ TEST(ReferenceWarps, AreUniformInTheirMeasure) {
   }
 }
 
+TEST(ReferenceWarps, NoDirectionLiesInTheSurface) {
+  const double last = 1.0 - 0x1p-24;
+  for (const Vec2& u : {Vec2(0, 0), Vec2(0, 0.3), Vec2(0.7, 0), Vec2(last, 0.5), Vec2(0.5, last), Vec2(last, last)})
+    EXPECT_NEAR(square_to_cosine_hemisphere(u).z, 0x1p-11 * std::sqrt(0.5), 1e-9) << u.x << ", " << u.y;
+}
+
 TEST(ReferenceWarps, ANonUniformMapIsFound) {
   // Negative control: radius u instead of √u.
   const auto wrong = histogram(200000, [](const Vec2& u) { return Vec2(u.x * u.x, u.y); });

@@ -6,8 +6,9 @@
 TEST_BUFFERS(WarpCase, WarpAnswer)
 
 vec3 warp(WarpCase c) {
+  float r;
   switch (c.warp) {
-    case kWarpDisk: return vec3(square_to_disk(c.u), 0.0);
+    case kWarpDisk: return vec3(square_to_disk(c.u, r), 0.0);
     case kWarpCosineHemisphere: return square_to_cosine_hemisphere(c.u);
     case kWarpTriangle: return square_to_triangle(c.u);
     case kWarpCone: return square_to_cone(c.u, c.parameter);
