@@ -19,6 +19,13 @@ struct Options {
   bool json = false;
 };
 
+// Films count samples; where the sampler deals out sets of paths, a sample is a set.
+std::string samples_text(const FilmFile& film, std::uint64_t count) {
+  const auto sampler = film.metadata.find("sampler");
+  return sampler == film.metadata.end() ? fmt::format("{} spp", count)
+                                        : fmt::format("{} sets of paths a pixel ({})", count, sampler->second);
+}
+
 ExitCode merge(const Options& options) {
   for (const std::string& path : options.outputs) check_output_name(path);
   for (const std::string& path : options.outputs) check_writable(path);
@@ -37,8 +44,8 @@ ExitCode merge(const Options& options) {
                                        {"metadata", film_metadata(film)}})
                            .dump(2));
   } else if (!options.quiet) {
-    log::info(fmt::format("Merged {} films: {} spp, samples {}{}; wrote {}.", options.films.size(), count,
-                          etendue::to_text(film.samples),
+    log::info(fmt::format("Merged {} films: {}, samples {}{}; wrote {}.", options.films.size(),
+                          samples_text(film, count), etendue::to_text(film.samples),
                           gaps > 0 ? fmt::format(" ({} of 0:{} are missing)", gaps, film.samples.back().second) : "",
                           fmt::join(options.outputs, " and ")));
   }

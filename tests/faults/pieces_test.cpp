@@ -285,6 +285,29 @@ TEST_F(Pieces, SoakMemoryOfTheDeviceIsFlat) {
   EXPECT_LT(growth(process, folder_ / "ck.exr", 60.0 * std::atof(minutes)), std::int64_t{16} << 20);
 }
 
+// The paths of a set belong together: a piece of a render takes whole sets, and only those make the bytes of one
+// render.
+TEST_F(Pieces, SetsOfPathsAreNotCut) {
+  write_text(folder_ / "sets.xml", R"(<scene>
+    <sampler type="sobol"><integer name="sampleCount" value="24"/><integer name="setSize" value="8"/></sampler>
+    <integrator type="path"/>
+    <camera type="perspective"><integer name="width" value="9"/><integer name="height" value="7"/></camera>
+    <color name="sky_top" value="1, 2, 3"/>
+    <mesh type="sphere"><point name="center" value="0, 0, 4"/><bsdf type="diffuse"/></mesh>
+  </scene>)");
+  const ProcessResult cut = run({"render", "sets.xml", "--samples", "0:7", "-o", "a.exr"});
+  EXPECT_EQ(cut.code, 2);
+  EXPECT_THAT(cut.err, HasSubstr("cuts a set of the sobol sampler, whose sets have 8 samples"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.exr"));
+  expect_ok({"render", "sets.xml", "--samples", "0:8", "-o", "a.exr"});
+  expect_ok({"render", "sets.xml", "--samples", "8:24", "-o", "b.exr"});
+  expect_ok({"render", "sets.xml", "--film", "-o", "one.exr"});
+  const ProcessResult merged = run({"merge", "a.exr", "b.exr", "-o", "all.exr"});
+  EXPECT_EQ(merged.code, 0);
+  EXPECT_THAT(merged.err, HasSubstr("3 sets of paths a pixel (sobol setSize=8)"));
+  expect_same("one.exr", "all.exr");
+}
+
 TEST_F(Pieces, BadNumbersAreRefusedBeforeAnythingIsDone) {
   const std::vector<std::vector<std::string>> cases = {{"--samples", "4"},
                                                        {"--samples", "4:4"},
