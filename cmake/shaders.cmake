@@ -17,7 +17,8 @@ function(etendue_embed_kernels target)
     set(spv ${out}/${name}.spv)
     add_custom_command(
       OUTPUT ${spv}
-      COMMAND ${GLSLANG_VALIDATOR} --target-env vulkan1.2 -V --quiet -I${CMAKE_SOURCE_DIR}/shaders ${arg_DEFINES}
+      COMMAND ${GLSLANG_VALIDATOR} --target-env vulkan1.2 -V --quiet -I${CMAKE_SOURCE_DIR}/shaders -DETENDUE_BVH_WIDTH=${ETENDUE_BVH_WIDTH}
+              ${arg_DEFINES}
               --depfile ${spv}.d -o ${spv} ${kernel}
       COMMAND ${SPIRV_VAL} --target-env vulkan1.2 ${spv}
       DEPENDS ${kernel}

@@ -63,20 +63,40 @@ const uint kFilterSteps = 1024u;  // intervals of the tabulated inverse CDF
 const uint kPrimitiveTriangle = 0u;
 const uint kPrimitiveSphere = 1u;
 
-// The tree: nodes and primitives are records of the same size in one array, so that a traversal step is one fetch whatever it finds.
-//
-// A node has up to 4 children in neighbouring records from b.w, which is even. Their boxes are quantised to 8 bits: along axis k
-// child i spans origin + scale · [byte i of b[k], byte i of c[k]], origin = a[k] as a float, scale = 2^(byte k of a.w − 127); missing children
-// have an empty box. A primitive record is a Primitive; its a.w has kRecordNode clear because shapes number fewer than 2^31.
+// The tree: nodes and primitives lie among each other in one array of texels of 16 bytes, so that a traversal step is one fetch whatever it finds.
+// A slot is the place of one of them. A primitive takes three texels, a Record; its a.w has kRecordNode clear because shapes number fewer than 2^31.
+// Nodes of either width store their children's boxes in 8 bits, rounded outward: along axis k the plane q lies at origin[k] + q · scale[k]. A missing
+// child has an empty box. Host: src/compile/node_layout.h; kernels: node4.glsl, node8.glsl.
+#ifndef ETENDUE_BVH_WIDTH
+#error "ETENDUE_BVH_WIDTH, children of a node of the tree, must be defined as 4 or 8"
+#endif
+const uint kBvhWidth = ETENDUE_BVH_WIDTH;
+const uint kSlotTexels = kBvhWidth == 8u ? 1u : 3u;  // slot s begins at texel s · kSlotTexels
+const uint kPrimitiveSlots = 3u / kSlotTexels;       // from one primitive to the next
 struct Record {
   uvec4 a, b, c;
 };
-const uint kRecordNode = 0x80000000u;
-const uint kRecordChildCountShift = 28u;  // 3 bits
+const uint kRecordNode = 0x80000000u;  // in a.w
+
+// A node of 4: a record as large as a primitive's. Child i lies at slot b.w + i, b.w being even; its box spans byte i of b[k] to byte i of c[k].
+// origin = a[k] as a float, scale = 2^(byte k of a.w − 127).
+const uint kNode4CountShift = 28u;  // in a.w, 3 bits: children
+
+// A node of 8 [Ylitie2017]: four texels a, b, c, d, aligned to 64 bytes. Children lie in 64-byte lines from (a.w & kNode8BaseMask) on, nodes before
+// primitives: child i begins 3 i + min(i, number of nodes) texels behind. b, c and d hold the planes along x, y and z: in x and y the bytes of
+// the lower ones of children 0–3 and 4–7, in z and w those of the upper ones. a[k] holds the origin in its upper 27 bits, a signed multiple of
+// kNode8OriginStep, and an exponent e in the lower 5: scale = 2^(e + kNode8ExponentBias − 127).
+const uint kNode8CountShift = 28u;  // in a.w, 3 bits: children − 1
+const uint kNode8InnerShift = 25u;  // 3 bits: children that are nodes; 7 stands for 8, too, as min(i, 7) = min(i, 8)
+const uint kNode8BaseMask = 0x1ffffffu;
+const uint kNode8ExponentBits = 5u;
+const uint kNode8ExponentBias = 91u;          // scales from 2^-36 to 2^-5: boxes of up to eight units
+const float kNode8OriginStep = 1.0 / 33554432.0;  // 2^-25: origins in [−2, 2)
+
 const uint kMaxTreeDepth = 64u;           // the builder's bound on wide levels
 
 // The primitives that nearly every ray would meet in the tree, the walls of a room and the ground, stand outside it; of a scene of at most so many
-// all do, and there is no tree. They are the first records, triangles before spheres. Kernels know their floats as specialization constants,
+// all do, and there is no tree. They come first in the array, triangles before spheres. Kernels know their floats as specialization constants,
 // nine a primitive from kFewConstants on, and test one after the other before a ray enters the tree.
 const uint kFewPrimitives = 24u;
 const uint kFewConstants = 32u;
@@ -115,7 +135,7 @@ struct LightShape {
 // A primitive of an emitting shape.
 struct LightPrimitive {
   uint threshold;
-  uint slot;   // its record
+  uint slot;   // of its record
   float prob;  // probability within its shape
   uint pad0;
 };
@@ -132,7 +152,7 @@ struct LightPair {
   LightBounds left_bounds, right_bounds;
   float left_power;  // shares of all lights
   float right_power;
-  uint left;         // a pair, or kLightLeaf | record
+  uint left;         // a pair, or kLightLeaf | slot
   uint right;
 };
 const uint kLightLeaf = 0x80000000u;

@@ -11,7 +11,7 @@ layout(constant_id = 9) const bool kHasSpheres = true;
 layout(constant_id = 10) const uint kFewTriangles = 0u;
 layout(constant_id = 11) const uint kFewSpheres = 0u;
 
-// Their floats: kFew<i>_<k> is float k of p0, p1, p2 of record i.
+// Their floats: kFew<i>_<k> is float k of p0, p1, p2 of primitive i.
 #define FOR_EACH_FEW(X) \
   X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11) X(12) X(13) X(14) X(15) X(16) X(17) X(18) X(19) X(20) X(21) X(22) X(23)
 #define FEW_VALUE(i, k) layout(constant_id = kFewConstants + 9 * i + k) const float kFew##i##_##k = 0.0;
@@ -24,7 +24,7 @@ FOR_EACH_FEW(FEW_VALUES_OF)
 
 struct Hit {
   float t;
-  uint slot;   // record of the primitive; kNone for no hit
+  uint slot;   // of the primitive; kNone for no hit
   float b1;    // barycentric weights of p1 and p2; unused for a sphere
   float b2;
 };
@@ -104,10 +104,10 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
 #define TEST_FEW(i)                                                                                                  \
   if (i < kFewTriangles) {                                                                                           \
     const bool found = intersect_triangle(rf, FEW_VALUES(i), hit.t, t, b1, b2);                                      \
-    shorten(hit, found, t, i, b1, b2);                                                                               \
+    shorten(hit, found, t, i * kPrimitiveSlots, b1, b2);                                                             \
   } else if (i < kFewTriangles + kFewSpheres) {                                                                      \
     const bool found = intersect_sphere(rf.ray, vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), kFew##i##_3, hit.t, t); \
-    shorten(hit, found, t, i, 0.0, 0.0);                                                                             \
+    shorten(hit, found, t, i * kPrimitiveSlots, 0.0, 0.0);                                                           \
   }
 Hit intersect_few_primitives(RayFrame rf) {
   Hit hit = Hit(rf.ray.t_max, kNone, 0.0, 0.0);

@@ -27,7 +27,11 @@ TABLE(light_pair, kBindingLightPairs)
 TABLE(light_trail, kBindingLightTrails)
 layout(set = 0, binding = kBindingFilter, std430) readonly buffer FilterBuffer { float filter_knots[]; };
 
-Record fetch_record(uint i) { return Record(load_record(3u * i), load_record(3u * i + 1u), load_record(3u * i + 2u)); }
+// A primitive, or the first three texels of a node.
+Record fetch_record(uint slot) {
+  const uint i = kSlotTexels * slot;
+  return Record(load_record(i), load_record(i + 1u), load_record(i + 2u));
+}
 Primitive to_primitive(Record r) {
   return Primitive(uintBitsToFloat(r.a.xyz), r.a.w, uintBitsToFloat(r.b.xyz), r.b.w, uintBitsToFloat(r.c.xyz), r.c.w);
 }

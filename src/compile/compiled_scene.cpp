@@ -128,11 +128,11 @@ class Compiler {
   void check_size() const {
     std::size_t primitives = 0;
     for (const Shape& shape : scene_.shapes) primitives += primitive_count(shape);
-    if (primitives < kMaxRecords) return;
+    if (primitives < kMaxPrimitives) return;
     throw Error(ExitCode::scene_error,
                 fmt::format("The scene {} has {} primitives; kernels address fewer than {}. Use coarser meshes or "
                             "--device reference.",
-                            scene_.name, primitives, kMaxRecords));
+                            scene_.name, primitives, kMaxPrimitives));
   }
 
   void flatten_shapes() {
@@ -196,8 +196,8 @@ class Compiler {
       bvh = build_bvh(std::move(boxes), few);
       reinsert_subtrees(bvh);
     }
-    WideBvh tree = make_wide_bvh(bvh, flat_primitives_, few);
-    out_.records = std::move(tree.records);
+    WideBvh tree = make_wide_bvh<gpu::kBvhWidth>(bvh, flat_primitives_, few);
+    out_.records = std::move(tree.texels);
     out_.tree_root = tree.root;
     out_.tree_depth = tree.depth;
     slot_of_ = std::move(tree.slot_of);
@@ -315,7 +315,7 @@ class Compiler {
   CompiledScene out_;
   std::vector<gpu::Primitive> flat_primitives_;  // shape by shape, before the tree orders them
   std::vector<std::size_t> first_primitive_;     // of each shape, into flat_primitives_
-  std::vector<gpu::uint> slot_of_;               // flat primitive to its record
+  std::vector<gpu::uint> slot_of_;               // of each flat primitive
 };
 
 }  // namespace

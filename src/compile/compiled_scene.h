@@ -13,7 +13,7 @@ namespace etendue {
 /// translated and scaled by a power of two, so that single precision serves scenes of any size and place alike.
 struct CompiledScene {
   gpu::Frame frame{};
-  std::vector<gpu::Record> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives
+  std::vector<gpu::uvec4> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives
   std::vector<gpu::Shape> shapes;
   std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
   std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
@@ -24,10 +24,10 @@ struct CompiledScene {
   std::vector<gpu::LightTrail> light_trails;
   std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 where there is no tree
   std::vector<float> filter_knots;       ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
-  std::uint32_t tree_root = gpu::kNone;  ///< record of the root; kNone when all primitives stand outside the tree
+  std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone when all primitives stand outside the tree
   std::uint32_t tree_depth = 0;          ///< levels of nodes
   bool has_spheres = false;
-  std::uint32_t few_triangles = 0;  ///< the first records stand outside the tree, see kFewPrimitives
+  std::uint32_t few_triangles = 0;  ///< the first primitives stand outside the tree, see kFewPrimitives
   std::uint32_t few_spheres = 0;    ///< after the triangles
 };
 

@@ -1,8 +1,7 @@
 #include "compile/wide_bvh.h"
 
+#include <algorithm>
 #include <array>
-#include <bit>
-#include <cmath>
 #include <cstring>
 
 #include <fmt/core.h>
@@ -13,25 +12,26 @@
 namespace etendue {
 namespace {
 
-constexpr std::uint32_t kWidth = 4;
 // Levels beyond the least possible ones: one lets the cheapest collapse be taken nearly everywhere.
 constexpr std::uint32_t kSpareLevels = 0;
 constexpr std::uint64_t kGrain = 1u << 14;
 
 // Nodes of the binary tree that become the children of a wide node.
+template <std::uint32_t kWidth>
 struct Children {
   std::uint32_t node[kWidth];
   std::uint32_t count = 0;
 };
 
 // Which nodes of a binary tree become wide ones [Ylitie2017]. A wide node takes the place of a small tree of binary
-// nodes; its children are what hangs below, at most four. For every binary node and k = 1, 2, 3 the plan holds the
-// lowest cost of its subtree when k children of a wide node are spent on it. A step of the walk is a fetch of one
+// nodes; its children are what hangs below, at most kWidth. For every binary node and k = 1 … kWidth − 1 the plan holds
+// the lowest cost of its subtree when k children of a wide node are spent on it. A step of the walk is a fetch of one
 // record, node or primitive alike, so the cost of a record is the chance that a ray meets its box: its area.
 //
 // Cost alone makes some paths longer than need be, and the kernel's stack has an entry for each level of the deepest
 // one. So the plan also holds the least number of levels, and where the cheap way would need more than the root's
 // allowance, the flat way is taken.
+template <std::uint32_t kWidth>
 class CollapsePlan {
  public:
   explicit CollapsePlan(const Bvh& bvh) : nodes_(bvh.nodes), entries_((nodes_.size() - 1) / 2) {
@@ -43,8 +43,8 @@ class CollapsePlan {
   std::uint32_t least_levels(std::uint32_t node) const { return levels(node, 1); }
 
   /// The children of the wide node at `node` if what is below may have `allowed` levels.
-  Children children(std::uint32_t node, std::uint32_t allowed) const {
-    const Children cheap = children(node, &Entry::left_share);
+  Children<kWidth> children(std::uint32_t node, std::uint32_t allowed) const {
+    const Children<kWidth> cheap = children(node, &Entry::left_share);
     for (std::uint32_t i = 0; i < cheap.count; ++i) {
       if (least_levels(cheap.node[i]) > allowed) return children(node, &Entry::flat_share);
     }
@@ -54,9 +54,9 @@ class CollapsePlan {
  private:
   using Shares = std::array<std::uint8_t, kWidth - 1>;
   struct Entry {
-    std::array<float, kWidth - 1> cost;           // with k = 1, 2, 3 children of a wide node
+    std::array<float, kWidth - 1> cost;           // with k = 1 … kWidth − 1 children of a wide node
     std::array<std::uint8_t, kWidth - 1> levels;  // least levels with k children
-    Shares left_share;  // of k = 2, 3, 4 children, how many go to the left subtree at the lowest cost; 0: k − 1
+    Shares left_share;  // of k = 2 … kWidth children, how many go to the left subtree at the lowest cost; 0: k − 1
                         // children are as good
     Shares flat_share;  // the same for the least levels
   };
@@ -112,7 +112,7 @@ class CollapsePlan {
   }
 
   // The binary nodes that the subtree contributes when k children of a wide node are spent on it.
-  void collect(std::uint32_t node, std::uint32_t k, Shares Entry::*shares, Children& out) const {
+  void collect(std::uint32_t node, std::uint32_t k, Shares Entry::*shares, Children<kWidth>& out) const {
     if (k == 1 || nodes_[node].leaf != 0) {
       out.node[out.count++] = node;
       return;
@@ -122,8 +122,8 @@ class CollapsePlan {
     collect(nodes_[node].first, left, shares, out);
     collect(nodes_[node].first + 1, k - left, shares, out);
   }
-  Children children(std::uint32_t node, Shares Entry::*shares) const {
-    Children out;
+  Children<kWidth> children(std::uint32_t node, Shares Entry::*shares) const {
+    Children<kWidth> out;
     const std::uint32_t left = (entry(node).*shares)[kWidth - 2];
     collect(nodes_[node].first, left, shares, out);
     collect(nodes_[node].first + 1, kWidth - left, shares, out);
@@ -134,163 +134,132 @@ class CollapsePlan {
   std::vector<Entry> entries_;
 };
 
-// Smallest exponent with 255 · 2^e >= extent, biased by 127 and kept in the range of normal floats.
-std::uint32_t biased_exponent(float extent) {
-  int e = 0;
-  std::frexp(extent / 255.0f, &e);
-  if (extent == 0.0f) e = -126;
-  return static_cast<std::uint32_t>(std::max(e, -126) + 127);
-}
-
-float exponent_scale(std::uint32_t biased) {
-  return std::bit_cast<float>(biased << 23);
-}
-
-// Grid coordinates whose decoded planes enclose [lower, upper].
-void quantize(float lower, float upper, float origin, float scale, std::uint32_t& q_lower, std::uint32_t& q_upper) {
-  q_lower = static_cast<std::uint32_t>(std::clamp(std::floor((lower - origin) / scale), 0.0f, 255.0f));
-  q_upper = static_cast<std::uint32_t>(std::clamp(std::ceil((upper - origin) / scale), 0.0f, 255.0f));
-  while (q_lower > 0 && origin + static_cast<float>(q_lower) * scale > lower) --q_lower;
-  while (q_upper < 255 && origin + static_cast<float>(q_upper) * scale < upper) ++q_upper;
-}
-
-// While the tree is laid out, a record holds what becomes of it: a binary node and, of an inner one, the children of
-// the wide node with the record of the first.
+// While the tree is laid out, a node's texels hold what becomes of them.
+template <std::uint32_t kWidth>
 struct Draft {
-  std::uint32_t node;
-  std::uint32_t leaf;  // 0 also for records that are left free
-  std::uint32_t base;
-  Children children;
+  std::uint32_t node;  // of the binary tree
+  ChildGroup group;
+  Children<kWidth> children;
 };
-static_assert(sizeof(Draft) <= sizeof(gpu::Record));
-Draft read_draft(const gpu::Record& record) {
-  Draft draft;
-  std::memcpy(static_cast<void*>(&draft), &record, sizeof draft);
-  return draft;
-}
-void write_draft(const Draft& draft, gpu::Record& record) {
-  std::memcpy(&record, &draft, sizeof draft);
-}
 
-gpu::Record encode_node(const Bvh& bvh, const Draft& draft) {
-  const Box& box = bvh.nodes[draft.node].box;
-  gpu::Record r{};
-  std::uint32_t exponents = 0;
-  for (int a = 0; a < 3; ++a) {
-    std::uint32_t e = biased_exponent(box.upper[a] - box.lower[a]);
-    // The far plane must be reachable after rounding too.
-    while (box.lower[a] + 255.0f * exponent_scale(e) < box.upper[a]) ++e;
-    exponents |= e << (8 * a);
-    r.a[a] = std::bit_cast<std::uint32_t>(box.lower[a]);
-    for (std::uint32_t i = 0; i < kWidth; ++i) {
-      std::uint32_t lo = 255, hi = 0;  // an empty box: never hit
-      if (i < draft.children.count) {
-        const Box& child = bvh.nodes[draft.children.node[i]].box;
-        quantize(child.lower[a], child.upper[a], box.lower[a], exponent_scale(e), lo, hi);
+// Writes a wide tree into texels: first drafts of all nodes, depth first, then their final bytes and the primitives.
+template <std::uint32_t kWidth>
+class WideBuilder {
+ public:
+  using Layout = NodeLayout<kWidth>;
+  static_assert(sizeof(Draft<kWidth>) <= Layout::kNodeTexels * sizeof(Texel));
+
+  WideBuilder(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives) : bvh_(bvh), primitives_(primitives) {}
+
+  WideBvh build(const std::vector<std::uint32_t>& outside) {
+    const std::size_t root = round_up(kPrimitiveTexels * outside.size(), Layout::kNodeTexels);
+    wide_.slot_of.resize(primitives_.size());
+    // Growing by doubling would need the memory twice.
+    wide_.texels.reserve(root + static_cast<std::size_t>(1.05 * Layout::kTexelsPerPrimitive * leaf_count()));
+    wide_.texels.resize(root);
+    for (std::size_t i = 0; i < outside.size(); ++i) place(outside[i], kPrimitiveTexels * i);
+    if (!bvh_.nodes.empty()) {
+      wide_.root = slot(root);
+      lay_out(root);
+      parallel_for(nodes_.size(), kGrain, [&](std::uint64_t begin, std::uint64_t end) {
+        for (std::uint64_t i = begin; i < end; ++i) finish(nodes_[i]);
+      });
+    }
+    wide_.texels.resize(wide_.texels.size() + Layout::kTailTexels);
+    return std::move(wide_);
+  }
+
+ private:
+  static std::size_t round_up(std::size_t n, std::size_t step) { return (n + step - 1) / step * step; }
+  static std::uint32_t slot(std::size_t texel) { return static_cast<std::uint32_t>(texel / Layout::kSlotTexels); }
+  double leaf_count() const { return static_cast<double>((bvh_.nodes.size() + 1) / 2); }
+  bool is_leaf(std::uint32_t node) const { return bvh_.nodes[node].leaf != 0; }
+
+  void place(std::uint32_t primitive, std::size_t texel) {
+    wide_.slot_of[primitive] = slot(texel);
+    std::memcpy(&wide_.texels[texel], &primitives_[primitive], sizeof(gpu::Primitive));
+  }
+
+  // Makes room for a node's children behind everything there is.
+  ChildGroup make_group(Children<kWidth>& children) {
+    const auto nodes_end = [&] {
+      const auto is_inner = [&](std::uint32_t node) { return !is_leaf(node); };
+      std::uint32_t* const end = children.node + children.count;
+      if (Layout::kNodesFirst) return std::stable_partition(children.node, end, is_inner);
+      return children.node;
+    }();
+    const auto inner = static_cast<std::uint32_t>(nodes_end - children.node);
+    const std::size_t first = round_up(wide_.texels.size(), Layout::kGroupTexels);
+    const std::size_t end = first + child_offset<Layout>(children.count, inner);
+    if (end + Layout::kTailTexels > Layout::kMaxTexels) {
+      throw Error(ExitCode::scene_error,
+                  fmt::format("The scene has {} primitives; their tree needs more than the {} texels that can be "
+                              "addressed, which suffice for about {:.0f} million. Use coarser meshes.",
+                              leaf_count(), Layout::kMaxTexels,
+                              static_cast<double>(Layout::kMaxTexels) / Layout::kTexelsPerPrimitive * 1e-6));
+    }
+    wide_.texels.resize(end);
+    return {static_cast<std::uint32_t>(first), children.count, inner};
+  }
+
+  // Places all nodes as drafts, the root at texel `root`.
+  void lay_out(std::size_t root) {
+    if (is_leaf(0)) {
+      wide_.texels.resize(root + kPrimitiveTexels);
+      place(bvh_.nodes[0].first, root);
+      return;
+    }
+    const CollapsePlan<kWidth> plan(bvh_);
+    const std::uint32_t allowed = plan.least_levels(0) + kSpareLevels;
+    struct Task {
+      std::uint32_t node, texel, depth;
+    };
+    wide_.texels.resize(root + Layout::kNodeTexels);
+    std::vector<Task> pending{{0, static_cast<std::uint32_t>(root), 1}};
+    while (!pending.empty()) {
+      const Task task = pending.back();
+      pending.pop_back();
+      wide_.depth = std::max(wide_.depth, task.depth);
+      nodes_.push_back(task.texel);
+      Draft<kWidth> draft{task.node, {}, plan.children(task.node, allowed - task.depth)};
+      draft.group = make_group(draft.children);
+      std::memcpy(&wide_.texels[task.texel], &draft, sizeof draft);
+      for (std::uint32_t i = draft.children.count; i-- > 0;) {
+        if (is_leaf(draft.children.node[i])) continue;
+        pending.push_back({draft.children.node[i], draft.group.first_texel + child_offset<Layout>(i, draft.group.inner),
+                           task.depth + 1});
       }
-      r.b[a] |= lo << (8 * i);
-      r.c[a] |= hi << (8 * i);
     }
   }
-  r.a.w = exponents | gpu::kRecordNode | (draft.children.count << gpu::kRecordChildCountShift);
-  r.b.w = draft.base;
-  return r;
-}
 
-// Places all nodes, depth first, as drafts from record `root` on; returns the levels of wide nodes.
-std::uint32_t lay_out(const Bvh& bvh, std::uint32_t root, std::vector<gpu::Record>& records) {
-  const CollapsePlan plan(bvh);
-  struct Task {
-    std::uint32_t node, record, depth;
-  };
-  const std::uint32_t allowed = plan.least_levels(0) + kSpareLevels;
-  std::uint32_t depth = 0;
-  records.resize(root + 1);
-  std::vector<Task> pending{{0, root, 1}};
-  while (!pending.empty()) {
-    const Task task = pending.back();
-    pending.pop_back();
-    if (bvh.nodes[task.node].leaf != 0) {
-      write_draft({task.node, 1, 0, {}}, records[task.record]);
-      continue;
+  // Turns the draft at `texel` into the node, and places its children that are primitives.
+  void finish(std::uint32_t texel) {
+    Draft<kWidth> draft;
+    std::memcpy(static_cast<void*>(&draft), &wide_.texels[texel], sizeof draft);
+    const NodeGrid grid = Layout::fit_grid(bvh_.nodes[draft.node].box);
+    std::array<GridBox, kWidth> boxes;
+    for (std::uint32_t i = 0; i < draft.children.count; ++i) {
+      const BvhNode& child = bvh_.nodes[draft.children.node[i]];
+      boxes[i] = quantize(grid, child.box);
+      if (child.leaf != 0) place(child.first, draft.group.first_texel + child_offset<Layout>(i, draft.group.inner));
     }
-    depth = std::max(depth, task.depth);
-    const Children children = plan.children(task.node, allowed - task.depth);
-    const std::size_t base = (records.size() + 1) / 2 * 2;
-    if (base + kWidth > kMaxRecords) {
-      throw Error(ExitCode::scene_error, fmt::format("The scene has {} primitives; their tree needs more than the {} "
-                                                     "records that can be addressed, which suffice "
-                                                     "for about {} million. Use coarser meshes.",
-                                                     (bvh.nodes.size() + 1) / 2, kMaxRecords, 23));
-    }
-    records.resize(base + children.count);
-    write_draft({task.node, 0, static_cast<std::uint32_t>(base), children}, records[task.record]);
-    for (std::uint32_t i = children.count; i-- > 0;) {
-      pending.push_back({children.node[i], static_cast<std::uint32_t>(base + i), task.depth + 1});
-    }
+    Layout::encode(grid, boxes, draft.group, &wide_.texels[texel]);
   }
-  return depth;
-}
+
+  const Bvh& bvh_;
+  const std::vector<gpu::Primitive>& primitives_;
+  WideBvh wide_;
+  std::vector<std::uint32_t> nodes_;  // texels of all nodes, depth first
+};
 
 }  // namespace
 
-gpu::Record to_record(const gpu::Primitive& p) {
-  gpu::Record r;
-  static_assert(sizeof r == sizeof p);
-  std::memcpy(&r, &p, sizeof r);
-  return r;
-}
-
+template <std::uint32_t width>
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives,
                       const std::vector<std::uint32_t>& outside) {
-  WideBvh wide;
-  wide.slot_of.resize(primitives.size());
-  const auto first = static_cast<std::uint32_t>(outside.size());
-  // Meshes take 1.4 to 1.5 records a primitive; growing by doubling would need the memory twice.
-  wide.records.reserve(first + bvh.nodes.size() * 77 / 100);
-  wide.records.resize(first);
-  if (!bvh.nodes.empty()) {
-    wide.root = first;
-    wide.depth = lay_out(bvh, first, wide.records);
-  }
-  const auto place = [&](std::uint32_t primitive, std::uint64_t record) {
-    wide.slot_of[primitive] = static_cast<std::uint32_t>(record);
-    wide.records[record] = to_record(primitives[primitive]);
-  };
-  for (std::size_t i = 0; i < outside.size(); ++i) place(outside[i], i);
-  parallel_for(wide.records.size() - first, kGrain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = first + begin; i < first + end; ++i) {
-      const Draft draft = read_draft(wide.records[i]);
-      const BvhNode& node = bvh.nodes[draft.node];
-      if (draft.children.count > 0) {
-        wide.records[i] = encode_node(bvh, draft);
-      } else if (draft.leaf != 0) {
-        place(node.first, i);
-      }
-    }
-  });
-  return wide;
+  return WideBuilder<width>(bvh, primitives).build(outside);
 }
-
-bool is_node(const gpu::Record& record) {
-  return (record.a.w & gpu::kRecordNode) != 0;
-}
-std::uint32_t child_count(const gpu::Record& node) {
-  return node.a.w >> gpu::kRecordChildCountShift & 7u;
-}
-std::uint32_t child_base(const gpu::Record& node) {
-  return node.b.w;
-}
-
-Box decode_child_box(const gpu::Record& node, std::uint32_t child) {
-  Box box;
-  for (int a = 0; a < 3; ++a) {
-    const auto origin = std::bit_cast<float>(node.a[a]);
-    const float scale = exponent_scale(node.a.w >> (8 * a) & 0xffu);
-    box.lower[a] = origin + static_cast<float>(node.b[a] >> (8 * child) & 0xffu) * scale;
-    box.upper[a] = origin + static_cast<float>(node.c[a] >> (8 * child) & 0xffu) * scale;
-  }
-  return box;
-}
+template WideBvh make_wide_bvh<4>(const Bvh&, const std::vector<gpu::Primitive>&, const std::vector<std::uint32_t>&);
+template WideBvh make_wide_bvh<8>(const Bvh&, const std::vector<gpu::Primitive>&, const std::vector<std::uint32_t>&);
 
 }  // namespace etendue

@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "compile/node_layout.h"
 #include "core/errors.h"
 
 namespace etendue {
@@ -38,9 +39,10 @@ std::uint32_t bsdfs_used(const CompiledScene& scene) {
 }
 
 bool has_sphere_lights(const CompiledScene& scene) {
+  const TreeReader<gpu::kBvhWidth> tree(scene.records);
   return std::any_of(
       scene.light_primitives.begin(), scene.light_primitives.end(),
-      [&](const gpu::LightPrimitive& light) { return scene.records[light.slot].c.w == gpu::kPrimitiveSphere; });
+      [&](const gpu::LightPrimitive& light) { return tree.primitive(light.slot).kind == gpu::kPrimitiveSphere; });
 }
 
 }  // namespace
@@ -102,13 +104,9 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                                    {17, scene.tree_root},
                                                    {18, scene.light_tree_depth}};
   for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) {
-    const gpu::Record& record = scene.records[i];
-    const std::uint32_t first = gpu::kFewConstants + 9 * i;
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const int axis = static_cast<int>(k);
-      constants.push_back({first + k, record.a[axis]});
-      constants.push_back({first + 3 + k, record.b[axis]});
-      constants.push_back({first + 6 + k, record.c[axis]});
+    for (std::uint32_t k = 0; k < 9; ++k) {
+      const gpu::uvec4& texel = scene.records[kPrimitiveTexels * i + k / 3];
+      constants.push_back({gpu::kFewConstants + 9 * i + k, texel[static_cast<int>(k % 3)]});
     }
   }
   return constants;

@@ -28,7 +28,8 @@ class DeviceEmitter : public DeviceTest {
     return run<gpu::LightAnswer>({kernels::light_samples, "light_samples", &scene, {}}, cases);
   }
   std::vector<gpu::EmissionAnswer> emission(const CompiledScene& scene, const std::vector<gpu::RayCase>& rays) {
-    return run<gpu::EmissionAnswer>({kernels::emissions, "emissions", &scene, {}}, rays);
+    const CompiledScene listed = list_primitives(scene);
+    return run<gpu::EmissionAnswer>({kernels::emissions, "emissions", &listed, {}}, rays);
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compile/node_layout.h"
 #include "core/errors.h"
 #include "gpu/device_scene.h"
 #include "validate/statistics.h"
@@ -37,6 +38,24 @@ Device* device(std::string* reason = nullptr) {
 }
 
 }  // namespace
+
+CompiledScene list_primitives(CompiledScene scene) {
+  const auto list = [&](std::uint32_t slot) { scene.triangles.push_back({slot, 0, 0, gpu::kListed}); };
+  for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) list(i * gpu::kPrimitiveSlots);
+  const TreeReader<gpu::kBvhWidth> tree(scene.records);
+  std::vector<std::uint32_t> pending;
+  if (scene.tree_root != gpu::kNone) pending.push_back(scene.tree_root);
+  while (!pending.empty()) {
+    const std::uint32_t slot = pending.back();
+    pending.pop_back();
+    if (!tree.is_node(slot)) {
+      list(slot);
+      continue;
+    }
+    for (std::uint32_t i = 0; i < tree.child_count(slot); ++i) pending.push_back(tree.child_slot(slot, i));
+  }
+  return scene;
+}
 
 void DeviceTest::SetUp() {
   std::string reason;

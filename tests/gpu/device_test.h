@@ -27,6 +27,10 @@ struct KernelRun {
   std::vector<vulkan::Specialization> constants;
 };
 
+/// The scene with the slots of all its primitives appended to the triangle indices, where brute_force.glsl finds them:
+/// those that the tree's nodes name, boxes left aside. Unit tests show that nodes name every primitive once.
+CompiledScene list_primitives(CompiledScene scene);
+
 /// Skips without a device; fails when the validation layer says anything during the test.
 class DeviceTest : public ::testing::Test {
  protected:

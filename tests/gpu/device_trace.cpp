@@ -17,7 +17,8 @@ using reference::test::shape;
 
 class DeviceTrace : public DeviceTest {
  protected:
-  std::vector<gpu::TraceAnswer> trace(const CompiledScene& scene, const std::vector<gpu::RayCase>& rays) {
+  std::vector<gpu::TraceAnswer> trace(const CompiledScene& compiled, const std::vector<gpu::RayCase>& rays) {
+    const CompiledScene scene = list_primitives(compiled);
     return run<gpu::TraceAnswer>({kernels::traversal, "traversal", &scene, {}}, rays);
   }
   // The nearest hit of the walk is that of the loop to the bit; where several primitives lie at the same distance, any

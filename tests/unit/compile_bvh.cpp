@@ -1,6 +1,7 @@
-/// The tree builder and the collapse to 4-wide quantised nodes.
+/// The tree builder and the collapse to wide quantised nodes.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -12,7 +13,9 @@
 #include "compile/few_primitives.h"
 #include "compile/reinsertion.h"
 #include "compile/wide_bvh.h"
+#include "core/errors.h"
 #include "core/parallel.h"
+#include "tree_widths.h"
 
 namespace etendue {
 namespace {
@@ -185,6 +188,10 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
+bool same_tree(const WideBvh& a, const WideBvh& b) {
+  return same_bytes(a.texels, b.texels) && same_bytes(a.slot_of, b.slot_of) && a.root == b.root && a.depth == b.depth;
+}
+
 TEST(CompileBvh, ThreadsDoNotChangeAByte) {
   const auto all = soups();
   const auto large = std::ranges::max_element(all, {}, [](const Soup& s) { return s.primitives.size(); });
@@ -196,14 +203,14 @@ TEST(CompileBvh, ThreadsDoNotChangeAByte) {
   };
   set_thread_count(1);
   const Bvh alone = build();
-  const WideBvh alone_wide = make_wide_bvh(alone, large->primitives);
+  const WideBvh alone_4 = make_wide_bvh<4>(alone, large->primitives);
+  const WideBvh alone_8 = make_wide_bvh<8>(alone, large->primitives);
   for (const unsigned threads : {2u, 3u, 8u}) {
     set_thread_count(threads);
     const Bvh together = build();
-    const WideBvh wide = make_wide_bvh(together, large->primitives);
     EXPECT_TRUE(same_bytes(alone.nodes, together.nodes)) << threads;
-    EXPECT_TRUE(same_bytes(alone_wide.records, wide.records)) << threads;
-    EXPECT_TRUE(same_bytes(alone_wide.slot_of, wide.slot_of)) << threads;
+    EXPECT_TRUE(same_tree(alone_4, make_wide_bvh<4>(together, large->primitives))) << threads;
+    EXPECT_TRUE(same_tree(alone_8, make_wide_bvh<8>(together, large->primitives))) << threads;
   }
   set_thread_count(0);
 }
@@ -230,63 +237,141 @@ Bvh optimized_bvh(const std::vector<Box>& boxes) {
   return bvh;
 }
 
-// Walks the wide tree with the boxes as the kernel decodes them.
+template <typename Width>
+class CompileWideBvh : public ::testing::Test {};
+TYPED_TEST_SUITE(CompileWideBvh, test::TreeWidths, test::TreeWidthNames);
+
+// Walks the wide tree by the slots that its nodes name.
+template <std::uint32_t width>
 struct WideCheck {
-  const WideBvh& tree;
-  const std::vector<Box>& boxes;
-  std::vector<int> seen;
+  const WideBvh& bvh;
+  std::vector<int> seen;  // by primitive
   std::uint32_t depth = 0;
 
-  void visit(std::uint32_t record, std::uint32_t level) {
-    const gpu::Record& r = tree.records.at(record);
-    if (!is_node(r)) {
-      const auto primitive = std::ranges::find(tree.slot_of, record) - tree.slot_of.begin();
-      ASSERT_LT(static_cast<std::size_t>(primitive), boxes.size());
+  explicit WideCheck(const WideBvh& tree) : bvh(tree), seen(tree.slot_of.size(), 0) {}
+  void visit(std::uint32_t slot, std::uint32_t level) {
+    using Layout = NodeLayout<width>;
+    const TreeReader<width> tree(bvh.texels);
+    if (!tree.is_node(slot)) {
+      const auto primitive = std::ranges::find(bvh.slot_of, slot) - bvh.slot_of.begin();
+      ASSERT_LT(static_cast<std::size_t>(primitive), seen.size());
       ++seen[primitive];
       return;
     }
     depth = std::max(depth, level + 1);
-    ASSERT_GE(child_count(r), 2u);
-    ASSERT_LE(child_count(r), 4u);
-    ASSERT_EQ(child_base(r) % 2, 0u);
-    for (std::uint32_t i = 0; i < child_count(r); ++i) {
-      visit(child_base(r) + i, level + 1);
+    ASSERT_GE(tree.child_count(slot), 2u);
+    ASSERT_LE(tree.child_count(slot), width);
+    ASSERT_EQ(tree.child_slot(slot, 0) * Layout::kSlotTexels % Layout::kGroupTexels, 0u);
+    if (Layout::kNodeTexels == 4) {
+      ASSERT_EQ(slot % 4, 0u) << "a node lies across two cache lines";
+    }
+    bool primitives = false;
+    for (std::uint32_t i = 0; i < tree.child_count(slot); ++i) {
+      const std::uint32_t child = tree.child_slot(slot, i);
+      // A step of the walk loads as many texels of a primitive as of a node.
+      ASSERT_LE(child * Layout::kSlotTexels + Layout::kNodeTexels, bvh.texels.size());
+      if (Layout::kNodesFirst) {
+        ASSERT_FALSE(primitives && tree.is_node(child));
+      }
+      primitives = primitives || !tree.is_node(child);
+      visit(child, level + 1);
     }
   }
 };
 
-// Boxes of everything below a record, from the primitives themselves.
-Box exact_box(const WideBvh& tree, const std::vector<gpu::Primitive>& primitives, std::uint32_t record) {
-  const gpu::Record& r = tree.records[record];
+// The box of everything below a slot, from the primitives themselves.
+template <std::uint32_t width>
+Box exact_box(const WideBvh& bvh, const std::vector<gpu::Primitive>& primitives, std::uint32_t slot) {
+  const TreeReader<width> tree(bvh.texels);
   Box box;
-  if (!is_node(r)) {
-    gpu::Primitive p;
-    std::memcpy(&p, &r, sizeof p);
+  if (!tree.is_node(slot)) {
+    const gpu::Primitive p = tree.primitive(slot);
     EXPECT_EQ(std::memcmp(&p, &primitives.at(p.primitive), sizeof p), 0) << "a primitive's record is the primitive";
     return box_of(p);
   }
-  for (std::uint32_t i = 0; i < child_count(r); ++i) {
-    const Box child = exact_box(tree, primitives, child_base(r) + i);
-    EXPECT_TRUE(contains(decode_child_box(r, i), child)) << "record " << record << ", child " << i;
+  for (std::uint32_t i = 0; i < tree.child_count(slot); ++i) {
+    const Box child = exact_box<width>(bvh, primitives, tree.child_slot(slot, i));
+    EXPECT_TRUE(contains(tree.child_box(slot, i), child)) << "slot " << slot << ", child " << i;
     box.extend(child);
+  }
+  for (std::uint32_t i = tree.child_count(slot); i < width; ++i) {
+    const GridBox absent = tree.grid_box(slot, i);
+    EXPECT_TRUE(glm::all(glm::greaterThan(absent.lower, absent.upper))) << "slot " << slot << ", child " << i;
   }
   return box;
 }
 
-TEST(CompileBvh, WideNodesContainTheirChildrenAfterQuantisation) {
+TYPED_TEST(CompileWideBvh, NodesContainTheirChildrenAfterQuantisation) {
+  constexpr std::uint32_t kWidth = TypeParam::value;
   for (const Soup& soup : soups()) {
     if (soup.primitives.size() > 5000) continue;
     SCOPED_TRACE(soup.name + std::string(", ") + std::to_string(soup.primitives.size()));
-    const auto boxes = boxes_of(soup.primitives);
-    const WideBvh tree = make_wide_bvh(optimized_bvh(boxes), soup.primitives);
+    const WideBvh tree = make_wide_bvh<kWidth>(optimized_bvh(boxes_of(soup.primitives)), soup.primitives);
     ASSERT_EQ(tree.slot_of.size(), soup.primitives.size());
-    exact_box(tree, soup.primitives, 0);
-    WideCheck check{tree, boxes, std::vector<int>(boxes.size(), 0)};
-    check.visit(0, 0);
+    exact_box<kWidth>(tree, soup.primitives, tree.root);
+    WideCheck<kWidth> check(tree);
+    check.visit(tree.root, 0);
     EXPECT_TRUE(std::ranges::all_of(check.seen, [](int n) { return n == 1; }));
     EXPECT_EQ(check.depth, tree.depth);
     EXPECT_LE(tree.depth, gpu::kMaxTreeDepth);
   }
+}
+
+// Encoding and decoding are inverse for any node, wherever it lies.
+TYPED_TEST(CompileWideBvh, ANodeReadsAsWritten) {
+  constexpr std::uint32_t kWidth = TypeParam::value;
+  using Layout = NodeLayout<kWidth>;
+  std::mt19937 random(6);
+  const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+  std::uniform_real_distribution<float> u(-1.0f, 1.0f);
+  for (int round = 0; round < 20000; ++round) {
+    Box box;
+    for (int k = 0; k < 2; ++k) {
+      const float x = u(random), y = u(random), size = std::exp2(-static_cast<float>(round % 33));
+      box.extend(size * glm::vec3(x, y, u(random)) +
+                 (round % 2 == 0 ? glm::vec3(0.0f) : glm::vec3(0.7f, -1.0f, 0.01f)));
+    }
+    if (round % 5 == 0) box.upper[round % 3] = box.lower[round % 3];
+    const NodeGrid grid = Layout::fit_grid(box);
+    ASSERT_TRUE(glm::all(glm::lessThanEqual(grid.origin, box.lower)));
+    ASSERT_TRUE(glm::all(glm::greaterThanEqual(grid.origin + 255.0f * grid.scale, box.upper)));
+    ASSERT_TRUE(contains(dequantize(grid, quantize(grid, box)), box));
+    std::array<GridBox, kWidth> boxes;
+    const std::uint32_t count = 2 + below(kWidth - 1);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      boxes[i].lower = {below(256), below(256), below(256)};
+      boxes[i].upper = {below(256), below(256), below(256)};
+    }
+    const auto groups = static_cast<std::uint32_t>(Layout::kMaxTexels / Layout::kGroupTexels);
+    const ChildGroup group{below(groups) * Layout::kGroupTexels, count, Layout::kNodesFirst ? below(count) : 0};
+    std::array<Texel, Layout::kNodeTexels> node;
+    Layout::encode(grid, boxes, group, node.data());
+    EXPECT_NE(node[0].w & gpu::kRecordNode, 0u);
+    EXPECT_EQ(Layout::grid(node.data()).origin, grid.origin);
+    EXPECT_EQ(Layout::grid(node.data()).scale, grid.scale);
+    for (std::uint32_t i = 0; i < kWidth; ++i) {
+      EXPECT_EQ(Layout::box(node.data(), i).lower, boxes[i].lower);
+      EXPECT_EQ(Layout::box(node.data(), i).upper, boxes[i].upper);
+    }
+    EXPECT_EQ(Layout::group(node.data()).first_texel, group.first_texel);
+    EXPECT_EQ(Layout::group(node.data()).count, group.count);
+    EXPECT_EQ(Layout::group(node.data()).inner, group.inner);
+  }
+}
+
+TEST(CompileNodeLayout, EightNodesAmongEightChildrenLieOneAfterTheOther) {
+  const ChildGroup group{400, 8, 8};
+  std::vector<Texel> texels(500, Texel(0u));
+  NodeLayout<8>::encode(NodeLayout<8>::fit_grid({glm::vec3(0.0f), glm::vec3(1.0f)}), std::array<GridBox, 8>{}, group,
+                        texels.data());
+  const TreeReader<8> tree(texels);
+  EXPECT_EQ(tree.child_count(0), 8u);
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(tree.child_slot(0, i), 400 + 4 * i);
+}
+
+TEST(CompileNodeLayout, CoordinatesBeyondTheGridAreRefused) {
+  EXPECT_THROW(NodeLayout<8>::fit_grid({glm::vec3(-2.1f), glm::vec3(0.0f)}), Error);
+  EXPECT_THROW(NodeLayout<8>::fit_grid({glm::vec3(0.0f), glm::vec3(2.0f)}), Error);
 }
 
 // A room of six walls around a cloud of small boxes.
@@ -333,7 +418,8 @@ TEST(CompileFewPrimitives, SmallScenesHaveNoTree) {
   EXPECT_EQ(choose_few_primitives(room_and_cloud(gpu::kFewPrimitives - 6)).size(), gpu::kFewPrimitives);
 }
 
-TEST(CompileScene, FewPrimitivesAreTheFirstRecordsAndTheTreeHoldsTheRest) {
+TYPED_TEST(CompileWideBvh, FewPrimitivesComeFirstAndTheTreeHoldsTheRest) {
+  constexpr std::uint32_t kWidth = TypeParam::value;
   std::vector<gpu::Primitive> primitives;
   for (const Box& box : room_and_cloud(1000)) {
     gpu::Primitive p{};
@@ -343,33 +429,41 @@ TEST(CompileScene, FewPrimitivesAreTheFirstRecordsAndTheTreeHoldsTheRest) {
   }
   const auto boxes = boxes_of(primitives);
   const std::vector<std::uint32_t> few = {2, 5, 700};
-  const WideBvh tree = make_wide_bvh(build_bvh(boxes, few), primitives, few);
-  EXPECT_EQ(tree.root, 3u);
-  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(tree.slot_of[few[i]], i);
-  WideCheck check{tree, boxes, std::vector<int>(boxes.size(), 0)};
+  const WideBvh tree = make_wide_bvh<kWidth>(build_bvh(boxes, few), primitives, few);
+  const TreeReader<kWidth> reader(tree.texels);
+  constexpr std::uint32_t kStride = kPrimitiveTexels / NodeLayout<kWidth>::kSlotTexels;
+  EXPECT_GE(tree.root, 3 * kStride);
+  EXPECT_LT(tree.root, 4 * kStride + 1);
+  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(tree.slot_of[few[i]], i * kStride);
+  WideCheck<kWidth> check(tree);
   check.visit(tree.root, 0);
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     EXPECT_EQ(check.seen[i], std::ranges::find(few, i) == few.end() ? 1 : 0) << i;
-    EXPECT_EQ(tree.records[tree.slot_of[i]].b.w, i) << "a primitive's record is the primitive";
+    EXPECT_EQ(reader.primitive(tree.slot_of[i]).primitive, i) << "a primitive's record is the primitive";
   }
 }
 
-TEST(CompileBvh, QuantisedBoxesAreNotMuchLarger) {
+TYPED_TEST(CompileWideBvh, QuantisedBoxesAreNotMuchLarger) {
+  constexpr std::uint32_t kWidth = TypeParam::value;
   const auto all = soups();
   const auto& soup = *std::ranges::find_if(all, [](const Soup& s) { return s.primitives.size() == 3000; });
-  const WideBvh tree = make_wide_bvh(optimized_bvh(boxes_of(soup.primitives)), soup.primitives);
+  const WideBvh bvh = make_wide_bvh<kWidth>(optimized_bvh(boxes_of(soup.primitives)), soup.primitives);
+  const TreeReader<kWidth> tree(bvh.texels);
   // A grid of 255 steps per node is at most a factor of two too coarse (powers of two), plus one step to each side.
-  for (const gpu::Record& r : tree.records) {
-    if (!is_node(r)) continue;
+  std::vector<std::uint32_t> pending{bvh.root};
+  while (!pending.empty()) {
+    const std::uint32_t slot = pending.back();
+    pending.pop_back();
     Box node;
-    for (std::uint32_t i = 0; i < child_count(r); ++i) node.extend(decode_child_box(r, i));
-    for (std::uint32_t i = 0; i < child_count(r); ++i) {
-      const std::uint32_t record = child_base(r) + i;
-      if (is_node(tree.records[record])) continue;
-      gpu::Primitive p;
-      std::memcpy(&p, &tree.records[record], sizeof p);
-      const glm::vec3 slack =
-          (decode_child_box(r, i).upper - decode_child_box(r, i).lower) - (box_of(p).upper - box_of(p).lower);
+    for (std::uint32_t i = 0; i < tree.child_count(slot); ++i) node.extend(tree.child_box(slot, i));
+    for (std::uint32_t i = 0; i < tree.child_count(slot); ++i) {
+      const std::uint32_t child = tree.child_slot(slot, i);
+      if (tree.is_node(child)) {
+        pending.push_back(child);
+        continue;
+      }
+      const Box exact = box_of(tree.primitive(child)), coarse = tree.child_box(slot, i);
+      const glm::vec3 slack = (coarse.upper - coarse.lower) - (exact.upper - exact.lower);
       for (int a = 0; a < 3; ++a) EXPECT_LE(slack[a], (node.upper[a] - node.lower[a]) * 4.1f / 255.0f + 1e-30f);
     }
   }
