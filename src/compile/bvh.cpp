@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/long_task.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 
 namespace etendue {
@@ -288,7 +289,7 @@ class Builder {
 
 Bvh build_bvh(std::vector<Box> boxes, const std::vector<std::uint32_t>& without, const BvhConfig& config) {
   Builder builder(boxes, without, config);
-  boxes = {};  // the memory is needed for the nodes
+  release(boxes);  // the memory is needed for the nodes
   return builder.build();
 }
 

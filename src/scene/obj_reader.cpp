@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/memory.h"
 #include "scene/input_file.h"
 #include "scene/line_reader.h"
 #include "scene/plugins.h"
@@ -366,9 +367,9 @@ class VertexSplitter {
         if (vertices_.size() > ObjLimits::kMaxVertices) return std::nullopt;
       }
     }
-    first_ = {};
+    release(first_);
     further_ = {};
-    raw_.normal_triangles = {};
+    release(raw_.normal_triangles);
     write_positions();
     if (with_normals) write_normals();
     return std::move(mesh_);
@@ -399,7 +400,7 @@ class VertexSplitter {
   void write_positions() {
     mesh_.positions.reserve(vertices_.size());
     for (const Vertex& vertex : vertices_) mesh_.positions.push_back(raw_.positions[vertex.position]);
-    raw_.positions = {};
+    release(raw_.positions);
   }
 
   void write_normals() {
@@ -409,7 +410,7 @@ class VertexSplitter {
       mesh_.normals.push_back(flat ? plane_normal(mesh_.triangles[vertex.source - kPlane])
                                    : raw_.normals[vertex.source]);
     }
-    raw_.normals = {};
+    release(raw_.normals);
   }
 
   glm::dvec3 plane_normal(const glm::uvec3& t) const {

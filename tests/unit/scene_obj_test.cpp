@@ -1,5 +1,9 @@
 // OBJ files: what is understood, what is refused and where, polygons, and what becomes of normals.
 
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <cmath>
 #include <random>
@@ -363,6 +367,51 @@ TEST(Obj, ManyNormalsOfOneVertexStayLinear) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(read(text).positions.size(), 3u * kCount);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+}
+
+/// An OBJ file of as many positions, normals and triangles, of the same numbers at all corners; made line by line.
+ByteSource mesh_source(long count) {
+  return [count, line = 0L](char* buffer, std::size_t capacity) mutable {
+    std::size_t size = 0;
+    for (; line < 3 * count && size + 100 < capacity; ++line) {
+      const long i = line % count, next = (i + 1) % count + 1, other = (i + 1000) % count + 1;
+      char* const end = line < count ? fmt::format_to(buffer + size, "v {} {} {}\n", i % 1000, i / 1000, i * 7 % 13)
+                        : line < 2 * count
+                            ? fmt::format_to(buffer + size, "vn {} 1 0\n", i % 1000)
+                            : fmt::format_to(buffer + size, "f {0}//{0} {1}//{1} {2}//{2}\n", i + 1, next, other);
+      size = static_cast<std::size_t>(end - buffer);
+    }
+    return size;
+  };
+}
+
+/// Largest resident memory of this process so far, in bytes.
+long largest_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss * 1024;
+}
+
+TEST(Obj, TablesAreFreedAsSoonAsTheyAreRead) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers keep memory that is freed";
+#endif
+  // So many that every table is given back to the system when it is freed, in a process of its own.
+  constexpr long kCount = 1L << 21;
+  const pid_t child = fork();
+  if (child == 0) {
+    const long before = largest_memory();
+    Diagnostics diagnostics;
+    const auto mesh = read_obj(mesh_source(kCount), "m.obj", glm::dmat4(1.0), diagnostics);
+    if (!mesh || mesh->positions.size() != kCount || mesh->normals.size() != kCount) _exit(255);
+    _exit(static_cast<int>((largest_memory() - before) / kCount));
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  // While the positions are written: triangles 12, old and new positions 24 each, normals 24, pairs 8.
+  EXPECT_GT(WEXITSTATUS(status), 60) << "bytes a vertex; fewer than the result has cannot be";
+  EXPECT_LT(WEXITSTATUS(status), 105) << "bytes a vertex; with nothing freed it would be 132";
 }
 
 }  // namespace
