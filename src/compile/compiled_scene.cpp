@@ -179,10 +179,10 @@ class Compiler {
   // The primitives outside the tree: triangles, then spheres, each in the order of the scene.
   std::vector<std::uint32_t> take_few_primitives(const std::vector<Box>& boxes) {
     std::vector<std::uint32_t> few = choose_few_primitives(boxes);
-    const auto spheres = std::ranges::stable_partition(
-        few, [&](std::uint32_t i) { return flat_primitives_[i].kind == gpu::kPrimitiveTriangle; });
-    out_.few_spheres = static_cast<std::uint32_t>(spheres.size());
-    out_.few_triangles = static_cast<std::uint32_t>(few.size() - spheres.size());
+    const auto spheres = std::stable_partition(
+        few.begin(), few.end(), [&](std::uint32_t i) { return flat_primitives_[i].kind == gpu::kPrimitiveTriangle; });
+    out_.few_triangles = static_cast<std::uint32_t>(spheres - few.begin());
+    out_.few_spheres = static_cast<std::uint32_t>(few.end() - spheres);
     return few;
   }
 

@@ -1,9 +1,9 @@
 #include "compile/few_primitives.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <ranges>
 
 #include "gpu_types.h"
 
@@ -21,12 +21,17 @@ constexpr double kStepsPerDoubling = 1.2;
 
 // The largest boxes, largest first.
 std::vector<std::uint32_t> largest(const std::vector<Box>& boxes, std::size_t count) {
-  std::vector<std::uint32_t> largest(std::min(count, boxes.size()));
-  std::ranges::partial_sort_copy(std::views::iota(0u, static_cast<std::uint32_t>(boxes.size())), largest,
-                                 [&](std::uint32_t a, std::uint32_t b) {
-                                   const float area_a = boxes[a].half_area(), area_b = boxes[b].half_area();
-                                   return area_a != area_b ? area_a > area_b : a < b;
-                                 });
+  const auto before = [&](std::uint32_t a, std::uint32_t b) {
+    const float area_a = boxes[a].half_area(), area_b = boxes[b].half_area();
+    return area_a != area_b ? area_a > area_b : a < b;
+  };
+  std::vector<std::uint32_t> largest;
+  largest.reserve(count + 1);
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    if (largest.size() == count && !before(i, largest.back())) continue;
+    largest.insert(std::upper_bound(largest.begin(), largest.end(), i, before), i);
+    if (largest.size() > count) largest.pop_back();
+  }
   return largest;
 }
 

@@ -69,7 +69,8 @@ Iterator split(Iterator begin, Iterator end, const Box& bounds, bool halve) {
     const double leaf_cost = (static_cast<double>(count) - 1.0) * bounds.half_area();  // a step costs about one test
     if (count <= kLeafSize && leaf_cost <= cost) return begin;
     if (first_right > 0)
-      return std::partition(begin, end, [&](const auto& item) { return binning.bin(item.center) < first_right; });
+      return std::partition(begin, end,
+                            [&, first = first_right](const auto& item) { return binning.bin(item.center) < first; });
   }
   if (count <= kLeafSize) return begin;
   const auto middle = begin + static_cast<std::ptrdiff_t>(count / 2);

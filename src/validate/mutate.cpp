@@ -280,8 +280,9 @@ MutantOutcome run_mutant(const Mutant& mutant, const std::vector<SuiteTest>& sui
   gpu.mutant = mutant.id;
   // The test known to notice goes first: most mutants are done in a second then, and all others follow if it fails to.
   std::vector<SuiteTest> order = suite;
-  std::ranges::stable_partition(
-      order, [&](const SuiteTest& t) { return !mutant.try_first.empty() && t.name.starts_with(mutant.try_first); });
+  std::stable_partition(order.begin(), order.end(), [&](const SuiteTest& t) {
+    return !mutant.try_first.empty() && t.name.starts_with(mutant.try_first);
+  });
   for (const SuiteTest& test : order) {
     outcome.findings.push_back(look(test, gpu, options.level));
     if (outcome.findings.back().caught && !options.all_tests) break;
