@@ -12,6 +12,7 @@
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 namespace etendue::faults {
 namespace {
@@ -66,8 +67,12 @@ Process::Process(const std::vector<std::string>& arguments, const std::filesyste
   std::vector<std::string> argument_strings = {other != nullptr ? other : ETENDUE_BINARY};
   argument_strings.insert(argument_strings.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment;
-  for (char** entry = environ; *entry != nullptr; ++entry) environment.emplace_back(*entry);
   for (const auto& [name, value] : options.environment) environment.push_back(name + "=" + value);
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view variable(*entry);
+    if (!options.environment.contains(std::string(variable.substr(0, variable.find('=')))))
+      environment.emplace_back(variable);
+  }
   std::vector<char*> argv = pointers(argument_strings), envp = pointers(environment);
   const int out = open(out_file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   const int err = open(err_file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);

@@ -18,7 +18,7 @@ struct ProcessResult {
 };
 
 struct ProcessOptions {
-  std::map<std::string, std::string> environment;  ///< added to our own
+  std::map<std::string, std::string> environment;  ///< added to our own, or in its place
   std::uint64_t file_size_limit = 0;               ///< RLIMIT_FSIZE in bytes; 0: none
   std::uint64_t memory_limit = 0;                  ///< RLIMIT_AS in bytes; 0: none
   std::uint64_t cpu_seconds_limit = 0;             ///< RLIMIT_CPU; 0: none
