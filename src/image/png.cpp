@@ -167,6 +167,19 @@ Metadata png_metadata(png_structp png, png_infop info) {
   return metadata;
 }
 
+/// Whether no chunk announces more than the file holds. libpng reserves what a chunk announces before it reads it, up
+/// to 2 GiB, and only warns about its own limit.
+bool chunks_fit(std::span<const std::byte> bytes) {
+  const auto at = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]); };
+  for (std::size_t begin = 8; bytes.size() >= begin + 8;) {
+    const std::size_t length = at(begin) << 24 | at(begin + 1) << 16 | at(begin + 2) << 8 | at(begin + 3);
+    if (length > bytes.size() - begin - 8) return false;
+    if (std::memcmp(&bytes[begin + 4], "IEND", 4) == 0) break;
+    begin += length + 12;
+  }
+  return true;
+}
+
 /// Throws unless the size is within the limits and the file can hold that many pixels (deflate shrinks by at most
 /// 1032).
 void check_png_size(png_structp png, png_infop info, std::size_t file_size, const std::string& path) {
@@ -232,6 +245,9 @@ Image decode_png(std::span<const std::byte> bytes, const std::string& path) {
   const auto damaged = [&] {
     return Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file: {}", path, state.message.data()));
   };
+  if (is_png(bytes) && !chunks_fit(bytes)) {
+    throw Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file: a chunk is longer than the file", path));
+  }
   if (!read_info(reader.png, reader.info, state)) throw damaged();
   check_png_size(reader.png, reader.info, bytes.size(), path);
 

@@ -196,6 +196,7 @@ TEST_F(BadFile, PngsThatLie) {
       {"two IHDR", png_.substr(0, 33) + png_.substr(8)},
       {"critical chunk unknown", png_.substr(0, 33) + chunk("ABCD", "x") + png_.substr(33)},
       {"chunk of 2 GiB", png_.substr(0, 33) + big_endian(0x7fffffffu) + "IDAT"},
+      {"text of 1.7 GiB", png_.substr(0, 33) + big_endian(0x6800000bu) + "iTXtscene" + png_.substr(33)},
       {"chunk of 4 GiB", png_.substr(0, 33) + big_endian(0xffffffffu) + "IDAT" + png_.substr(41)}};
   for (const auto& [name, bytes] : pictures) expect_bad_picture(name, bytes, "bad.png");
   for (std::size_t at = 8; at < std::min<std::size_t>(png_.size(), 400); at += 13) {

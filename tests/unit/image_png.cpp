@@ -203,6 +203,17 @@ TEST(Png, RefusesSizesTheFileCannotHold) {
   EXPECT_NE(sentence.find("512000000 bytes of pixels"), std::string::npos) << sentence;
 }
 
+TEST(Png, RefusesChunksTheFileCannotHold) {
+  // Found by fuzz_image_png: a text of 1.7 GiB in a file of 212 bytes. libpng would reserve it and fill it with zeros.
+  const TempFolder folder;
+  write_png(folder / "a.png", grey_image({0.1f, 0.2f, 0.9f}));
+  std::string bytes = slurp(folder / "a.png");
+  bytes.insert(33, std::string("\x68\0\0\x0biTXtscene\0\0\0\0\0x", 19));  // after the header
+  spill(folder / "b.png", bytes);
+  const std::string sentence = error_of([&] { read_image(folder / "b.png"); });
+  EXPECT_NE(sentence.find("longer than the file"), std::string::npos) << sentence;
+}
+
 TEST(Png, RefusesImagesThatDoNotFitTogether) {
   const TempFolder folder;
   Image image = grey_image({0.5f, 0.5f});
