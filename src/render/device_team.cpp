@@ -155,20 +155,19 @@ void DeviceTeam::render(SampleQueue& queue, std::uint32_t width, std::uint32_t h
                         const std::function<void(const FinishedSamples&)>& deliver,
                         const std::function<bool(std::uint64_t done)>& go_on) {
   Run run{.queue = queue, .deliver = deliver, .go_on = go_on};
-  {
+  std::vector<Member*> present;
+  for (Member& member : members_) {
+    if (!member.renderer) continue;
+    member.in_flight = 0;
+    if (member.film.pixels().empty()) member.film = Film(width, height, film_exponent);
+    present.push_back(&member);
+  }
+  if (!present.empty()) {
+    // Not before all are ready: each thread adds up what all members have in flight.
     std::vector<std::jthread> threads;
-    Member* own = nullptr;  // the calling thread works too
-    for (Member& member : members_) {
-      if (!member.renderer) continue;
-      member.in_flight = 0;
-      if (member.film.pixels().empty()) member.film = Film(width, height, film_exponent);
-      if (own == nullptr) {
-        own = &member;
-      } else {
-        threads.emplace_back([this, &member, &run] { work(member, run); });
-      }
-    }
-    if (own != nullptr) work(*own, run);
+    for (std::size_t i = 1; i < present.size(); ++i)
+      threads.emplace_back([this, member = present[i], &run] { work(*member, run); });
+    work(*present.front(), run);  // the calling thread works too
   }
   if (run.failure) std::rethrow_exception(run.failure);
   if (renderers().empty()) std::rethrow_exception(run.loss);
