@@ -37,14 +37,14 @@ TEST(LongTask, RespectsTheLogLevel) {
 TEST(LongTask, CountsPartsOfAllThreads) {
   testing::internal::CaptureStderr();
   {
-    LongTask task("Counting", 400, LongTask::Seconds(0.05));
+    LongTask task("Counting", 400, LongTask::Seconds(1.0));  // more than the threads take under a sanitizer
     std::vector<std::jthread> threads;
     for (int t = 0; t < 4; ++t)
       threads.emplace_back([&] {
         for (int i = 0; i < 99; ++i) task.advance(1);
       });
     threads.clear();
-    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1010));
     task.advance(4);
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "Counting: 100 %\n");
