@@ -164,8 +164,9 @@ std::vector<CastRay> camera_rays(const Scene& scene, const Placement& placement,
   rays.reserve(std::size_t{tiles_x} * tiles_y * kTile * kTile);
   for (std::uint32_t i = 0; i < tiles_x * tiles_y * kTile * kTile; ++i) {
     const std::uint32_t tile = i / (kTile * kTile), in_tile = i % (kTile * kTile);
-    const double x = tile % tiles_x * kTile + in_tile % kTile + 0.5;
-    const double y = tile / tiles_x * kTile + in_tile / kTile + 0.5;
+    const std::uint32_t column = tile % tiles_x * kTile + in_tile % kTile;
+    const std::uint32_t row = tile / tiles_x * kTile + in_tile / kTile;
+    const double x = column + 0.5, y = row + 0.5;
     const dvec3 v = glm::dmat3(camera.world_from_camera) *
                     dvec3(tan_x * (1.0 - 2.0 * x / width), tan_y * (1.0 - 2.0 * y / height), 1.0);
     const double length = glm::length(v);

@@ -40,6 +40,7 @@ double cpu_seconds() {
 template <typename Row>
 std::vector<double> column(const std::vector<Row>& rows, double Row::*member) {
   std::vector<double> out;
+  out.reserve(rows.size());
   for (const Row& row : rows) out.push_back(row.*member);
   return out;
 }

@@ -110,12 +110,16 @@ GpuOptions DeviceOption::gpu_options() const {
 
 std::vector<RendererFactory> DeviceOption::factories() const {
   const std::vector<std::string> list = selector == "all" ? all_devices() : index_list(selector);
-  if (list.size() < 2 && selector != "all") return {factory()};
+  std::vector<RendererFactory> factories;
+  if (list.size() < 2 && selector != "all") {
+    factories.push_back(factory());
+    return factories;
+  }
   if (list.empty())
     throw Error(ExitCode::no_device,
                 "No suitable Vulkan device for '--device all'; see 'etendue devices', or use --device reference.");
   set_thread_count(threads);
-  std::vector<RendererFactory> factories;
+  factories.reserve(list.size());
   for (const std::string& index : list) factories.push_back(device_factory(index, *this));
   return factories;
 }
