@@ -41,7 +41,7 @@ std::string attribute_name(const std::string& key) {
 std::string metadata_key(const std::string& attribute) {
   const std::string prefix = kReservedPrefix;
   if (attribute.starts_with(prefix)) {
-    const std::string key = attribute.substr(prefix.size());
+    std::string key = attribute.substr(prefix.size());
     if (attribute_name(key) == attribute) return key;
   }
   return attribute;

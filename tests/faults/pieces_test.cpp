@@ -249,7 +249,8 @@ TEST_F(Pieces, ShardsOfRandomSizeInRandomOrder) {
 }
 
 // The address sanitizer otherwise keeps 256 MB of what was freed.
-const ProcessOptions kFreedMemoryIsFree = {.environment = {{"ASAN_OPTIONS", "quarantine_size_mb=1"}}};
+const ProcessOptions kFreedMemoryIsFree = {
+    .environment = {{"ASAN_OPTIONS", "quarantine_size_mb=0:thread_local_quarantine_size_kb=0"}}};
 
 // How much the resident memory of a render grows while it saves a checkpoint after every pass.
 std::int64_t growth(Process& process, const std::filesystem::path& checkpoint, double seconds) {
