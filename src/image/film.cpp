@@ -53,7 +53,7 @@ using Squares = WideUint<3>;
 
 Squares load_squares(const std::array<std::uint32_t, 6>& limbs) {
   Squares value;
-  for (int i = 0; i < 3; ++i) value.limb[i] = static_cast<std::uint64_t>(limbs[2 * i + 1]) << 32 | limbs[2 * i];
+  for (std::size_t i = 0; i < 3; ++i) value.limb[i] = static_cast<std::uint64_t>(limbs[2 * i + 1]) << 32 | limbs[2 * i];
   return value;
 }
 

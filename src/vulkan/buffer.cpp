@@ -27,9 +27,8 @@ void advise_huge_pages([[maybe_unused]] const Context& context, [[maybe_unused]]
   void* start = nullptr;
   if (!context.is_cpu() || bytes < 2 * kHugePage) return;
   if (vkMapMemory(context.device(), memory, 0, VK_WHOLE_SIZE, 0, &start) != VK_SUCCESS) return;
-  const std::uintptr_t first = (reinterpret_cast<std::uintptr_t>(start) + kHugePage - 1) / kHugePage * kHugePage;
-  const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(start) + bytes) / kHugePage * kHugePage;
-  if (end > first) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+  const std::uintptr_t skipped = -reinterpret_cast<std::uintptr_t>(start) % kHugePage;
+  madvise(static_cast<char*>(start) + skipped, (bytes - skipped) / kHugePage * kHugePage, MADV_HUGEPAGE);
   vkUnmapMemory(context.device(), memory);
 #endif
 }

@@ -200,14 +200,13 @@ void render_with_kills(const std::filesystem::path& folder, std::vector<std::str
     if (std::filesystem::exists(folder / "ck.exr")) now.insert(now.end(), {"--resume", "ck.exr"});
     Process process(now, folder);
     std::this_thread::sleep_for(std::chrono::milliseconds(std::uniform_int_distribution(0, 1500)(random)));
-    if (!process.is_running()) {
-      // It had finished: begin anew, the kills go on.
-      EXPECT_EQ(process.wait().code, 0);
+    process.signal(SIGKILL);
+    const int code = process.wait().code;
+    if (code == 0) {  // it had finished before: begin anew, the kills go on
       std::filesystem::remove(folder / "ck.exr");
       continue;
     }
-    process.signal(SIGKILL);
-    EXPECT_EQ(process.wait().code, -SIGKILL);
+    EXPECT_EQ(code, -SIGKILL);
     ++killed;
   }
   if (std::filesystem::exists(folder / "ck.exr")) arguments.insert(arguments.end(), {"--resume", "ck.exr"});
