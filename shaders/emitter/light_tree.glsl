@@ -5,9 +5,9 @@
 layout(constant_id = 18) const uint kLightTreeDepth = 0u;
 const bool kLightTree = kLightTreeDepth > 0u;
 
-// How high a point lies above a plane, for a choice: `most` is the height of the middle of a group, which reaches `reach` beyond on both sides.
-// 0 only where all of it lies below. The highest point is rarely the one that counts: 0.7 and 0.1 are docs/conventions.md's.
-float usual_height(float most, float reach) { return most + reach > 0.0 ? max(most + 0.7 * reach, 0.1 * reach) : 0.0; }
+// How high a group lies above a plane, for a choice: its middle at `middle`, the rest up to `reach` above and below that. 0 only where all of it lies
+// below. The highest point is rarely the one that counts: 0.7 and 0.1 are docs/conventions.md's.
+float usual_height(float middle, float reach) { return middle + reach > 0.0 ? max(middle + 0.7 * reach, 0.1 * reach) : 0.0; }
 
 // What a group of lights is likely to send to a surface at p with normal n, up to a factor that all groups share: power · cos · cos / d². 0 only
 // where nothing arrives.
