@@ -173,11 +173,15 @@ class Instance {
     }
   }
   ~Instance() {
+    if (left_open_) return;
     if (messenger_ != VK_NULL_HANDLE) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
     vkDestroyInstance(instance_, nullptr);
   }
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
+
+  /// Lets Vulkan keep it to the end of the process: an instance must outlive its devices, and one of them stays open.
+  void leave_open() { left_open_ = true; }
 
   std::vector<VkPhysicalDevice> physical_devices() const {
     std::uint32_t count = 0;
@@ -232,25 +236,32 @@ class Instance {
 
   VkInstance instance_ = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  std::atomic<bool> left_open_{false};
 };
 
 namespace {
 
 // All open devices share one instance: volk keeps its function pointers in globals, and a second instance would write
-// them while other threads call through them.
+// them while other threads call through them. The last one to close its device does so, too, so that making and
+// destroying an instance exclude each other.
 std::shared_ptr<Instance> shared_instance(const ContextOptions& options) {
   static std::mutex mutex;
   static std::weak_ptr<Instance> current;
   static ContextOptions current_options;
+  std::shared_ptr<Instance> open;  // outside of the lock, which is taken to destroy what it may be the last to hold
   const std::lock_guard lock(mutex);
-  std::shared_ptr<Instance> instance = current.lock();
-  if (instance && options.validation == current_options.validation &&
+  open = current.lock();
+  if (open && options.validation == current_options.validation &&
       options.validation_extra == current_options.validation_extra)
-    return instance;
-  instance = std::make_shared<Instance>(options);
-  current = instance;
+    return open;
+  const auto destroy = [](const Instance* instance) {
+    const std::lock_guard lock_again(mutex);
+    delete instance;
+  };
+  std::shared_ptr<Instance> fresh(new Instance(options), destroy);
+  current = fresh;
   current_options = options;
-  return instance;
+  return fresh;
 }
 
 }  // namespace
@@ -323,7 +334,7 @@ Context::Context(const std::string& selector, const ContextOptions& options)
 
 Context::~Context() {
   if (is_abandoned(device_)) {
-    new std::shared_ptr<Instance>(instance_);  // an instance must outlive its devices, and this one stays open
+    instance_->leave_open();
     return;
   }
   save_pipeline_cache();
@@ -417,7 +428,9 @@ void Context::save_pipeline_cache() const {
   std::error_code ignored;
   if (std::filesystem::file_size(path, ignored) == size) return;
   std::filesystem::create_directories(path.parent_path(), ignored);
-  const auto beside = path.string() + fmt::format(".{}", ::getpid());
+  // A name of its own for each context: two devices that are lost at the same time are closed by two threads.
+  static std::atomic<unsigned> number{0};
+  const auto beside = path.string() + fmt::format(".{}.{}", ::getpid(), number++);
   if (std::ofstream(beside, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(size))) {
     std::filesystem::rename(beside, path, ignored);
   }
