@@ -155,7 +155,8 @@ class WideBuilder {
     const std::size_t root = round_up(kPrimitiveTexels * outside.size(), Layout::kNodeTexels);
     wide_.slot_of.resize(primitives_.size());
     // Growing by doubling would need the memory twice.
-    wide_.texels.reserve(root + static_cast<std::size_t>(1.05 * Layout::kTexelsPerPrimitive * leaf_count()));
+    wide_.texels.reserve(
+        root + static_cast<std::size_t>(1.05 * Layout::kTexelsPerPrimitive * static_cast<double>(leaf_count())));
     wide_.texels.resize(root);
     for (std::size_t i = 0; i < outside.size(); ++i) place(outside[i], kPrimitiveTexels * i);
     if (!bvh_.nodes.empty()) {
@@ -172,7 +173,7 @@ class WideBuilder {
  private:
   static std::size_t round_up(std::size_t n, std::size_t step) { return (n + step - 1) / step * step; }
   static std::uint32_t slot(std::size_t texel) { return static_cast<std::uint32_t>(texel / Layout::kSlotTexels); }
-  double leaf_count() const { return static_cast<double>((bvh_.nodes.size() + 1) / 2); }
+  std::size_t leaf_count() const { return (bvh_.nodes.size() + 1) / 2; }
   bool is_leaf(std::uint32_t node) const { return bvh_.nodes[node].leaf != 0; }
 
   void place(std::uint32_t primitive, std::size_t texel) {

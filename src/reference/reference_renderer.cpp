@@ -128,7 +128,8 @@ CameraSample ReferenceRenderer::camera_sample(SampleId id, const SampleRandom& r
   const auto u = random.filter();
   const auto x = world_.filter().sample(u.x);
   const auto y = world_.filter().sample(u.y);
-  const Vec2 film(id.pixel % camera.width + 0.5 + x.offset, id.pixel / camera.width + 0.5 + y.offset);
+  const std::uint32_t column = id.pixel % camera.width, row = id.pixel / camera.width;
+  const Vec2 film(column + 0.5 + x.offset, row + 0.5 + y.offset);
   return {camera_ray(camera, film), x.weight * y.weight};
 }
 
@@ -199,7 +200,8 @@ std::uint32_t ReferenceRenderer::render(SampleRange range, Film& film, const Pro
   ProgressMeter meter(progress, total);
   std::vector<RejectedSample> found;
   // A pass is the least that can be kept when asked to stop: about a quarter of a second, at least one sample index.
-  const std::uint64_t pass_samples = std::max<std::uint64_t>(1, 65536 * thread_count() / film.pixels().size());
+  const std::uint64_t pass_samples =
+      std::max<std::uint64_t>(1, std::uint64_t{65536} * thread_count() / film.pixels().size());
   std::uint32_t next = range.begin;
   while (next < range.end && !meter.stop_asked()) {
     const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(next + pass_samples, range.end));

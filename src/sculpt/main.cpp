@@ -27,9 +27,7 @@ sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
   return mesh;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+ExitCode run(int argc, char** argv) {
   CLI::App app("Makes triangle meshes for the scenes: the same bytes on every machine.", "etendue-sculpt");
   std::string kind, output;
   std::uint64_t triangles = 500000;
@@ -47,11 +45,19 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "OBJ file to write")->required();
   try {
     app.parse(argc, argv);
-    const sculpt::Mesh mesh = make(kind, triangles);
-    sculpt::write_obj(mesh, fmt::format("Made by etendue-sculpt --kind {} --triangles {}", kind, triangles), output);
-    return static_cast<int>(ExitCode::ok);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? static_cast<int>(ExitCode::ok) : static_cast<int>(ExitCode::usage);
+    return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
+  }
+  const sculpt::Mesh mesh = make(kind, triangles);
+  sculpt::write_obj(mesh, fmt::format("Made by etendue-sculpt --kind {} --triangles {}", kind, triangles), output);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return static_cast<int>(run(argc, argv));
   } catch (const Error& error) {
     log::error(error.what());
     return static_cast<int>(error.code());

@@ -82,7 +82,7 @@ void march(std::array<Vertex, 4> v, std::vector<EdgeTriangle>& out) {
 // Field values on one block: corners 0…8 and centres 0…8 (the last row of centres belongs to the neighbours).
 struct BlockValues {
   static constexpr int n = kBlock + 1;
-  std::array<double, n * n * n> corner, center;
+  std::array<double, std::size_t{n} * n * n> corner, center;
   static int index(int i, int j, int k) { return (i * n + j) * n + k; }
 };
 

@@ -48,6 +48,7 @@ using Kernel = std::vector<double>;
 /// Convolves with kx along rows and ky along columns; the border pixel is repeated outside.
 Plane convolve(const Plane& in, const Kernel& kx, const Kernel& ky) {
   const int rx = static_cast<int>(kx.size() / 2), ry = static_cast<int>(ky.size() / 2);
+  const double *const weight_x = kx.data() + rx, *const weight_y = ky.data() + ry;
   Plane middle(in.width, in.height), out(in.width, in.height);
   constexpr std::uint64_t kRows = 16;
   parallel_for(static_cast<std::uint64_t>(in.height), kRows, [&](std::uint64_t begin, std::uint64_t end) {
@@ -55,8 +56,7 @@ Plane convolve(const Plane& in, const Kernel& kx, const Kernel& ky) {
       for (int x = 0; x < in.width; ++x) {
         double sum = 0;
         for (int k = -rx; k <= rx; ++k) {
-          sum += kx[static_cast<std::size_t>(k + rx)] *
-                 static_cast<double>(in.values[in.index(std::clamp(x + k, 0, in.width - 1), y)]);
+          sum += weight_x[k] * static_cast<double>(in.values[in.index(std::clamp(x + k, 0, in.width - 1), y)]);
         }
         middle.values[in.index(x, y)] = static_cast<float>(sum);
       }
@@ -68,7 +68,7 @@ Plane convolve(const Plane& in, const Kernel& kx, const Kernel& ky) {
       std::fill(row.begin(), row.end(), 0.0);
       for (int k = -ry; k <= ry; ++k) {
         const float* from = &middle.values[in.index(0, std::clamp(y + k, 0, in.height - 1))];
-        const double w = ky[static_cast<std::size_t>(k + ry)];
+        const double w = weight_y[k];
         for (std::size_t x = 0; x < row.size(); ++x) row[x] += w * static_cast<double>(from[x]);
       }
       for (int x = 0; x < in.width; ++x)
@@ -281,6 +281,7 @@ std::vector<double> hdr_flip_exposures(const std::vector<glm::vec3>& reference) 
   const double start = std::log2(x / brightest), stop = std::log2(x / std::max(median, kDarkest * brightest));
   const int count = std::max(2, static_cast<int>(std::ceil(stop - start)));
   std::vector<double> exposures;
+  exposures.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) exposures.push_back(start + (stop - start) * i / (count - 1));
   return exposures;
 }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -62,7 +62,8 @@ std::vector<SampleId> choose_samples(std::uint64_t pixels, std::uint64_t budget)
 }
 
 bool equal_bits(const SampleRecord& a, const SampleRecord& b) {
-  return a.signature == b.signature && std::memcmp(&a.radiance, &b.radiance, sizeof(glm::vec3)) == 0;
+  using Bits = std::array<std::uint32_t, 3>;
+  return a.signature == b.signature && std::bit_cast<Bits>(a.radiance) == std::bit_cast<Bits>(b.radiance);
 }
 
 struct RankedSample {
@@ -92,6 +93,7 @@ void fill_quantiles(std::vector<double>& errors, SampleComparison& out) {
 
 std::vector<WorstPixel> worst_pixels(const std::map<std::uint32_t, WorstPixel>& pixels) {
   std::vector<WorstPixel> out;
+  out.reserve(pixels.size());
   for (const auto& [pixel, entry] : pixels) out.push_back(entry);
   const std::size_t count = std::min(kWorstPixels, out.size());
   std::partial_sort(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(count), out.end(),

@@ -136,6 +136,7 @@ std::string selftest_text(const SelftestReport& report) {
                                 report.driver, report.options.seed, report.options.seeds, report.options.samples);
   out += fmt::format("{:<10} {:>6} {:>12} {:>7} {:>12}\n", "family", "tests", "statistical", "failed", "smallest p");
   std::vector<std::string> families;
+  families.reserve(kSceneFamilies.size() + 1);
   for (const SceneFamily family : kSceneFamilies) families.emplace_back(scene_family_name(family));
   families.emplace_back("chi2");
   for (const std::string& family : families) {

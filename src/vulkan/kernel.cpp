@@ -42,6 +42,7 @@ BindingSet::BindingSet(const Context& context, const BindingLayout& layout)
   std::map<VkDescriptorType, std::uint32_t> counts;
   for (const Binding& b : layout.bindings()) ++counts[b.type];
   std::vector<VkDescriptorPoolSize> sizes;
+  sizes.reserve(counts.size());
   for (const auto& [type, count] : counts) sizes.push_back({type, count});
   const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                              .maxSets = 1,
