@@ -3,6 +3,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <fmt/core.h>
+
 #include "bad_inputs.h"
 
 namespace etendue::faults {
@@ -145,7 +147,7 @@ TEST(BadCommand, PlacesThatCannotBeWritten) {
 TEST(BadCommand, AFullDiskUnderTheResults) {
   const std::string binary = ETENDUE_BINARY;
   for (const std::string command : {"devices", "check " SCENES_DIR "/cbox-sphere.xml --json", "--help"}) {
-    const int status = std::system((binary + " " + command + " > /dev/full 2> /dev/null").c_str());
+    const int status = std::system(fmt::format("{} {} > /dev/full 2> /dev/null", binary, command).c_str());
     EXPECT_EQ(WEXITSTATUS(status), 6) << command;
   }
 }

@@ -50,8 +50,9 @@ class BadFile : public testing::Test {
   static void SetUpTestSuite() {
     const fs::path folder = fs::temp_directory_path() / ("etendue-good-" + std::to_string(getpid()));
     fs::create_directories(folder);
-    const std::vector<std::string> common = {
-        "render", SCENES_DIR "/cbox-sphere.xml", "--device", "reference", "--size", "8x6", "--spp", "2", "-q"};
+    const std::string scene = SCENES_DIR "/cbox-sphere.xml";
+    const std::vector<std::string> common = {"render", scene,   "--device", "reference", "--size",
+                                             "8x6",    "--spp", "2",        "-q"};
     auto arguments = common;
     arguments.insert(arguments.end(), {"-o", "p.exr", "-o", "p.png"});
     const ProcessResult pictures = etendue(arguments, folder);

@@ -62,7 +62,7 @@ struct Delivered {
   }
 };
 
-OpenRenderer opener(const std::string& name, FakeRenderer::Fault fault) {
+OpenRenderer opener(const std::string& name, const FakeRenderer::Fault& fault) {
   return [=] { return std::make_unique<FakeRenderer>(name, fault); };
 }
 
@@ -104,11 +104,12 @@ TEST(DeviceTeam, SeveralDevicesShareTheQueue) {
   for (const char* name : {"a", "b", "c"}) EXPECT_THAT(out.names, testing::Contains(name));
 }
 
+// Six sample indices of four pixels.
 TEST(DeviceTeam, StopsAfterThePassAndGivesTheRestBack) {
   DeviceTeam team({opener("a", [] {})});
   SampleQueue queue({{0, 100}});
   Delivered out;
-  render(team, queue, out, [](std::uint64_t done) { return done < 6 * 4; });
+  render(team, queue, out, [](std::uint64_t done) { return done < 24; });
   expect_whole(out, 6);
   EXPECT_EQ(queue.left(), 94u);
   render(team, queue, out);

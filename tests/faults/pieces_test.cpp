@@ -52,7 +52,8 @@ TEST_F(Pieces, MergeRefusesWhatDoesNotFit) {
   expect_ok(render({"--samples", "4:6", "--seed", "7", "-o", "seed.exr"}));
   expect_ok(render({"--samples", "4:6", "-D", "integrator.mis=false", "-o", "integrator.exr"}));
   expect_ok({"render", kScene, "--size", "41x30", "--samples", "4:6", "-o", "size.exr"});
-  expect_ok({"render", SCENES_DIR "/bubble.xml", "--size", "40x30", "--samples", "4:6", "-o", "scene.exr"});
+  const std::string other_scene = SCENES_DIR "/bubble.xml";
+  expect_ok({"render", other_scene, "--size", "40x30", "--samples", "4:6", "-o", "scene.exr"});
   expect_ok(render({"--spp", "4", "-o", "picture.exr"}));
   write_text(folder_ / "text.exr", "not an image");
   write_text(folder_ / "old.exr", "old");

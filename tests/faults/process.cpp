@@ -14,6 +14,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include <fmt/core.h>
+
 namespace etendue::faults {
 namespace {
 
@@ -38,6 +40,7 @@ void limit_resource(Resource resource, std::uint64_t value) {
 
 std::vector<char*> pointers(std::vector<std::string>& strings) {
   std::vector<char*> result;
+  result.reserve(strings.size() + 1);
   for (std::string& text : strings) result.push_back(text.data());
   result.push_back(nullptr);
   return result;
@@ -67,7 +70,7 @@ Process::Process(const std::vector<std::string>& arguments, const std::filesyste
   std::vector<std::string> argument_strings = {other != nullptr ? other : ETENDUE_BINARY};
   argument_strings.insert(argument_strings.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment;
-  for (const auto& [name, value] : options.environment) environment.push_back(name + "=" + value);
+  for (const auto& [name, value] : options.environment) environment.push_back(fmt::format("{}={}", name, value));
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view variable(*entry);
     if (!options.environment.contains(std::string(variable.substr(0, variable.find('=')))))

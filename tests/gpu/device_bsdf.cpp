@@ -77,7 +77,7 @@ TEST_F(DeviceBsdf, DiffuseSampleEvalAndPdfAgree) {
 TEST_F(DeviceBsdf, DiffuseSamplesFollowThePdf) {
   constexpr int kRings = 10, kSectors = 20;
   const auto cases = random_cases(diffuse(), direction(0.3, 1.0), 1 << 17, 2);
-  std::vector<double> observed(kRings * kSectors, 0.0), expected;
+  std::vector<double> observed(std::size_t{kRings} * kSectors, 0.0), expected;
   for (const auto& a : evaluate(cases)) {
     const double phi = std::atan2(a.wi.y, a.wi.x) / (2.0 * kPi) + 0.5;
     const int ring = std::clamp(static_cast<int>(a.wi.z * kRings), 0, kRings - 1);

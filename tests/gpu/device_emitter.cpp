@@ -231,6 +231,7 @@ TEST_F(DeviceEmitter, SamplingAndChanceAgreeOnTheDensity) {
     const glm::vec3 p = setup.normalization.point({0.02, 0.05, -0.03});
     const auto samples = sample(setup.compiled, random_cases(p, 4096, 6));
     std::vector<gpu::RayCase> rays;
+    rays.reserve(samples.size());
     for (const auto& s : samples) rays.push_back({p, 0.0f, s.wi, INFINITY});
     const auto met = emission(setup.compiled, rays);
     std::size_t missed = 0;
@@ -257,8 +258,10 @@ TEST_F(DeviceEmitter, DensityIntegratesToOne) {
     const LightScene setup(ring_of_lights(count));
     const glm::vec3 p = setup.normalization.point({0, 0, 0});
     Random random(7);
+    constexpr int kRays = 1 << 18;
     std::vector<gpu::RayCase> rays;
-    for (int i = 0; i < 1 << 18; ++i) rays.push_back({p, 0.0f, glm::vec3(random.direction()), INFINITY});
+    rays.reserve(kRays);
+    for (int i = 0; i < kRays; ++i) rays.push_back({p, 0.0f, glm::vec3(random.direction()), INFINITY});
     RunningMoments integral;
     for (const auto& a : emission(setup.compiled, rays)) integral.add(4.0 * kPi * a.pdf);
     EXPECT_LT(std::abs(integral.mean() - 1.0), 4.5 * integral.standard_error() + 1e-5) << count << " lights";
@@ -288,10 +291,11 @@ std::vector<Shape> crowd_of_lights(int count, std::uint64_t seed) {
 struct Receiver {
   glm::dvec3 p, n;
 };
-std::vector<Receiver> some_receivers(int count) {
+std::vector<Receiver> some_receivers(std::size_t count) {
   Random random(4);
   std::vector<Receiver> receivers;
-  for (int i = 0; i < count; ++i)
+  receivers.reserve(count);
+  for (std::size_t i = 0; i < count; ++i)
     receivers.push_back({(0.1 + 4.0 * random.unit()) * random.direction(), random.direction()});
   return receivers;
 }
@@ -376,6 +380,7 @@ TEST_F(DeviceEmitter, SamplingByTreeAndChanceAgreeOnTheDensity) {
   const glm::vec3 p = setup.normalization.point({0.02, 0.05, -0.03});
   const auto samples = sample(setup.compiled, random_cases(p, 4096, 6));
   std::vector<gpu::RayCase> rays;
+  rays.reserve(samples.size());
   for (const auto& s : samples) rays.push_back({p, 0.0f, s.wi, INFINITY});
   const auto met = emission(setup.compiled, rays);
   std::size_t missed = 0;
@@ -396,8 +401,10 @@ TEST_F(DeviceEmitter, TheDensityOfTheTreeIntegratesToOne) {
   const LightScene setup(ring_of_lights(50), kTree);
   const glm::vec3 p = setup.normalization.point({0, 0, 0});
   Random random(7);
+  constexpr int kRays = 1 << 18;
   std::vector<gpu::RayCase> rays;
-  for (int i = 0; i < 1 << 18; ++i) rays.push_back({p, 0.0f, glm::vec3(random.direction()), INFINITY});
+  rays.reserve(kRays);
+  for (int i = 0; i < kRays; ++i) rays.push_back({p, 0.0f, glm::vec3(random.direction()), INFINITY});
   RunningMoments integral;
   for (const auto& a : emission(setup.compiled, rays)) integral.add(4.0 * kPi * a.pdf);
   EXPECT_LT(std::abs(integral.mean() - 1.0), 4.5 * integral.standard_error() + 1e-5);

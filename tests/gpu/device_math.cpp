@@ -16,6 +16,7 @@ class DeviceMath : public DeviceTest {
  protected:
   std::vector<gpu::WarpAnswer> warp(gpu::uint which, const std::vector<glm::vec2>& us, float parameter = 0.0f) {
     std::vector<gpu::WarpCase> cases;
+    cases.reserve(us.size());
     for (const glm::vec2& u : us) cases.push_back({u, parameter, which});
     return run<gpu::WarpAnswer>({kernels::warps, "warps", nullptr, {}}, cases);
   }

@@ -182,11 +182,11 @@ TEST_F(DeviceTrace, FlatBoxes) {
   std::vector<Shape> shapes;
   for (int axis = 0; axis < 3; ++axis) {
     for (int k = -2; k <= 2; ++k) {
-      TriangleMesh mesh = soup(2 * 36, [&](std::size_t i, int corner) {
-        const std::size_t quad = i / 2;
+      TriangleMesh mesh = soup(72, [&](std::size_t i, int corner) {
+        const std::size_t quad = i / 2, column = quad % 6, row = quad / 6;   // 36 of them, two triangles each
         const int c = i % 2 == 0 ? corner : (corner == 0 ? 0 : corner + 1);  // corners 0 1 2 and 0 2 3
-        const double x = static_cast<double>(quad % 6) + (c == 1 || c == 2) - 3.0,
-                     y = static_cast<double>(quad / 6) + (c >= 2) - 3.0;
+        const double x = static_cast<double>(column) + (c == 1 || c == 2) - 3.0,
+                     y = static_cast<double>(row) + (c >= 2) - 3.0;
         glm::dvec3 p;
         p[axis] = 0.5 * k;
         p[(axis + 1) % 3] = x / 3.0;
@@ -217,8 +217,8 @@ TEST_F(DeviceTrace, SpheresAmongTriangles) {
   for (int i = 0; i < 200; ++i) {
     shapes.push_back(
         shape(Sphere{glm::dvec3(random.point(1.0f)), std::exp2(random.uniform(-7.0f, -2.0f))}, diffuse(0.5)));
-    if (i % 10 == 0)
-      shapes.push_back(shape(Sphere{{0.5, 0.5, 0.5}, 0.01 * (i / 10 + 1)}, diffuse(0.5)));  // shells in shells
+    const int shell = i / 10 + 1;
+    if (i % 10 == 0) shapes.push_back(shape(Sphere{{0.5, 0.5, 0.5}, 0.01 * shell}, diffuse(0.5)));  // in one another
   }
   shapes.push_back(shape(soup(200, [&](std::size_t, int) { return glm::dvec3(random.point(1.0f)); }), diffuse(0.5)));
   const Scene scene = with_shapes(std::move(shapes));
@@ -242,9 +242,11 @@ TEST_F(DeviceTrace, LineOfManyBoxes) {
 
 TEST_F(DeviceTrace, EmptyScene) {
   const CompiledScene compiled = compile_scene(Scene{});
+  constexpr int kRays = 256;
   std::vector<gpu::RayCase> rays;
+  rays.reserve(kRays);
   Random random(21);
-  for (int i = 0; i < 256; ++i)
+  for (int i = 0; i < kRays; ++i)
     rays.push_back({random.point(i % 2 == 0 ? 0.0f : 1.0f), 0.0f, glm::vec3(random.direction()), INFINITY});
   for (const auto& a : trace(compiled, rays)) {
     EXPECT_EQ(a.shape, gpu::kNone);
@@ -261,7 +263,7 @@ struct Nearest {
 Nearest nearest(const std::vector<glm::dvec3>& p, const gpu::RayCase& ray) {
   Nearest best;
   const glm::dvec3 o = ray.o, d = ray.d;
-  for (std::uint32_t i = 0; i < p.size() / 3; ++i) {
+  for (std::size_t i = 0; i < p.size() / 3; ++i) {
     const glm::dvec3 e1 = p[3 * i + 1] - p[3 * i], e2 = p[3 * i + 2] - p[3 * i], h = glm::cross(d, e2),
                      s = o - p[3 * i], q = glm::cross(s, e1);
     const double det = glm::dot(e1, h);
@@ -273,7 +275,7 @@ Nearest nearest(const std::vector<glm::dvec3>& p, const gpu::RayCase& ray) {
     if (t < best.t) {
       best.second = best.t;
       best.t = t;
-      best.primitive = i;
+      best.primitive = static_cast<std::uint32_t>(i);
     } else {
       best.second = std::min(best.second, t);
     }
@@ -292,8 +294,10 @@ TEST_F(DeviceTrace, NearestHitsAgreeWithDoublePrecision) {
   const Normalization norm = find_normalization(scene);
   std::vector<glm::dvec3> corners;
   for (const glm::dvec3& p : mesh.positions) corners.emplace_back(norm.point(p));
+  constexpr int kRays = 8192;
   std::vector<gpu::RayCase> rays;
-  for (int i = 0; i < 8192; ++i)
+  rays.reserve(kRays);
+  for (int i = 0; i < kRays; ++i)
     rays.push_back(ray_between(norm, glm::dvec3(random.point(1.5f)), glm::dvec3(random.point(1.0f))));
   const auto answers = trace(compile_scene(scene), rays);
   std::size_t judged = 0;
@@ -354,6 +358,7 @@ TEST_F(DeviceTrace, ClosedSurfacesDoNotLeak) {
     }
     const CompiledScene compiled = compile_scene(scene);
     std::vector<gpu::SpawnCase> cases;
+    cases.reserve(rays.size());
     for (const gpu::RayCase& r : rays) cases.push_back({r.o, 0, r.d, 0, -r.d, 0});
     std::size_t leaks = 0;
     for (const auto& a : run<gpu::SpawnAnswer>({kernels::spawns, "spawns", &compiled, {}}, cases))

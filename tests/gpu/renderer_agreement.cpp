@@ -15,7 +15,6 @@
 namespace etendue::test {
 namespace {
 
-using reference::test::box;
 using reference::test::diffuse;
 using reference::test::quad;
 using reference::test::shape;
@@ -168,8 +167,10 @@ TEST_F(RendererAgreement, PathsAreTracedVertexByVertex) {
   const auto device = make_gpu_renderer(scene, {.seed = 11}, renderer_options());
   const auto reference = make_reference_renderer(scene, {.seed = 11});
   Random random(1);
+  constexpr int kPaths = 60;
   std::vector<SampleId> ids;
-  for (int i = 0; i < 60; ++i) ids.push_back({random.below(64 * 48), random.below(1000)});
+  ids.reserve(kPaths);
+  for (int i = 0; i < kPaths; ++i) ids.push_back({random.below(64 * 48), random.below(1000)});
   const auto device_records = device->trace_samples(ids), reference_records = reference->trace_samples(ids);
   std::size_t agreeing = 0;
   for (std::size_t i = 0; i < ids.size(); ++i) {

@@ -19,7 +19,7 @@ Scene cornell(std::uint32_t width, std::uint32_t height) {
                      .strict = true});
 }
 
-Film render(const Scene& scene, const std::vector<SampleRange>& ranges, GpuOptions options,
+Film render(const Scene& scene, const std::vector<SampleRange>& ranges, const GpuOptions& options,
             RenderSettings settings = {.seed = 3}) {
   const auto renderer = make_gpu_renderer(scene, settings, options);
   Film film(scene.camera.width, scene.camera.height, film_exponent(scene));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -29,6 +30,7 @@ Box box_of(const gpu::Primitive& p) {
 }
 std::vector<Box> boxes_of(const std::vector<gpu::Primitive>& primitives) {
   std::vector<Box> boxes;
+  boxes.reserve(primitives.size());
   for (const gpu::Primitive& p : primitives) boxes.push_back(box_of(p));
   return boxes;
 }
@@ -286,7 +288,9 @@ Box exact_box(const WideBvh& bvh, const std::vector<gpu::Primitive>& primitives,
   Box box;
   if (!tree.is_node(slot)) {
     const gpu::Primitive p = tree.primitive(slot);
-    EXPECT_EQ(std::memcmp(&p, &primitives.at(p.primitive), sizeof p), 0) << "a primitive's record is the primitive";
+    using Bytes = std::array<std::byte, sizeof(gpu::Primitive)>;
+    EXPECT_EQ(std::bit_cast<Bytes>(p), std::bit_cast<Bytes>(primitives.at(p.primitive)))
+        << "a primitive's record is the primitive";
     return box_of(p);
   }
   for (std::uint32_t i = 0; i < tree.child_count(slot); ++i) {

@@ -37,9 +37,11 @@ TEST(LongTask, RespectsTheLogLevel) {
 TEST(LongTask, CountsPartsOfAllThreads) {
   testing::internal::CaptureStderr();
   {
+    constexpr int kThreads = 4;
     LongTask task("Counting", 400, LongTask::Seconds(1.0));  // more than the threads take under a sanitizer
     std::vector<std::jthread> threads;
-    for (int t = 0; t < 4; ++t)
+    threads.reserve(kThreads);
+    for (int t = 0; t < kThreads; ++t)
       threads.emplace_back([&] {
         for (int i = 0; i < 99; ++i) task.advance(1);
       });

@@ -55,12 +55,11 @@ void write_foreign(const std::string& path, Imf::Header header,
   Imf::FrameBuffer buffer;
   for (const auto& [name, channel] : channels) {
     header.channels().insert(name, channel);
-    std::vector<float> values(static_cast<std::size_t>(width * height));
+    std::vector<float> values;
+    values.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        values[static_cast<std::size_t>(y * width + x)] =
-            static_cast<float>(100 * x + y) + static_cast<float>(floats.size());
-      }
+      for (int x = 0; x < width; ++x)
+        values.push_back(static_cast<float>(100 * x + y) + static_cast<float>(floats.size()));
     }
     floats.push_back(std::move(values));
   }

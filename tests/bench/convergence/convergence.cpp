@@ -147,9 +147,7 @@ void measure(const std::string& file, const Options& options) {
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+ExitCode run(int argc, char** argv) {
   CLI::App app("Time to a given relative error, for each way of finding light and each sampler.", "convergence");
   Options options;
   app.add_option("SCENE", options.scenes, "scene files")->required();
@@ -161,12 +159,23 @@ int main(int argc, char** argv) {
   app.add_option("--error", options.error, "relative error to reach")->capture_default_str();
   try {
     app.parse(argc, argv);
-    for (const std::string& scene : options.scenes) measure(scene, options);
-    return 0;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? static_cast<int>(ExitCode::ok) : static_cast<int>(ExitCode::usage);
+    return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
+  }
+  for (const std::string& scene : options.scenes) measure(scene, options);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return static_cast<int>(run(argc, argv));
   } catch (const Error& error) {
     fmt::print(stderr, "{}\n", error.what());
     return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return static_cast<int>(ExitCode::bug);
   }
 }
