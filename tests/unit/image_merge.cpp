@@ -110,7 +110,7 @@ TEST(Merge, NamesTheDifference) {
     FilmFile file = synthetic_film(13, 7, {{1, 2}});
     change(file);
     write_film(paths[1], file);
-    const std::string sentence = error_of([&] { merge_films(paths); });
+    std::string sentence = error_of([&] { merge_films(paths); });
     expect_mentions(sentence, paths[0]);
     expect_mentions(sentence, paths[1]);
     return sentence;

@@ -80,8 +80,10 @@ TEST(Png, RoundsToTheNearestCode) {
 
 TEST(Png, ReadsBackEveryCode) {
   const TempFolder folder;
+  constexpr int kCodes = 256;
   std::vector<float> values;
-  for (int code = 0; code < 256; ++code) values.push_back(static_cast<float>(linear_of(code / 255.0)));
+  values.reserve(kCodes);
+  for (int code = 0; code < kCodes; ++code) values.push_back(static_cast<float>(linear_of(code / 255.0)));
   write_png(folder / "a.png", grey_image(values));
   const Image back = read_image(folder / "a.png");
   ASSERT_EQ(back.pixels.size(), 256u);

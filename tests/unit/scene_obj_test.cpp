@@ -276,6 +276,7 @@ void expect_triangulation(const std::vector<glm::dvec3>& polygon) {
 
 std::vector<glm::dvec3> lift(const std::vector<glm::dvec2>& flat, const glm::dmat4& m) {
   std::vector<glm::dvec3> polygon;
+  polygon.reserve(flat.size());
   for (const glm::dvec2& p : flat) polygon.emplace_back(m * glm::dvec4(p, 0.0, 1.0));
   return polygon;
 }
@@ -342,7 +343,9 @@ TEST(Polygon, CrossingAndDegeneratePolygonsEnd) {
 
 TEST(Polygon, WorkIsBounded) {
   std::vector<glm::dvec3> comb;
-  for (int i = 0; i < 2000; ++i) comb.emplace_back(i, i % 2 == 0 ? 1.0 : 100.0, 0.0);
+  constexpr int kCorners = 2000;
+  comb.reserve(kCorners);
+  for (int i = 0; i < kCorners; ++i) comb.emplace_back(i, i % 2 == 0 ? 1.0 : 100.0, 0.0);
   comb.emplace_back(2000, 0, 0);
   comb.emplace_back(0, 0, 0);
   std::vector<PolygonTriangle> triangles;
