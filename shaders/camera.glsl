@@ -34,7 +34,7 @@ Ray sample_camera_ray(uvec2 pixel, vec2 u, out float weight) {
   const vec3 v = frame.camera_x * (frame.tan_x * ndc.x) + frame.camera_y * (frame.tan_y * ndc.y) + frame.camera_z;
   // v reaches the plane at camera depth 1, so its length turns depths into distances.
   const float depth_scale = length(v);
-  return Ray(frame.camera_origin, frame.near_clip * depth_scale, v / depth_scale, frame.far_clip * depth_scale);
+  return Ray(frame.camera_origin, frame.near_clip * depth_scale, v * (1.0 / depth_scale), frame.far_clip * depth_scale);
 }
 
 #endif

@@ -24,9 +24,7 @@ FOR_EACH_FEW(FEW_VALUES_OF)
 
 struct Hit {
   float t;
-  uint slot;   // of the primitive; kNone for no hit
-  float b1;    // barycentric weights of p1 and p2; unused for a sphere
-  float b2;
+  uint slot;  // of the primitive; kNone for no hit
 };
 
 bool is_sphere(Primitive prim) { return kHasSpheres && prim.kind == kPrimitiveSphere; }
@@ -42,27 +40,28 @@ RayFrame make_ray_frame(Ray ray) {
   return RayFrame(ray, f.s, f.t);
 }
 
+// Barycentric weights of the point where the ray meets a triangle's plane; a, b, c are its vertices seen from the ray's origin. None of them is
+// negative where the ray meets the triangle. Seen edge-on, or without area, it has none: they are infinite or no numbers.
+//
 // Watertight: a vertex shared by two triangles projects to the same 2D point and the edge function of a shared edge is the exact negative
 // seen from the other side, so no ray passes between them (the idea of [Woop2013], with a rotation in place of their shear). `precise`
-// keeps a driver from fusing the products, which would break that symmetry. Points on an edge count as hits; a triangle seen
-// edge-on or of zero area has determinant 0 and is never hit.
-bool intersect_triangle(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out float t, out float b1, out float b2) {
-  const vec3 a = p0 - rf.ray.o;
-  const vec3 b = p1 - rf.ray.o;
-  const vec3 c = p2 - rf.ray.o;
+// keeps a driver from fusing the products, which would break that symmetry.
+vec3 triangle_weights(RayFrame rf, vec3 a, vec3 b, vec3 c) {
   precise const vec2 pa = vec2(rf.s.x * a.x + rf.s.y * a.y + rf.s.z * a.z, rf.t.x * a.x + rf.t.y * a.y + rf.t.z * a.z);
   precise const vec2 pb = vec2(rf.s.x * b.x + rf.s.y * b.y + rf.s.z * b.z, rf.t.x * b.x + rf.t.y * b.y + rf.t.z * b.z);
   precise const vec2 pc = vec2(rf.s.x * c.x + rf.s.y * c.y + rf.s.z * c.z, rf.t.x * c.x + rf.t.y * c.y + rf.t.z * c.z);
-  precise const float u = pb.x * pc.y - pc.x * pb.y;
-  precise const float v = pc.x * pa.y - pa.x * pc.y;
-  precise const float w = pa.x * pb.y - pb.x * pa.y;
-  const bool inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-  const float det = u + v + w;
-  const float inv_det = 1.0 / det;
-  t = (u * dot(rf.ray.d, a) + v * dot(rf.ray.d, b) + w * dot(rf.ray.d, c)) * inv_det;
-  b1 = v * inv_det;
-  b2 = w * inv_det;
-  return inside && det != 0.0 && t > rf.ray.t_min && t < t_max;
+  precise const vec3 areas = vec3(pb.x * pc.y - pc.x * pb.y, pc.x * pa.y - pa.x * pc.y, pa.x * pb.y - pb.x * pa.y);
+  return areas * (1.0 / (areas.x + areas.y + areas.z));
+}
+
+// Points on an edge count as hits; a triangle without weights is never hit, as infinities have both signs and comparisons with what is no number fail.
+bool intersect_triangle(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out float t) {
+  const vec3 a = p0 - rf.ray.o;
+  const vec3 b = p1 - rf.ray.o;
+  const vec3 c = p2 - rf.ray.o;
+  const vec3 weights = triangle_weights(rf, a, b, c);
+  t = dot(weights, vec3(dot(rf.ray.d, a), dot(rf.ray.d, b), dot(rf.ray.d, c)));
+  return weights.x >= 0.0 && weights.y >= 0.0 && weights.z >= 0.0 && t > rf.ray.t_min && t < t_max;
 }
 
 // Nearest intersection beyond t_min; the quadratic is solved about the point of the ray nearest to the centre, which keeps its precision
@@ -82,20 +81,18 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
   return discriminant >= 0.0 && t > ray.t_min && t < t_max;
 }
 
-void shorten(inout Hit hit, bool found, float t, uint slot, float b1, float b2) {
+void shorten(inout Hit hit, bool found, float t, uint slot) {
   hit.t = found ? t : hit.t;
   hit.slot = found ? slot : hit.slot;
-  hit.b1 = found ? b1 : hit.b1;
-  hit.b2 = found ? b2 : hit.b2;
 }
 
 // Tests a primitive record and shortens `hit` when it is nearer.
 bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
   const Primitive prim = to_primitive(record);
-  float t, b1, b2;
-  bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, hit.t, t, b1, b2);
+  float t;
+  bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, hit.t, t);
   if (is_sphere(prim)) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, hit.t, t);
-  shorten(hit, found, t, slot, b1, b2);
+  shorten(hit, found, t, slot);
   return found;
 }
 
@@ -103,15 +100,15 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
 // projected once, and no lane waits for another.
 #define TEST_FEW(i)                                                                                                  \
   if (i < kFewTriangles) {                                                                                           \
-    const bool found = intersect_triangle(rf, FEW_VALUES(i), hit.t, t, b1, b2);                                      \
-    shorten(hit, found, t, i * kPrimitiveSlots, b1, b2);                                                             \
+    const bool found = intersect_triangle(rf, FEW_VALUES(i), hit.t, t);                                              \
+    shorten(hit, found, t, i * kPrimitiveSlots);                                                                     \
   } else if (i < kFewTriangles + kFewSpheres) {                                                                      \
     const bool found = intersect_sphere(rf.ray, vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), kFew##i##_3, hit.t, t); \
-    shorten(hit, found, t, i * kPrimitiveSlots, 0.0, 0.0);                                                           \
+    shorten(hit, found, t, i * kPrimitiveSlots);                                                                     \
   }
 Hit intersect_few_primitives(RayFrame rf) {
-  Hit hit = Hit(rf.ray.t_max, kNone, 0.0, 0.0);
-  float t, b1, b2;
+  Hit hit = Hit(rf.ray.t_max, kNone);
+  float t;
   FOR_EACH_FEW(TEST_FEW)
   return hit;
 }

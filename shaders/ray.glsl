@@ -23,9 +23,10 @@ Ray spawn_shadow_ray(vec3 p, vec3 ng, float error, vec3 target, vec3 target_ng, 
   const vec3 o = offset_origin(p, ng, error, target - p);
   const vec3 v = offset_origin(target, target_ng, target_error, p - target) - o;
   const float distance = length(v);
-  MUTATE(kMutantShadowRayTooLong, return Ray(o, 0.0, v / distance, distance * 1.01));
-  MUTATE(kMutantShadowsIgnored, return Ray(o, 0.0, v / distance, 0.0));
-  return Ray(o, 0.0, v / distance, distance * (1.0 - 1e-6));
+  const vec3 d = v * (1.0 / distance);
+  MUTATE(kMutantShadowRayTooLong, return Ray(o, 0.0, d, distance * 1.01));
+  MUTATE(kMutantShadowsIgnored, return Ray(o, 0.0, d, 0.0));
+  return Ray(o, 0.0, d, distance * (1.0 - 1e-6));
 }
 
 #endif

@@ -31,19 +31,19 @@ vec3 triangle_normal(Primitive tri) {
 }
 
 // Interpolated vertex normal; ng where the mesh has none or they cancel.
-vec3 shading_normal(Shape shape, uint primitive, float b1, float b2, vec3 ng) {
+vec3 shading_normal(Shape shape, uint primitive, vec3 weights, vec3 ng) {
   if (!kVertexNormals || shape.first_triangle == kNone) return ng;
   const uvec3 v = fetch_triangle(shape.first_triangle + primitive);
-  const vec3 n = (1.0 - b1 - b2) * fetch_normal(v.x) + b1 * fetch_normal(v.y) + b2 * fetch_normal(v.z);
+  const vec3 n = weights.x * fetch_normal(v.x) + weights.y * fetch_normal(v.y) + weights.z * fetch_normal(v.z);
   const float len = length(n);
-  return len > 0.0 ? n / len : ng;
+  return len > 0.0 ? n * (1.0 / len) : ng;
 }
 
 // Barycentric weights kept a little inside the triangle: a few units in the last place of its size. A point that rounds onto an edge may lie beyond
 // the neighbour across the edge, and a ray from there would leave a closed box.
-vec3 inner_weights(float b1, float b2) {
-  const vec3 b = max(vec3(1.0 - b1 - b2, b1, b2), vec3(1.0 / 4194304.0));
-  return b / (b.x + b.y + b.z);
+vec3 inner_weights(vec3 weights) {
+  const vec3 b = max(weights, vec3(1.0 / 4194304.0));
+  return b * (1.0 / (b.x + b.y + b.z));
 }
 
 Surface make_surface(Ray ray, Hit hit, out Shape shape) {
@@ -60,9 +60,11 @@ Surface make_surface(Ray ray, Hit hit, out Shape shape) {
     ns = s.ng;
   } else {
     s.ng = triangle_normal(prim);
-    const vec3 b = inner_weights(hit.b1, hit.b2);
+    // Found once more: carried along from the test they would cost every step of the walk.
+    const vec3 weights = triangle_weights(make_ray_frame(ray), prim.p0 - ray.o, prim.p1 - ray.o, prim.p2 - ray.o);
+    const vec3 b = inner_weights(weights);
     s.p = b.x * prim.p0 + b.y * prim.p1 + b.z * prim.p2;
-    ns = shading_normal(shape, prim.primitive, hit.b1, hit.b2, s.ng);
+    ns = shading_normal(shape, prim.primitive, weights, s.ng);
   }
   s.frame = make_frame(ns);
   return s;

@@ -44,7 +44,7 @@ Walk begin_walk(Ray ray, bool any_hit) {
   Walk walk;
   walk.rf = make_ray_frame(ray);
   walk.inv_d = safe_inverse(ray.d);
-  walk.hit = Hit(ray.t_max, kNone, 0.0, 0.0);
+  walk.hit = Hit(ray.t_max, kNone);
   // A ray that is no ray would meet every box of the tree, or none, as the driver's min and max please: it misses.
   walk.current = is_finite(ray.o + ray.d) ? (kHasFew ? kBeforeTree : kTreeRoot) : kNone;
   walk.any_hit = any_hit;

@@ -21,8 +21,10 @@ LightSample area_sample_triangle(vec3 p, Primitive tri, Shape shape, float prob,
   ls.p = b.x * tri.p0 + b.y * tri.p1 + b.z * tri.p2;
   const vec3 n = cross(tri.p1 - tri.p0, tri.p2 - tri.p0);
   const float largest = max_component(abs(n));
-  const float twice_area = largest * length(n / largest);  // the square of a tiny area would vanish
-  ls.ng = n / twice_area;
+  const vec3 scaled = n / largest;  // the square of a tiny area would vanish
+  const float scaled_length = length(scaled);
+  const float twice_area = largest * scaled_length;
+  ls.ng = scaled * (1.0 / scaled_length);
   const vec3 v = ls.p - p;
   const float d2 = dot(v, v);
   ls.wi = v * inversesqrt(d2);

@@ -101,7 +101,7 @@ bool survive_roulette(inout Path path, float u) {
   const float q = min(max_component(path.beta) * path.eta_scale, 0.99);
   if (u >= q) return false;
   MUTATE(kMutantRouletteUncompensated, return true);
-  path.beta /= q;
+  path.beta *= 1.0 / q;
   return true;
 }
 

@@ -107,11 +107,9 @@ void render_slot(uint group, uint lane) {
       PROFILE(profile_finish());
       path = begin_path(pixel, path_after(path.sample_index));
     }
-    if (path.shadow_pending) {
-      walk = begin_walk(path.shadow_ray, true);
-    } else {
-      walk = begin_walk(path.ray, false);
-    }
+    Ray next_ray = path.ray;
+    if (path.shadow_pending) next_ray = path.shadow_ray;
+    walk = begin_walk(next_ray, path.shadow_pending);
   }
   if (path.sample_index < pass.path_end) {
     atomicAdd(report.unfinished, 1u);

@@ -18,7 +18,7 @@ bool intersect_listed(RayFrame rf, uint i, inout Hit hit) {
 
 Hit trace_brute_force(Ray ray) {
   const RayFrame rf = make_ray_frame(ray);
-  Hit hit = Hit(ray.t_max, kNone, 0.0, 0.0);
+  Hit hit = Hit(ray.t_max, kNone);
   for (uint i = 0u; i < listed_count(); ++i) intersect_listed(rf, i, hit);
   return hit;
 }
@@ -28,7 +28,7 @@ uint count_ties(Ray ray, float t) {
   const RayFrame rf = make_ray_frame(ray);
   uint ties = 0u;
   for (uint i = 0u; i < listed_count(); ++i) {
-    Hit hit = Hit(ray.t_max, kNone, 0.0, 0.0);
+    Hit hit = Hit(ray.t_max, kNone);
     if (intersect_listed(rf, i, hit) && hit.t == t) ++ties;
   }
   return ties;

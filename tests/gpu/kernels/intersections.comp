@@ -9,12 +9,15 @@ void main() {
   if (!lane_has_work()) return;
   const IntersectCase c = inputs[lane()];
   const Ray ray = Ray(c.o, c.t_min, c.d, c.t_max);
-  float t = 0.0, b1 = 0.0, b2 = 0.0;
+  float t = 0.0;
+  vec3 weights = vec3(0.0);
   bool found;
   if (c.kind == kPrimitiveSphere) {
     found = intersect_sphere(ray, c.p0, c.p1.x, c.t_max, t);
   } else {
-    found = intersect_triangle(make_ray_frame(ray), c.p0, c.p1, c.p2, c.t_max, t, b1, b2);
+    const RayFrame rf = make_ray_frame(ray);
+    found = intersect_triangle(rf, c.p0, c.p1, c.p2, c.t_max, t);
+    weights = triangle_weights(rf, c.p0 - c.o, c.p1 - c.o, c.p2 - c.o);
   }
-  outputs[lane()] = IntersectAnswer(found ? 1u : 0u, t, b1, b2);
+  outputs[lane()] = IntersectAnswer(found ? 1u : 0u, t, weights.y, weights.z);
 }
