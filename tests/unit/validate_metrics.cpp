@@ -118,12 +118,15 @@ TEST(Srgb, StandardValuesAndInverse) {
   EXPECT_EQ(srgb_encode(-1.0), 0.0);
   EXPECT_EQ(srgb_encode(7.0), 1.0);
   EXPECT_EQ(srgb_encode(std::numeric_limits<double>::quiet_NaN()), 0.0);
-  for (double x = 0.001; x < 1.0; x += 0.017) EXPECT_NEAR(srgb_decode(srgb_encode(x)), x, 1e-6);
+  for (int i = 0; i < 59; ++i) {
+    const double x = 0.001 + 0.017 * i;
+    EXPECT_NEAR(srgb_decode(srgb_encode(x)), x, 1e-6);
+  }
 }
 
 TEST(Ssim, ConstantsHaveAClosedForm) {
   // Without variance: (2ab + C1)/(a² + b² + C1).
-  const std::vector<double> a(20 * 20, 0.5), b(20 * 20, 0.25);
+  const std::vector<double> a(std::size_t{20} * 20, 0.5), b(std::size_t{20} * 20, 0.25);
   EXPECT_NEAR(ssim(a, b, 20, 20), (0.25 + 1e-4) / (0.3125 + 1e-4), 1e-9);
   EXPECT_NEAR(ssim(a, b, 3, 4), 0, 2) << "smaller than a window: defined all the same";
 }
@@ -136,7 +139,7 @@ TEST(Ssim, NegativeForInvertedStructureAndSymmetric) {
   }
   EXPECT_LT(ssim(a, inverted, 32, 32), -0.9);
   EXPECT_DOUBLE_EQ(ssim(a, inverted, 32, 32), ssim(inverted, a, 32, 32));
-  const std::vector<double> flat(32 * 32, 0.5);
+  const std::vector<double> flat(std::size_t{32} * 32, 0.5);
   EXPECT_LT(ssim(a, flat, 32, 32), 0.05) << "all structure lost";
 }
 
@@ -144,11 +147,12 @@ TEST(Ssim, OneWindowByHand) {
   // 11×11: exactly one window fits; weighted moments as one direct double sum.
   std::vector<double> a(121), b(121);
   double w_sum = 0, ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
+  std::size_t i = 0;
   for (int y = 0; y < 11; ++y) {
-    for (int x = 0; x < 11; ++x) {
+    for (int x = 0; x < 11; ++x, ++i) {
       const double va = 0.5 + 0.4 * std::sin(x + 2 * y), vb = 0.5 + 0.4 * std::cos(x * y);
-      a[static_cast<std::size_t>(y * 11 + x)] = va;
-      b[static_cast<std::size_t>(y * 11 + x)] = vb;
+      a[i] = va;
+      b[i] = vb;
       const double w = std::exp(-((x - 5) * (x - 5) + (y - 5) * (y - 5)) / 4.5);
       w_sum += w, ma += w * va, mb += w * vb, aa += w * va * va, bb += w * vb * vb, ab += w * va * vb;
     }
@@ -214,9 +218,7 @@ TEST(Flip, InvariantsOfAMetric) {
   // A mirrored pair has the mirrored map.
   const auto mirror = [](const Image& image) {
     auto out = image.pixels;
-    for (std::uint32_t y = 0; y < image.height; ++y) {
-      std::reverse(out.begin() + y * image.width, out.begin() + (y + 1) * image.width);
-    }
+    for (auto row = out.begin(); row != out.end(); row += image.width) std::reverse(row, row + image.width);
     return out;
   };
   const auto mirrored = ldr_flip(mirror(a), mirror(b), 40, 32, kPpd);
@@ -228,8 +230,9 @@ TEST(Flip, InvariantsOfAMetric) {
 // The whole of section 4 at one pixel as plain 2D sums over the unseparated filters.
 double flip_at(const Image& a, const Image& b, int px, int py) {
   const auto at = [&](const Image& image, int x, int y) {
-    return flip::ycxcz_from_rgb(glm::dvec3(image.pixels[static_cast<std::size_t>(
-        std::clamp(y, 0, int(image.height) - 1) * int(image.width) + std::clamp(x, 0, int(image.width) - 1))]));
+    const auto column = static_cast<std::size_t>(std::clamp(x, 0, int(image.width) - 1));
+    const auto row = static_cast<std::size_t>(std::clamp(y, 0, int(image.height) - 1));
+    return flip::ycxcz_from_rgb(glm::dvec3(image.pixels[row * image.width + column]));
   };
   const int r = static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * kPi * kPi)) * kPpd));
   glm::dvec3 seen[2];
@@ -296,8 +299,8 @@ TEST(HdrFlip, ExposuresBracketTheReference) {
 
 TEST(HdrFlip, SeesWhatClampingHides) {
   Image a = constant(24, 24, {0.5f, 0.5f, 0.5f}), b = a;
-  for (int i = 0; i < 5; ++i) a.pixels[static_cast<std::size_t>(12 * 24 + 8 + i)] = glm::vec3(50.0f);
-  for (int i = 0; i < 5; ++i) b.pixels[static_cast<std::size_t>(12 * 24 + 8 + i)] = glm::vec3(10.0f);
+  for (std::size_t i = 0; i < 5; ++i) a.pixels[12 * 24 + 8 + i] = glm::vec3(50.0f);
+  for (std::size_t i = 0; i < 5; ++i) b.pixels[12 * 24 + 8 + i] = glm::vec3(10.0f);
   const auto ldr = ldr_flip(a.pixels, b.pixels, 24, 24, kPpd), hdr = hdr_flip(a.pixels, b.pixels, 24, 24, kPpd);
   EXPECT_EQ(*std::max_element(ldr.begin(), ldr.end()), 0.0f);
   EXPECT_GT(*std::max_element(hdr.begin(), hdr.end()), 0.1f);

@@ -222,8 +222,8 @@ TEST(ChiSquare, SamplesWhereThereCanBeNoneAreAnError) {
 
 TEST(ChiSquare, FalseAlarmsComeAtTheStatedRateAndALeaningDieIsFound) {
   std::mt19937_64 rng(3);
-  std::vector<double> weights;
-  for (int i = 0; i < 40; ++i) weights.push_back(std::exp(-0.2 * i));  // the tail has to be pooled
+  std::vector<double> weights(40);
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = std::exp(-0.2 * i);  // the tail has to be pooled
   double sum = 0;
   for (double w : weights) sum += w;
   std::discrete_distribution<int> fair(weights.begin(), weights.end());
@@ -231,8 +231,8 @@ TEST(ChiSquare, FalseAlarmsComeAtTheStatedRateAndALeaningDieIsFound) {
   leaning_weights[1] *= 1.1;
   std::discrete_distribution<int> leaning(leaning_weights.begin(), leaning_weights.end());
   constexpr int kSamples = 20000, kExperiments = 2000;
-  std::vector<double> expected;
-  for (double w : weights) expected.push_back(w / sum * kSamples);
+  auto expected = weights;
+  for (double& count : expected) count *= kSamples / sum;
   std::uint64_t rejected = 0, found = 0;
   for (int i = 0; i < kExperiments; ++i) {
     std::vector<double> observed(weights.size());

@@ -13,7 +13,6 @@ namespace {
 
 using test::Defects;
 using test::fake;
-using test::FakeRenderer;
 using test::small_scene;
 using ::testing::HasSubstr;
 
