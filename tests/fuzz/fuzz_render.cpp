@@ -2,10 +2,11 @@
 /// environment variable ETENDUE_FUZZ_DEVICE names one (a kernel is compiled for each scene, which makes it slow).
 ///
 /// An input is a scene file; behind a line "%%%" may follow an OBJ file, which stands for every mesh the scene names.
-/// Sizes are clamped here, for time; whatever else the scene says is rendered.
+/// Sizes are clamped here, for time; whatever else the scene says is rendered. How many scenes were is told at the end.
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
@@ -23,6 +24,14 @@ namespace {
 
 constexpr std::string_view kSeparator = "\n%%%\n";
 constexpr std::uint32_t kSamples = 2;
+
+/// Printed when the process ends.
+struct Counts {
+  unsigned inputs = 0, on_reference = 0, on_device = 0;
+  ~Counts() {
+    std::fprintf(stderr, "%u inputs, %u rendered on the reference, %u on a device\n", inputs, on_reference, on_device);
+  }
+} counts;
 
 void require(bool condition) {
   if (!condition) std::abort();
@@ -78,15 +87,34 @@ void render_on_device(const etendue::Scene& scene, const char* device) {
     return;
   }
   render(*renderer, scene);
+  ++counts.on_device;
 }
 
 }  // namespace
 
+#ifdef ETENDUE_FUZZ
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t capacity);
+
+// All but a few changes of a scene make one that is refused. Those are the business of fuzz_scene_xml and
+// fuzz_scene_obj, and would crowd out here what renders: change again, from the start.
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t capacity, unsigned) {
+  constexpr int kTries = 30;
+  const std::string original(reinterpret_cast<const char*>(data), size);
+  for (int i = 1;; ++i) {
+    const std::size_t changed = LLVMFuzzerMutate(data, size, capacity);
+    if (i == kTries || read_input({reinterpret_cast<const char*>(data), changed})) return changed;
+    original.copy(reinterpret_cast<char*>(data), size);
+  }
+}
+#endif
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   etendue::set_thread_count(1);
+  ++counts.inputs;
   const std::optional<etendue::Scene> scene = read_input({reinterpret_cast<const char*>(data), size});
   if (!scene) return 0;
   render(*etendue::make_reference_renderer(*scene, {}), *scene);
+  ++counts.on_reference;
   static const char* const device = std::getenv("ETENDUE_FUZZ_DEVICE");
   if (device != nullptr) render_on_device(*scene, device);
   return 0;
