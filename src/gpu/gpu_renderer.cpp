@@ -173,9 +173,8 @@ class GpuRenderer final : public Renderer {
   std::unique_ptr<DeviceScene> scene_;
   vulkan::Buffer report_, unused_;
   std::vector<vulkan::Specialization> constants_;
-  vulkan::Kernel render_kernel_;
-  std::optional<vulkan::Kernel> path_kernel_;  // of trace_path, made when first asked for
-  const std::uint32_t set_bits_;               // of the sampler; what this class calls samples are sets of paths
+  vulkan::Kernel render_kernel_, path_kernel_;  // made when first needed
+  const std::uint32_t set_bits_;                // of the sampler; what this class calls samples are sets of paths
   gpu::Frame frame_{};
   std::uint32_t step_budget_ = 0;
   bool first_dispatch_done_ = false;
@@ -398,7 +397,7 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
 }
 
 std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
-  if (!path_kernel_) path_kernel_.emplace(make_kernel(kernels_.trace_path, "trace_path"));  // drivers compile for long
+  if (!path_kernel_.get()) path_kernel_ = make_kernel(kernels_.trace_path, "trace_path");
   const vulkan::Buffer request(context_, sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                vulkan::Buffer::Memory::device, "sample request");
   constexpr std::size_t kBytes = 16 + gpu::kMaxTracedVertices * sizeof(gpu::TracedVertex);
@@ -411,7 +410,7 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
   set.bind(gpu::kBindingVertices, vertices);
   gpu::Pass pass{};
   pass.step_budget = step_budget_;
-  dispatch(*path_kernel_, set, pass, 1);
+  dispatch(path_kernel_, set, pass, 1);
   std::vector<std::byte> bytes(kBytes);
   commands_.download(vertices, 0, bytes);
   std::uint32_t count = 0;

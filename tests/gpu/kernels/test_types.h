@@ -136,8 +136,7 @@ struct IntersectAnswer {
 };
 
 // The walk of the tree beside a loop over every primitive.
-const uint kListed =
-    0x600du;  // in w of the table of triangle indices: x is the slot of a primitive for brute_force.glsl
+const uint kListed = 0x600du;  // in w of the table of triangle indices: x is a primitive's slot, for brute_force.glsl
 struct TraceAnswer {
   float t;
   uint shape, primitive;  // kNone: no hit
