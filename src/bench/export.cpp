@@ -8,9 +8,8 @@
 #include <type_traits>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
-
 #include "core/errors.h"
+#include "core/json.h"
 #include "image/files.h"
 
 namespace etendue {
@@ -41,7 +40,7 @@ class Bytes {
   std::vector<std::byte> bytes_;
 };
 
-nlohmann::json json(const glm::dvec3& v) {
+Json json(const glm::dvec3& v) {
   return {v.x, v.y, v.z};
 }
 
@@ -68,7 +67,7 @@ void write_ply(const TriangleMesh& mesh, bool mirror, const std::string& path) {
   write_file_atomically(path, out.get());
 }
 
-nlohmann::json bsdf_json(const Bsdf& bsdf) {
+Json bsdf_json(const Bsdf& bsdf) {
   if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf))
     return {{"type", "diffuse"}, {"albedo", json(diffuse->albedo)}};
   if (const auto* glass = std::get_if<DielectricBsdf>(&bsdf))
@@ -81,7 +80,7 @@ bool is_mirrored(const Camera& camera) {
 }
 
 // A rigid camera: its axes of unit length, rows of the matrix, clipping distances in scene units.
-nlohmann::json camera_json(const Scene& scene) {
+Json camera_json(const Scene& scene) {
   const Camera& camera = scene.camera;
   glm::dmat3 axes(camera.world_from_camera);
   const double scale = glm::length(axes[2]);
@@ -103,7 +102,7 @@ nlohmann::json camera_json(const Scene& scene) {
     for (int i = 0; i < 3; ++i) axes[i] = mirrored(axes[i], true);
     origin = mirrored(origin, true);
   }
-  auto rows = nlohmann::json::array();
+  auto rows = Json::array();
   for (int r = 0; r < 3; ++r) rows.push_back({axes[0][r], axes[1][r], axes[2][r], origin[r]});
   rows.push_back({0.0, 0.0, 0.0, 1.0});
   return {{"width", camera.width},
@@ -114,8 +113,8 @@ nlohmann::json camera_json(const Scene& scene) {
           {"world_from_camera", rows}};
 }
 
-nlohmann::json shape_json(const Shape& shape, bool mirror, const std::string& ply) {
-  nlohmann::json out = {{"name", shape.name}, {"bsdf", bsdf_json(shape.bsdf)}, {"radiance", nullptr}};
+Json shape_json(const Shape& shape, bool mirror, const std::string& ply) {
+  Json out = {{"name", shape.name}, {"bsdf", bsdf_json(shape.bsdf)}, {"radiance", nullptr}};
   if (shape.emitter) out["radiance"] = json(shape.emitter->radiance);
   if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
     out["sphere"] = {{"center", json(mirrored(sphere->center, mirror))}, {"radius", sphere->radius}};
@@ -138,17 +137,17 @@ void export_scene(const Scene& scene, const std::string& folder) {
   make_folder(folder);
   const bool mirror = is_mirrored(scene.camera);
   const Integrator& i = scene.integrator;
-  nlohmann::json out = {{"name", scene.name},
-                        {"camera", camera_json(scene)},
-                        {"integrator",
-                         {{"type", i.type == Integrator::Type::path ? "path" : "normals"},
-                          {"max_depth", i.max_depth},
-                          {"rr_depth", i.rr_depth},
-                          {"nee", i.nee},
-                          {"mis", i.mis}}},
-                        {"samples", scene.sampler.sample_count},
-                        {"sky", {{"top", json(scene.sky.top)}, {"horizon", json(scene.sky.horizon)}}},
-                        {"shapes", nlohmann::json::array()}};
+  Json out = {{"name", scene.name},
+              {"camera", camera_json(scene)},
+              {"integrator",
+               {{"type", i.type == Integrator::Type::path ? "path" : "normals"},
+                {"max_depth", i.max_depth},
+                {"rr_depth", i.rr_depth},
+                {"nee", i.nee},
+                {"mis", i.mis}}},
+              {"samples", scene.sampler.sample_count},
+              {"sky", {{"top", json(scene.sky.top)}, {"horizon", json(scene.sky.horizon)}}},
+              {"shapes", Json::array()}};
   for (std::size_t k = 0; k < scene.shapes.size(); ++k) {
     const std::string ply = fmt::format("shape-{}.ply", k);
     if (const auto* mesh = std::get_if<TriangleMesh>(&scene.shapes[k].geometry))

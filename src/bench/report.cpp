@@ -34,20 +34,20 @@ std::string ray_line(const RayRates& r) {
                      r.steps, check);
 }
 
-nlohmann::json json(const Spread& s) {
+Json json(const Spread& s) {
   if (s.count == 0) return nullptr;
   return {{"median", s.median}, {"min", s.min}, {"max", s.max}, {"count", s.count}};
 }
 
-nlohmann::json json(const RayRates& r) {
-  nlohmann::json out = {{"class", r.kind},
-                        {"order", r.shuffled ? "shuffled" : "picture"},
-                        {"rays", r.count},
-                        {"hits", r.hits},
-                        {"steps_per_ray", r.steps > 0.0 ? nlohmann::json(r.steps) : nlohmann::json()},
-                        {"rays_per_second", json(r.rate)},
-                        {"rays_per_cpu_second", json(r.cpu_rate)},
-                        {"check", nullptr}};
+Json json(const RayRates& r) {
+  Json out = {{"class", r.kind},
+              {"order", r.shuffled ? "shuffled" : "picture"},
+              {"rays", r.count},
+              {"hits", r.hits},
+              {"steps_per_ray", r.steps > 0.0 ? Json(r.steps) : Json()},
+              {"rays_per_second", json(r.rate)},
+              {"rays_per_cpu_second", json(r.cpu_rate)},
+              {"check", nullptr}};
   if (r.check) {
     out["check"] = {{"rays", r.check->checked},
                     {"hits", r.check->hits},
@@ -59,24 +59,24 @@ nlohmann::json json(const RayRates& r) {
   return out;
 }
 
-nlohmann::json json(const SceneReport& s) {
-  nlohmann::json out = {{"scene", s.name},
-                        {"file", s.file},
-                        {"integrator", s.integrator},
-                        {"width", s.width},
-                        {"height", s.height},
-                        {"triangles", s.triangles},
-                        {"spheres", s.spheres},
-                        {"seconds",
-                         {{"compile", json(s.compile)},
-                          {"upload", json(s.upload)},
-                          {"pipeline_cold", json(s.pipeline_cold)},
-                          {"pipeline_warm", json(s.pipeline_warm)}}},
-                        {"memory", {{"host_peak", nullptr}, {"device_peak", nullptr}}},
-                        {"rays", nlohmann::json::array()},
-                        {"samples_per_second", json(s.sample_rate)},
-                        {"samples_per_cpu_second", json(s.cpu_sample_rate)},
-                        {"spp", s.repeated_spp}};
+Json json(const SceneReport& s) {
+  Json out = {{"scene", s.name},
+              {"file", s.file},
+              {"integrator", s.integrator},
+              {"width", s.width},
+              {"height", s.height},
+              {"triangles", s.triangles},
+              {"spheres", s.spheres},
+              {"seconds",
+               {{"compile", json(s.compile)},
+                {"upload", json(s.upload)},
+                {"pipeline_cold", json(s.pipeline_cold)},
+                {"pipeline_warm", json(s.pipeline_warm)}}},
+              {"memory", {{"host_peak", nullptr}, {"device_peak", nullptr}}},
+              {"rays", Json::array()},
+              {"samples_per_second", json(s.sample_rate)},
+              {"samples_per_cpu_second", json(s.cpu_sample_rate)},
+              {"spp", s.repeated_spp}};
   if (s.host_peak) out["memory"]["host_peak"] = *s.host_peak;
   if (s.device_peak > 0) out["memory"]["device_peak"] = s.device_peak;
   for (const RayRates& r : s.rays) out["rays"].push_back(json(r));
@@ -116,15 +116,15 @@ std::string bench_table(const BenchReport& report) {
   return out;
 }
 
-nlohmann::json bench_json(const BenchReport& report) {
-  nlohmann::json out = {{"version", version()},
-                        {"device", report.device},
-                        {"driver", report.driver},
-                        {"processor", report.processor},
-                        {"host_threads", report.host_threads},
-                        {"repetitions", report.repetitions},
-                        {"passed", report.passed()},
-                        {"scenes", nlohmann::json::array()}};
+Json bench_json(const BenchReport& report) {
+  Json out = {{"version", version()},
+              {"device", report.device},
+              {"driver", report.driver},
+              {"processor", report.processor},
+              {"host_threads", report.host_threads},
+              {"repetitions", report.repetitions},
+              {"passed", report.passed()},
+              {"scenes", Json::array()}};
   for (const SceneReport& scene : report.scenes) out["scenes"].push_back(json(scene));
   return out;
 }

@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "bench/scene_bench.h"
+#include "core/json.h"
 
 namespace etendue {
 
@@ -20,7 +19,7 @@ struct BenchReport {
 };
 
 std::string bench_table(const BenchReport& report);
-nlohmann::json bench_json(const BenchReport& report);
+Json bench_json(const BenchReport& report);
 
 /// The CPU's model name as Linux gives it; empty where it does not.
 std::string processor_name();

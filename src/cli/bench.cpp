@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/core.h>
@@ -124,23 +125,23 @@ ExitCode run_bench(const Options& options) {
 
 }  // namespace
 
-void add_bench_command(CLI::App& app, Action& action) {
+void add_bench_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("bench", "measure rays and samples per second, start-up and memory");
   const auto options = std::make_shared<Options>();
   command->add_option("SCENE", options->files, "scene files (default: three of the folder scenes)");
   command
       ->add_option("--repetitions", options->repetitions,
                    "measurements of everything, of which the median is told; 0: only check")
-      ->check(CLI::Range(0, 1000))
+      ->check(in_range(0, 1000))
       ->capture_default_str();
   command->add_option("--time", options->time, "time of the samples in one repetition, about")
       ->type_name("TIME")
       ->capture_default_str();
   command->add_option("--rays", options->rays, "primary rays; 0: as many as suit the device")
-      ->check(CLI::Range(0, 1 << 22))
+      ->check(in_range(0, 1 << 22))
       ->capture_default_str();
   command->add_option("--part", options->parts, "measure this only: start, rays or samples; may be repeated")
-      ->check(CLI::IsMember({"start", "rays", "samples"}))
+      ->check(one_of({"start", "rays", "samples"}))
       ->allow_extra_args(false);
   command
       ->add_option("--export", options->export_folder,
@@ -153,7 +154,7 @@ void add_bench_command(CLI::App& app, Action& action) {
   command
       ->add_option("--loads", options->loads,
                    "how kernels read the scene's tables (default: as suits device and scene)")
-      ->check(CLI::IsMember({"texel", "storage"}));
+      ->check(one_of({"texel", "storage"}));
   command->add_flag("--quick", options->quick, "few rays, short repetitions, two of them: does everything work?");
   command->add_flag("--json", options->json, "machine-readable output");
   command->callback([&action, options] { action = [options] { return run_bench(*options); }; });

@@ -1,9 +1,8 @@
 #include "scene/check.h"
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
-
 #include "cli/command.h"
+#include "core/json.h"
 #include "validate/scene_probe.h"
 
 namespace etendue::cli {
@@ -29,7 +28,7 @@ const char* severity_name(Severity severity) {
 
 ExitCode check_files(const Options& options) {
   ExitCode code = ExitCode::ok;
-  auto out = nlohmann::json::array();
+  auto out = Json::array();
   for (const std::string& file : options.files) {
     Diagnostics diagnostics;
     ReadOptions read = options.scene.read_options();
@@ -54,13 +53,13 @@ ExitCode check_files(const Options& options) {
     if (diagnostics.dropped() > 0) fmt::print("{} more findings are not listed\n", diagnostics.dropped());
     if (!diagnostics.has_errors()) fmt::print("{}: ok\n", file);
   }
-  if (options.json) fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  if (options.json) fmt::print("{}\n", out.dump(2));
   return code;
 }
 
 }  // namespace
 
-void add_check_command(CLI::App& app, Action& action) {
+void add_check_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "check", "read scenes strictly and list everything that is wrong or probably not meant; nothing is rendered");
   const auto options = std::make_shared<Options>();

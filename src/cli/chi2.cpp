@@ -33,7 +33,7 @@ ExitCode run_files(const Options& options) {
     tests.push_back(std::move(*test));
   }
   bool passed = true;
-  auto out = nlohmann::json::array();
+  auto out = Json::array();
   std::vector<JunitCase> cases;
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const Chi2Report report = run_chi2(tests[i], options.files[i], options.device.probe_factory(), options.test);
@@ -53,7 +53,7 @@ ExitCode run_files(const Options& options) {
 
 }  // namespace
 
-void add_chi2_command(CLI::App& app, Action& action) {
+void add_chi2_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("chi2", "test whether the sampling of bsdfs follows their density");
   const auto options = std::make_shared<Options>();
   command->add_option("FILE", options->files, "files with a <test type=\"chi2test\">")->required();
@@ -62,7 +62,7 @@ void add_chi2_command(CLI::App& app, Action& action) {
   command->add_option("--seed", options->test.seed, "seed of the first test: its direction and its samples")
       ->capture_default_str();
   command->add_option("--samples", options->test.sample_count, "samples per test instead of the file's sampleCount")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command->add_flag("--json", options->json, "machine-readable output");
   command->add_option("--junit", options->junit, "write the results as JUnit XML to this file");
   command->callback([&action, options] { action = [options] { return run_files(*options); }; });

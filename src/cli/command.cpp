@@ -13,7 +13,7 @@
 
 namespace etendue::cli {
 
-void SceneOptions::add_to(CLI::App& command) {
+void SceneOptions::add_to(Command& command) {
   command.add_option("-D,--define", overrides, "override a property of the scene, for example -D integrator.nee=false")
       ->type_name("PATH=VALUE")
       ->allow_extra_args(false);
@@ -35,7 +35,7 @@ ReadOptions SceneOptions::read_options() const {
   return options;
 }
 
-void DeviceOption::add_to(CLI::App& command) {
+void DeviceOption::add_to(Command& command) {
   command
       .add_option("--device", selector,
                   "'auto', an index or a part of the name as 'etendue devices' lists them, or 'reference'")
@@ -46,7 +46,7 @@ void DeviceOption::add_to(CLI::App& command) {
                   "a dispatch that takes longer means that the device hangs (default and at most 5m)")
       ->type_name("TIME");
   command.add_option("--pass-samples", pass_samples, "samples of each lane per dispatch; for tests")->group("");
-  command.add_option("--threads", threads, "host threads; 0: as many as there are cores")->check(CLI::Range(0, 1024));
+  command.add_option("--threads", threads, "host threads; 0: as many as there are cores")->check(in_range(0, 1024));
 }
 
 namespace {

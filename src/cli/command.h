@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "core/command_line.h"
 #include "core/errors.h"
 #include "gpu/gpu_renderer.h"
 #include "render/bsdf_probe.h"
@@ -18,25 +17,25 @@ namespace etendue::cli {
 /// Set by the parsed subcommand; run by main after the options were read.
 using Action = std::function<ExitCode()>;
 
-void add_render_command(CLI::App& app, Action& action);
-void add_devices_command(CLI::App& app, Action& action);
-void add_check_command(CLI::App& app, Action& action);
-void add_ttest_command(CLI::App& app, Action& action);
-void add_merge_command(CLI::App& app, Action& action);
-void add_compare_command(CLI::App& app, Action& action);
-void add_validate_command(CLI::App& app, Action& action);
-void add_chi2_command(CLI::App& app, Action& action);
-void add_selftest_command(CLI::App& app, Action& action);
-void add_mutate_command(CLI::App& app, Action& action);
-void add_bench_command(CLI::App& app, Action& action);
-void add_explain_command(CLI::App& app, Action& action);
+void add_render_command(Command& app, Action& action);
+void add_devices_command(Command& app, Action& action);
+void add_check_command(Command& app, Action& action);
+void add_ttest_command(Command& app, Action& action);
+void add_merge_command(Command& app, Action& action);
+void add_compare_command(Command& app, Action& action);
+void add_validate_command(Command& app, Action& action);
+void add_chi2_command(Command& app, Action& action);
+void add_selftest_command(Command& app, Action& action);
+void add_mutate_command(Command& app, Action& action);
+void add_bench_command(Command& app, Action& action);
+void add_explain_command(Command& app, Action& action);
 
 /// Options that several commands share.
 struct SceneOptions {
   std::vector<std::string> overrides;  ///< "integrator.nee=false"
   bool strict = false;
 
-  void add_to(CLI::App& command);
+  void add_to(Command& command);
   /// Throws Error(usage) for an override without '='.
   ReadOptions read_options() const;
 };
@@ -47,7 +46,7 @@ struct DeviceOption {
   std::uint32_t pass_samples = 0;  ///< see GpuOptions::fixed_samples; for tests
   unsigned threads = 0;            ///< of the reference and of scene compilation; 0: as many as there are cores
 
-  void add_to(CLI::App& command);
+  void add_to(Command& command);
   /// Renderers on the chosen device; "reference" is the CPU reference.
   RendererFactory factory() const;
   /// Materials on the chosen device.

@@ -38,7 +38,7 @@ ExitCode run_compare(const Options& options) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& app, Action& action) {
+void add_compare_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("compare", "say how far apart two pictures are and whether chance explains it");
   const auto options = std::make_shared<Options>();
   command->add_option("A", options->test, "the picture in question (EXR or PNG)")->required();
@@ -47,7 +47,7 @@ void add_compare_command(CLI::App& app, Action& action) {
                       "METRIC=VALUE, exit 1 beyond: mse rmse relmse mae flip hdrflip bias relbias nonfinite");
   command->add_option("--fail-below", options->below, "METRIC=VALUE, exit 1 below: psnr ssim");
   command->add_option("--significance", options->significance, "false-alarm rate of the statistical tests")
-      ->check(CLI::Range(1e-12, 0.5))
+      ->check(in_range(1e-12, 0.5))
       ->capture_default_str();
   command->add_flag("--no-flip", options->no_flip, "leave out FLIP and HDR-FLIP, which take most of the time");
   options->files.add_to(*command, true);

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
-
 #include "cli/command.h"
+#include "core/json.h"
 #include "vulkan/context.h"
 
 namespace etendue::cli {
@@ -9,7 +8,7 @@ namespace {
 
 ExitCode list(bool json) {
   const auto devices = vulkan::list_devices(vulkan::ContextOptions::from_environment());
-  auto out = nlohmann::json::array();
+  auto out = Json::array();
   for (const vulkan::DeviceInfo& d : devices) {
     const std::string api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(d.api_version),
                                         VK_API_VERSION_MINOR(d.api_version), VK_API_VERSION_PATCH(d.api_version));
@@ -38,7 +37,7 @@ ExitCode list(bool json) {
 
 }  // namespace
 
-void add_devices_command(CLI::App& app, Action& action) {
+void add_devices_command(Command& app, Action& action) {
   auto* command =
       app.add_subcommand("devices", "list the Vulkan devices and what is missing from those that cannot be used");
   const auto json = std::make_shared<bool>(false);

@@ -4,10 +4,9 @@
 #include <memory>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
-
 #include "cli/command.h"
 #include "cli/units.h"
+#include "core/json.h"
 
 namespace etendue::cli {
 namespace {
@@ -60,11 +59,11 @@ const char* yes_no(std::uint32_t decision) {
   return decision == kNone ? "-" : decision == 1 ? "yes" : "no";
 }
 
-nlohmann::json number_or_null(std::uint32_t value) {
-  return value == kNone ? nlohmann::json() : nlohmann::json(value);
+Json number_or_null(std::uint32_t value) {
+  return value == kNone ? Json() : Json(value);
 }
 
-nlohmann::json to_json(const PathVertex& v) {
+Json to_json(const PathVertex& v) {
   return {{"shape", number_or_null(v.shape)},
           {"primitive", number_or_null(v.primitive)},
           {"lightShape", number_or_null(v.light_shape)},
@@ -93,15 +92,15 @@ void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Option
   const std::vector<PathVertex> path = renderer.trace_path(id);
   const std::uint32_t x = id.pixel % scene.camera.width, y = id.pixel / scene.camera.width;
   if (options.json) {
-    auto vertices = nlohmann::json::array();
+    auto vertices = Json::array();
     for (const PathVertex& vertex : path) vertices.push_back(to_json(vertex));
-    fmt::print("{}\n", nlohmann::json{{"scene", options.scene_file},
-                                      {"device", renderer.device_name()},
-                                      {"seed", options.seed},
-                                      {"x", x},
-                                      {"y", y},
-                                      {"sample", id.sample},
-                                      {"vertices", vertices}}
+    fmt::print("{}\n", Json{{"scene", options.scene_file},
+                            {"device", renderer.device_name()},
+                            {"seed", options.seed},
+                            {"x", x},
+                            {"y", y},
+                            {"sample", id.sample},
+                            {"vertices", vertices}}
                            .dump(2));
     return;
   }
@@ -147,19 +146,19 @@ double share(std::uint64_t part, std::uint64_t whole) {
 void tell_lights(Renderer& renderer, const Scene& scene, const Options& options) {
   const Tally tally = count_lights(renderer, scene, options.lights);
   if (options.json) {
-    auto lights = nlohmann::json::array();
+    auto lights = Json::array();
     for (const auto& [shape, light] : tally.lights) {
       lights.push_back({{"shape", shape},
                         {"chosen", light.chosen},
                         {"share", share(light.chosen, tally.light_samples)},
                         {"reached", light.reached}});
     }
-    fmt::print("{}\n", nlohmann::json{{"scene", options.scene_file},
-                                      {"device", renderer.device_name()},
-                                      {"seed", options.seed},
-                                      {"paths", tally.paths},
-                                      {"lightSamples", tally.light_samples},
-                                      {"lights", lights}}
+    fmt::print("{}\n", Json{{"scene", options.scene_file},
+                            {"device", renderer.device_name()},
+                            {"seed", options.seed},
+                            {"paths", tally.paths},
+                            {"lightSamples", tally.light_samples},
+                            {"lights", lights}}
                            .dump(2));
     return;
   }
@@ -191,7 +190,7 @@ ExitCode explain(const Options& options) {
 
 }  // namespace
 
-void add_explain_command(CLI::App& app, Action& action) {
+void add_explain_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "explain", "tell the path of one sample, vertex by vertex, or count which lights the samples of a scene choose");
   const auto options = std::make_shared<Options>();
@@ -205,7 +204,7 @@ void add_explain_command(CLI::App& app, Action& action) {
   command
       ->add_option("--lights", options->lights,
                    "follow so many paths, spread evenly over the picture, and count the lights they choose")
-      ->check(CLI::Range(1u, 100'000'000u));
+      ->check(in_range(1u, 100'000'000u));
   options->scene.add_to(*command);
   options->device.add_to(*command);
   command->add_flag("--json", options->json, "machine-readable output");

@@ -8,9 +8,8 @@
 #include <system_error>
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
-
 #include "cli/command.h"
+#include "core/command_line.h"
 #include "core/errors.h"
 #include "core/log.h"
 #include "core/version.h"
@@ -21,9 +20,10 @@ namespace {
 using etendue::ExitCode;
 
 ExitCode run(int argc, char** argv) {
-  CLI::App app("Etendue: a Vulkan path tracer that gives the same light on every device, and proves it.", "etendue");
-  app.set_version_flag("--version", std::string("etendue ") + etendue::version());
-  app.require_subcommand(1);
+  etendue::Command app("Etendue: a Vulkan path tracer that gives the same light on every device, and proves it.",
+                       "etendue");
+  app.set_version_flag(std::string("etendue ") + etendue::version());
+  app.require_subcommand();
   app.footer(
       "Exit codes: 0 ok, 1 comparison or test failed, 2 usage, 3 scene error, 4 no suitable device, 5 device lost or "
       "out of memory, "
@@ -41,11 +41,7 @@ ExitCode run(int argc, char** argv) {
   etendue::cli::add_mutate_command(app, action);
   etendue::cli::add_bench_command(app, action);
   etendue::cli::add_explain_command(app, action);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
-  }
+  if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? ExitCode::ok : ExitCode::usage;
   const ExitCode code = action();
   // A run under the validation layer is only good when the layer had nothing to say.
   if (code == ExitCode::ok && etendue::vulkan::validation_message_count() > 0) {

@@ -2,10 +2,9 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
-
 #include "cli/command.h"
 #include "cli/render_session.h"
+#include "core/json.h"
 #include "core/log.h"
 
 namespace etendue::cli {
@@ -37,11 +36,11 @@ ExitCode merge(const Options& options) {
   const std::uint64_t count = sample_count(film.samples);
   const std::uint64_t gaps = film.samples.back().second - count;
   if (options.json) {
-    fmt::print("{}\n", nlohmann::json({{"outputs", options.outputs},
-                                       {"films", options.films.size()},
-                                       {"samples", count},
-                                       {"missing", gaps},
-                                       {"metadata", film_metadata(film)}})
+    fmt::print("{}\n", Json({{"outputs", options.outputs},
+                             {"films", options.films.size()},
+                             {"samples", count},
+                             {"missing", gaps},
+                             {"metadata", film_metadata(film)}})
                            .dump(2));
   } else if (!options.quiet) {
     log::info(fmt::format("Merged {} films: {}, samples {}{}; wrote {}.", options.films.size(),
@@ -54,7 +53,7 @@ ExitCode merge(const Options& options) {
 
 }  // namespace
 
-void add_merge_command(CLI::App& app, Action& action) {
+void add_merge_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "merge", "add up films of one render: shards of 'render --samples', checkpoints, merged films");
   const auto options = std::make_shared<Options>();

@@ -36,7 +36,7 @@ ExitCode run(const Options& options) {
 
 }  // namespace
 
-void add_mutate_command(CLI::App& app, Action& action) {
+void add_mutate_command(Command& app, Action& action) {
   auto* command =
       app.add_subcommand("mutate", "plant errors in the kernels and demand that the tests notice each of them");
   const auto options = std::make_shared<Options>();

@@ -3,12 +3,11 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
-
 #include "cli/command.h"
 #include "cli/render_session.h"
 #include "cli/render_stats.h"
 #include "cli/units.h"
+#include "core/json.h"
 #include "core/log.h"
 #include "core/version.h"
 #include "gpu/gpu_renderer.h"
@@ -162,22 +161,21 @@ std::string reason_text(const Outcome& outcome, const RenderJob& job, const Opti
   return "";
 }
 
-nlohmann::json to_json(const Outcome& outcome, const RenderJob& job, const SessionOptions& session,
-                       const DeviceTeam& team, bool gpu) {
+Json to_json(const Outcome& outcome, const RenderJob& job, const SessionOptions& session, const DeviceTeam& team,
+             bool gpu) {
   const double pixel_samples = static_cast<double>(outcome.samples * job.pixels() * session.set_size);
-  nlohmann::json out = {
-      {"outputs", session.outputs},
-      {"film", session.film},
-      {"checkpoint", session.checkpoint},
-      {"end", to_text(outcome.end)},
-      {"metadata", film_metadata(job.state())},
-      {"seconds", outcome.seconds},
-      {"render_seconds", outcome.render_seconds},
-      {"samples_per_second", outcome.render_seconds > 0 ? pixel_samples / outcome.render_seconds : 0.0},
-      {"rejected", job.state().film.rejected()},
-      {"devices", nlohmann::json::array()}};
+  Json out = {{"outputs", session.outputs},
+              {"film", session.film},
+              {"checkpoint", session.checkpoint},
+              {"end", to_text(outcome.end)},
+              {"metadata", film_metadata(job.state())},
+              {"seconds", outcome.seconds},
+              {"render_seconds", outcome.render_seconds},
+              {"samples_per_second", outcome.render_seconds > 0 ? pixel_samples / outcome.render_seconds : 0.0},
+              {"rejected", job.state().film.rejected()},
+              {"devices", Json::array()}};
   for (const Renderer* renderer : team.renderers()) {
-    nlohmann::json device = {{"device", renderer->device_name()}, {"driver", renderer->driver_name()}};
+    Json device = {{"device", renderer->device_name()}, {"driver", renderer->driver_name()}};
     if (gpu) {
       const GpuTimings t = gpu_timings(*renderer);
       device["timings"] = {
@@ -268,7 +266,7 @@ ExitCode render(const Options& options) {
   return run_job(job, team, options, session);
 }
 
-void add_job_options(CLI::App& command, Options& options) {
+void add_job_options(Command& command, Options& options) {
   command
       .add_option("--samples", options.samples,
                   "render only the samples A to B - 1 and write films that 'etendue merge' adds up")
@@ -296,7 +294,7 @@ void add_job_options(CLI::App& command, Options& options) {
 
 }  // namespace
 
-void add_render_command(CLI::App& app, Action& action) {
+void add_render_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("render", "render a scene to EXR and PNG");
   const auto options = std::make_shared<Options>();
   command->add_option("SCENE", options->scene_file, "scene file")->required();
@@ -305,7 +303,7 @@ void add_render_command(CLI::App& app, Action& action) {
                    "image to write, .exr or .png; may be repeated (default: <scene name>.exr and .png here)")
       ->allow_extra_args(false);
   command->add_option("--spp", options->spp, "samples per pixel instead of the scene's sampleCount")
-      ->check(CLI::Range(1u, 0xffffffffu));
+      ->check(in_range(1u, 0xffffffffu));
   command->add_option("--seed", options->seed, "seed of the random numbers")->capture_default_str();
   command->add_option("--size", options->size, "film size instead of the scene's, WxH");
   add_job_options(*command, *options);

@@ -28,8 +28,8 @@ double samples(const RenderProfile& p) {
   return static_cast<double>(p.samples) * p.width * p.height;
 }
 
-nlohmann::json json(const std::optional<double>& value) {
-  return value ? nlohmann::json(*value) : nlohmann::json();
+Json json(const std::optional<double>& value) {
+  return value ? Json(*value) : Json();
 }
 
 // Linear from an sRGB component, IEC 61966-2-1.
@@ -75,15 +75,15 @@ std::string stats_text(const RenderProfile& p, const GpuTimings& t) {
   return out;
 }
 
-nlohmann::json stats_json(const RenderProfile& p, const GpuTimings& t) {
-  nlohmann::json out = {{"samples", p.samples},
-                        {"rays", nlohmann::json::object()},
-                        {"walk_utilisation", json(p.walk_utilisation)},
-                        {"shade_utilisation", json(p.shade_utilisation)},
-                        {"passes", t.passes},
-                        {"dispatches", t.dispatches},
-                        {"dispatch_seconds", t.render},
-                        {"longest_dispatch", t.longest}};
+Json stats_json(const RenderProfile& p, const GpuTimings& t) {
+  Json out = {{"samples", p.samples},
+              {"rays", Json::object()},
+              {"walk_utilisation", json(p.walk_utilisation)},
+              {"shade_utilisation", json(p.shade_utilisation)},
+              {"passes", t.passes},
+              {"dispatches", t.dispatches},
+              {"dispatch_seconds", t.render},
+              {"longest_dispatch", t.longest}};
   for (const RayClass& c : classes(p)) {
     const auto rays = static_cast<double>(c.counts.rays);
     out["rays"][c.name] = {{"per_sample", ratio(c.counts.rays, samples(p))},

@@ -3,8 +3,7 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "core/json.h"
 #include "gpu/gpu_renderer.h"
 #include "image/image.h"
 
@@ -12,7 +11,7 @@ namespace etendue::cli {
 
 /// Rays, nodes and primitives by class, lanes at work, and passes; for stdout.
 std::string stats_text(const RenderProfile& profile, const GpuTimings& timings);
-nlohmann::json stats_json(const RenderProfile& profile, const GpuTimings& timings);
+Json stats_json(const RenderProfile& profile, const GpuTimings& timings);
 
 /// Red: nodes, green: primitives, blue: rays, each per sample.
 Image heat_values(const RenderProfile& profile);

@@ -6,7 +6,7 @@
 
 namespace etendue::cli {
 
-void ResultFiles::add_to(CLI::App& command, bool with_html) {
+void ResultFiles::add_to(Command& command, bool with_html) {
   command.add_option("--json", json, "write the results as JSON to this file");
   command.add_option("--junit", junit, "write the results as JUnit XML to this file");
   if (with_html) command.add_option("--html", html, "write a self-contained report for any browser to this file");

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
+#include "core/command_line.h"
 
 namespace etendue::cli {
 
@@ -11,7 +11,7 @@ struct ResultFiles {
   std::string json, html, junit;  ///< paths; empty: not wanted
 
   /// Adds --json, --junit and, where the command has one, --html.
-  void add_to(CLI::App& command, bool with_html);
+  void add_to(Command& command, bool with_html);
 };
 
 /// Writes the whole file or leaves the path as it was. Throws Error(file_error).

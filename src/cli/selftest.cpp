@@ -38,20 +38,20 @@ ExitCode run(const Options& options) {
 
 }  // namespace
 
-void add_selftest_command(CLI::App& app, Action& action) {
+void add_selftest_command(Command& app, Action& action) {
   auto* command =
       app.add_subcommand("selftest", "test fresh random scenes and materials whose answer is known in closed form");
   const auto options = std::make_shared<Options>();
   options->device.add_to(*command);
   command->add_option("--seed", options->seed, "seed of the first suite (default: a fresh one, printed)");
   command->add_option("--seeds", options->test.seeds, "number of suites")
-      ->check(CLI::Range(1, 1000000))
+      ->check(in_range(1, 1000000))
       ->capture_default_str();
   command->add_option("--samples", options->test.samples, "samples of each test")
-      ->check(CLI::Range(100, 1 << 30))
+      ->check(in_range(100, 1 << 30))
       ->capture_default_str();
   command->add_option("--significance", options->test.significance, "probability that a suite fails without an error")
-      ->check(CLI::Range(1e-12, 0.5))
+      ->check(in_range(1e-12, 0.5))
       ->capture_default_str();
   options->files.add_to(*command, false);
   command->callback([&action, options] { action = [options] { return run(*options); }; });

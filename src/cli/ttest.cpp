@@ -31,7 +31,7 @@ ExitCode run_files(const Options& options) {
     tests.push_back(std::move(*test));
   }
   bool passed = true;
-  auto out = nlohmann::json::array();
+  auto out = Json::array();
   std::vector<JunitCase> cases;
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const TTestReport report =
@@ -54,7 +54,7 @@ ExitCode run_files(const Options& options) {
 
 }  // namespace
 
-void add_ttest_command(CLI::App& app, Action& action) {
+void add_ttest_command(Command& app, Action& action) {
   auto* command =
       app.add_subcommand("ttest", "test the mean luminance of scenes, or the albedo of bsdfs, against known values");
   const auto options = std::make_shared<Options>();
@@ -63,7 +63,7 @@ void add_ttest_command(CLI::App& app, Action& action) {
   options->device.add_to(*command);
   command->add_option("--seed", options->test.seed, "seed of the first scene")->capture_default_str();
   command->add_option("--samples", options->test.sample_count, "samples per scene instead of the file's sampleCount")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command->add_flag("--json", options->json, "machine-readable output");
   command->add_option("--junit", options->junit, "write the results as JUnit XML to this file");
   command->callback([&action, options] { action = [options] { return run_files(*options); }; });

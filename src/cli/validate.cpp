@@ -49,7 +49,7 @@ ExitCode run_validate(const Options& options) {
 
 }  // namespace
 
-void add_validate_command(CLI::App& app, Action& action) {
+void add_validate_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("validate", "say whether a device renders the right image, and where not");
   const auto options = std::make_shared<Options>();
   command->add_option("SCENE", options->file, "scene file")->required();
@@ -58,16 +58,16 @@ void add_validate_command(CLI::App& app, Action& action) {
   command
       ->add_option("--spp", options->validate.samples_per_pixel,
                    "samples per pixel with independent seeds (default: the scene's, 16 to 64)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command->add_option("--seed", options->validate.seed, "seed")->capture_default_str();
   command->add_option("--samples", options->validate.sample_budget, "samples compared one by one")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--significance", options->validate.significance, "false-alarm rate of the statistical tests")
-      ->check(CLI::Range(1e-12, 0.5))
+      ->check(in_range(1e-12, 0.5))
       ->capture_default_str();
   command->add_option("--require", options->require, "worst verdict that exits 0: identical, rounding or statistical")
-      ->check(CLI::IsMember({"identical", "rounding", "statistical"}))
+      ->check(one_of({"identical", "rounding", "statistical"}))
       ->capture_default_str();
   command->add_flag("--no-flip", options->no_flip, "leave FLIP out of the HTML report");
   options->files.add_to(*command, true);

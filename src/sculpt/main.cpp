@@ -3,8 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
+#include "core/command_line.h"
 #include "core/errors.h"
 #include "core/log.h"
 #include "sculpt/mesh.h"
@@ -28,7 +27,7 @@ sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
 }
 
 ExitCode run(int argc, char** argv) {
-  CLI::App app("Makes triangle meshes for the scenes: the same bytes on every machine.", "etendue-sculpt");
+  Command app("Makes triangle meshes for the scenes: the same bytes on every machine.", "etendue-sculpt");
   std::string kind, output;
   std::uint64_t triangles = 500000;
   app.add_option(
@@ -37,17 +36,13 @@ ExitCode run(int argc, char** argv) {
          "about 0.5 (both closed, with normals); grid: a wavy square; soup: loose random triangles; lamps: triangles "
          "that hover over a square and look down")
       ->required()
-      ->check(CLI::IsMember({"bust", "bumpy-sphere", "grid", "soup", "lamps"}));
+      ->check(one_of({"bust", "bumpy-sphere", "grid", "soup", "lamps"}));
   app.add_option("--triangles", triangles,
                  "at least so many; all but lamps need 100; solids get usually up to 5 per cent more")
       ->capture_default_str()
-      ->check(CLI::Range(1, 50'000'000));
+      ->check(in_range(1, 50'000'000));
   app.add_option("-o,--output", output, "OBJ file to write")->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
-  }
+  if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? ExitCode::ok : ExitCode::usage;
   const sculpt::Mesh mesh = make(kind, triangles);
   sculpt::write_obj(mesh, fmt::format("Made by etendue-sculpt --kind {} --triangles {}", kind, triangles), output);
   return ExitCode::ok;

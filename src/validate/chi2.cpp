@@ -243,8 +243,8 @@ std::string chi2_table(const Chi2Report& report) {
                            report.significance_level, report.test_level);
 }
 
-nlohmann::json chi2_json(const Chi2Report& report) {
-  nlohmann::json tests = nlohmann::json::array();
+Json chi2_json(const Chi2Report& report) {
+  Json tests = Json::array();
   for (const BsdfChi2& t : report.tests) {
     tests.push_back({{"name", t.name},
                      {"wo", {t.wo.x, t.wo.y, t.wo.z}},

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "core/json.h"
 #include "render/bsdf_probe.h"
 #include "validate/junit.h"
 #include "validate/statistics.h"
@@ -57,7 +56,7 @@ BsdfChi2 test_bsdf(BsdfProbe& probe, const Bsdf& bsdf, const glm::dvec3& wo, con
                    std::uint64_t samples, std::uint32_t seed, double level);
 
 std::string chi2_table(const Chi2Report& report);
-nlohmann::json chi2_json(const Chi2Report& report);
+Json chi2_json(const Chi2Report& report);
 std::vector<JunitCase> chi2_junit(const Chi2Report& report);
 
 /// A `<test type="ttest">` with bsdfs: the mean luminance of the weight of each bsdf at each angle against its

@@ -80,7 +80,7 @@ Verdict judge(const Image& test, const Image& reference, const Comparison& c) {
   return c.tests->passed() ? Verdict::statistically_equal : Verdict::different;
 }
 
-nlohmann::json interval_json(const Interval& i) {
+Json interval_json(const Interval& i) {
   return {i.low, i.high};
 }
 
@@ -213,8 +213,8 @@ std::string comparison_text(const Comparison& c) {
   return out;
 }
 
-nlohmann::json image_tests_json(const ImageTests& tests) {
-  nlohmann::json families = nlohmann::json::array();
+Json image_tests_json(const ImageTests& tests) {
+  Json families = Json::array();
   for (const TestFamily& f : tests.families) {
     families.push_back({{"name", f.name},
                         {"tests", f.tests},
@@ -241,9 +241,9 @@ nlohmann::json image_tests_json(const ImageTests& tests) {
           {"passed", tests.passed()}};
 }
 
-nlohmann::json comparison_json(const Comparison& c) {
+Json comparison_json(const Comparison& c) {
   const Metrics& m = c.metrics;
-  nlohmann::json metrics;
+  Json metrics;
   for (const MetricRow& row : kMetricRows) metrics[row.name] = row.value(m);  // infinity and NaN become null
   metrics["bias"] = m.bias;
   metrics["biasInterval"] = interval_json(m.bias_interval);
@@ -251,7 +251,7 @@ nlohmann::json comparison_json(const Comparison& c) {
   metrics["relbiasInterval"] = interval_json(m.relative_bias_interval);
   metrics["biasLevel"] = m.bias_level;
   metrics["biasFrom"] = m.bias_from_errors ? "standard errors" : "pixel differences";
-  nlohmann::json limits = nlohmann::json::array(), metadata = nlohmann::json::array();
+  Json limits = Json::array(), metadata = Json::array();
   for (const LimitOutcome& l : c.limits) {
     limits.push_back({{"metric", l.limit.metric},
                       {"limit", l.limit.value},
@@ -262,16 +262,16 @@ nlohmann::json comparison_json(const Comparison& c) {
   for (const MetadataDifference& d : c.metadata) {
     metadata.push_back({{"name", d.name}, {"test", d.test}, {"reference", d.reference}});
   }
-  nlohmann::json out = {{"test", c.test_name},
-                        {"reference", c.reference_name},
-                        {"width", c.width},
-                        {"height", c.height},
-                        {"metrics", metrics},
-                        {"limits", limits},
-                        {"metadata", metadata},
-                        {"notes", c.notes},
-                        {"verdict", verdict_name(c.verdict)},
-                        {"passed", c.passed()}};
+  Json out = {{"test", c.test_name},
+              {"reference", c.reference_name},
+              {"width", c.width},
+              {"height", c.height},
+              {"metrics", metrics},
+              {"limits", limits},
+              {"metadata", metadata},
+              {"notes", c.notes},
+              {"verdict", verdict_name(c.verdict)},
+              {"passed", c.passed()}};
   if (c.tests) out["tests"] = image_tests_json(*c.tests);
   return out;
 }
@@ -289,8 +289,8 @@ JunitCase comparison_junit(const Comparison& c) {
   return junit;
 }
 
-std::string json_text(const nlohmann::json& json) {
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+std::string json_text(const Json& json) {
+  return json.dump(2) + "\n";
 }
 
 }  // namespace etendue

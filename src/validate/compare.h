@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "core/json.h"
 #include "image/image.h"
 #include "validate/image_tests.h"
 #include "validate/junit.h"
@@ -68,13 +67,13 @@ Comparison compare_images(const Image& test, const std::string& test_name, const
                           const std::string& reference_name, const CompareOptions& options = {});
 
 std::string comparison_text(const Comparison& comparison);
-nlohmann::json comparison_json(const Comparison& comparison);
+Json comparison_json(const Comparison& comparison);
 JunitCase comparison_junit(const Comparison& comparison);
 /// Indented text of a JSON value; infinity and NaN become null, invalid UTF-8 U+FFFD.
-std::string json_text(const nlohmann::json& json);
+std::string json_text(const Json& json);
 /// The parts shared with the validate report.
 std::string image_tests_text(const ImageTests& tests);
-nlohmann::json image_tests_json(const ImageTests& tests);
+Json image_tests_json(const ImageTests& tests);
 std::vector<MetadataDifference> metadata_differences(const Metadata& test, const Metadata& reference);
 
 }  // namespace etendue

@@ -64,7 +64,7 @@ std::string fill_page(const std::vector<std::pair<std::string_view, std::string>
   return out;
 }
 
-std::string page(const nlohmann::json& data, const std::string& title, const Image& test, const Image& reference,
+std::string page(const Json& data, const std::string& title, const Image& test, const Image& reference,
                  const std::vector<glm::vec3>& scores) {
   return fill_page({{"@TITLE@", escape_html(title)},
                     {"@CSS@", std::string(assets::report_css)},
@@ -101,8 +101,8 @@ std::string base64(const void* bytes, std::size_t size) {
   return out;
 }
 
-std::string script_json(const nlohmann::json& json) {
-  const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+std::string script_json(const Json& json) {
+  const std::string text = json.dump();
   std::string out;
   for (const char c : text) {
     if (c == '<') {
@@ -116,16 +116,15 @@ std::string script_json(const nlohmann::json& json) {
 
 std::string comparison_html(const Comparison& c, const Image& test, const Image& reference) {
   const std::string title = fmt::format("{} against {}", short_name(c.test_name), short_name(c.reference_name));
-  const nlohmann::json data = {
-      {"title", title},
-      {"subtitle", fmt::format("{} × {} pixels · etendue {} compare", c.width, c.height, version())},
-      {"width", c.width},
-      {"height", c.height},
-      {"labelA", short_name(c.test_name)},
-      {"labelB", short_name(c.reference_name)},
-      {"verdict", verdict_name(c.verdict)},
-      {"passed", c.passed()},
-      {"comparison", comparison_json(c)}};
+  const Json data = {{"title", title},
+                     {"subtitle", fmt::format("{} × {} pixels · etendue {} compare", c.width, c.height, version())},
+                     {"width", c.width},
+                     {"height", c.height},
+                     {"labelA", short_name(c.test_name)},
+                     {"labelB", short_name(c.reference_name)},
+                     {"verdict", verdict_name(c.verdict)},
+                     {"passed", c.passed()},
+                     {"comparison", comparison_json(c)}};
   return page(data, title, test, reference, c.tests ? c.tests->z : std::vector<glm::vec3>{});
 }
 
@@ -135,7 +134,7 @@ std::string validation_html(const Validation& v, const MetricOptions& metrics) {
   options.significance = v.tests.significance;
   const Comparison c = compare_images(v.device_image, v.device, v.reference_image, v.reference, options);
   const std::string title = fmt::format("{}: device against reference", short_name(v.scene));
-  const nlohmann::json data = {
+  const Json data = {
       {"title", title},
       {"subtitle", fmt::format("{} ({}) against {} ({}) · {} samples per pixel, seeds {} and {} · etendue {} validate",
                                v.device, v.device_driver, v.reference, v.reference_driver, v.samples_per_pixel,

@@ -17,6 +17,6 @@ std::string validation_html(const Validation& validation, const MetricOptions& m
 /// Standard base64 with padding [RFC 4648].
 std::string base64(const void* bytes, std::size_t size);
 /// JSON that may stand inside <script>: '<' is written as an escape; invalid UTF-8 becomes U+FFFD.
-std::string script_json(const nlohmann::json& json);
+std::string script_json(const Json& json);
 
 }  // namespace etendue

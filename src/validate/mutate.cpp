@@ -373,10 +373,10 @@ std::string mutate_markdown(const MutateReport& report) {
   return out;
 }
 
-nlohmann::json mutate_json(const MutateReport& report) {
-  nlohmann::json list = nlohmann::json::array();
+Json mutate_json(const MutateReport& report) {
+  Json list = Json::array();
   for (const MutantOutcome& m : report.mutants) {
-    nlohmann::json findings = nlohmann::json::array();
+    Json findings = Json::array();
     for (const MutantFinding& f : m.findings)
       findings.push_back({{"test", f.test}, {"caught", f.caught}, {"samples", f.samples}, {"p", f.p_value}});
     list.push_back({{"id", m.mutant.id},

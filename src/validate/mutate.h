@@ -9,8 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "core/json.h"
 #include "gpu/gpu_renderer.h"
 #include "validate/junit.h"
 
@@ -63,7 +62,7 @@ MutateReport run_mutate(const MutateOptions& options);
 std::string mutate_text(const MutateReport& report);
 /// The table of docs/validation.md.
 std::string mutate_markdown(const MutateReport& report);
-nlohmann::json mutate_json(const MutateReport& report);
+Json mutate_json(const MutateReport& report);
 std::vector<JunitCase> mutate_junit(const MutateReport& report);
 
 }  // namespace etendue

@@ -163,8 +163,8 @@ std::string selftest_text(const SelftestReport& report) {
   return out;
 }
 
-nlohmann::json selftest_json(const SelftestReport& report) {
-  nlohmann::json cases = nlohmann::json::array();
+Json selftest_json(const SelftestReport& report) {
+  Json cases = Json::array();
   for (const SelftestCase& c : report.cases) {
     cases.push_back({{"seed", c.seed},
                      {"family", c.family},

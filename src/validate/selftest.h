@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "core/json.h"
 #include "render/bsdf_probe.h"
 #include "validate/closed_form.h"
 #include "validate/junit.h"
@@ -57,7 +56,7 @@ TTestResult measure_scene(const RendererFactory& make_renderer, const ClosedForm
                           std::uint64_t samples, std::uint64_t& rejected);
 
 std::string selftest_text(const SelftestReport& report);
-nlohmann::json selftest_json(const SelftestReport& report);
+Json selftest_json(const SelftestReport& report);
 std::vector<JunitCase> selftest_junit(const SelftestReport& report);
 
 }  // namespace etendue

@@ -151,8 +151,8 @@ std::string ttest_table(const TTestReport& report) {
   return out;
 }
 
-nlohmann::json ttest_json(const TTestReport& report) {
-  nlohmann::json scenes = nlohmann::json::array();
+Json ttest_json(const TTestReport& report) {
+  Json scenes = Json::array();
   for (const SceneTTest& s : report.scenes) {
     scenes.push_back({{"name", s.name},
                       {"width", s.width},

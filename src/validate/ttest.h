@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "core/json.h"
 #include "scene/scene.h"
 #include "validate/junit.h"
 #include "validate/renderer_factory.h"
@@ -53,7 +52,7 @@ TTestReport run_ttest(const TTest& test, const std::string& file, const Renderer
 
 /// Lines for a person: a table, notes on heavy tails and rejected samples, the verdict.
 std::string ttest_table(const TTestReport& report);
-nlohmann::json ttest_json(const TTestReport& report);
+Json ttest_json(const TTestReport& report);
 std::vector<JunitCase> ttest_junit(const TTestReport& report);
 
 }  // namespace etendue

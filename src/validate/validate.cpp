@@ -124,10 +124,10 @@ std::string validation_text(const Validation& v) {
   return out + fmt::format("verdict: {}\n", verdict_name(v.verdict));
 }
 
-nlohmann::json validation_json(const Validation& v) {
+Json validation_json(const Validation& v) {
   const SampleComparison& s = v.samples;
   const std::uint32_t width = v.device_image.width;
-  nlohmann::json worst = nlohmann::json::array(), located = nlohmann::json::array(), rejected = nlohmann::json::array();
+  Json worst = Json::array(), located = Json::array(), rejected = Json::array();
   for (const WorstPixel& p : s.worst) {
     worst.push_back(
         {{"x", p.pixel % width}, {"y", p.pixel / width}, {"flips", p.flips}, {"largestError", p.largest_error}});

@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "core/json.h"
 #include "validate/compare.h"
 #include "validate/renderer_factory.h"
 #include "validate/sample_comparison.h"
@@ -45,7 +44,7 @@ Validation validate_scene(const Scene& scene, const RendererFactory& make_device
                           const ValidateOptions& options = {});
 
 std::string validation_text(const Validation& validation);
-nlohmann::json validation_json(const Validation& validation);
+Json validation_json(const Validation& validation);
 JunitCase validation_junit(const Validation& validation);
 
 }  // namespace etendue

@@ -56,7 +56,7 @@ void make(const std::string& folder) {
   write_exr(folder + "/b.exr", picture(200, 120, 64, 2, false));
   Image a = read_image(folder + "/a.exr"), b = read_image(folder + "/b.exr");
   write(folder + "/compare.html", comparison_html(compare_images(a, "a.exr", b, "b.exr"), a, b));
-  nlohmann::json values = nlohmann::json::array();
+  Json values = Json::array();
   for (const auto& [x, y] : {std::pair{0u, 0u}, {100u, 60u}, {199u, 119u}, {70u, 61u}, {3u, 117u}}) {
     const std::size_t i = y * a.width + x;
     values.push_back({{"x", x},

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/errors.h"
 #include "validate_fake_renderer.h"
@@ -110,7 +111,7 @@ TEST(RunTTest, CountsMustMatch) {
 
 TEST(RunTTest, ReportsForMachines) {
   const TTestReport report = run_ttest(make_test({1.5, 9.0}, 1, 1, 1000), "a<b>&\"c\".xml", fake());
-  const nlohmann::json json = ttest_json(report);
+  const nlohmann::json json = nlohmann::json::parse(ttest_json(report).dump());
   EXPECT_EQ(json["scenes"].size(), 2u);
   EXPECT_FALSE(json["passed"].get<bool>());
   EXPECT_DOUBLE_EQ(json["scenes"][1]["p"].get<double>(), report.scenes[1].test.p_value);

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/errors.h"
 #include "validate_fake_renderer.h"
@@ -141,7 +142,7 @@ TEST(Validate, JsonSaysTheSame) {
   Defects biased;
   biased.bias = 1.02f;
   const Validation v = validate_with(biased);
-  const nlohmann::json json = validation_json(v);
+  const nlohmann::json json = nlohmann::json::parse(validation_json(v).dump());
   EXPECT_EQ(json["verdict"], "different");
   EXPECT_FALSE(json["passed"].get<bool>());
   EXPECT_EQ(json["L2"]["samples"].get<std::uint64_t>(), v.samples.samples);

@@ -11,8 +11,7 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
-
+#include "core/command_line.h"
 #include "core/errors.h"
 #include "gpu/gpu_renderer.h"
 #include "image/image.h"
@@ -148,7 +147,7 @@ void measure(const std::string& file, const Options& options) {
 }
 
 ExitCode run(int argc, char** argv) {
-  CLI::App app("Time to a given relative error, for each way of finding light and each sampler.", "convergence");
+  Command app("Time to a given relative error, for each way of finding light and each sampler.", "convergence");
   Options options;
   app.add_option("SCENE", options.scenes, "scene files")->required();
   app.add_option("--width", options.width)->capture_default_str();
@@ -157,11 +156,7 @@ ExitCode run(int argc, char** argv) {
   app.add_option("--reference", options.reference_paths, "paths a pixel of the reference")->capture_default_str();
   app.add_option("--set-size", options.set_size, "of the sobol sampler")->capture_default_str();
   app.add_option("--error", options.error, "relative error to reach")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
-  }
+  if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? ExitCode::ok : ExitCode::usage;
   for (const std::string& scene : options.scenes) measure(scene, options);
   return ExitCode::ok;
 }
