@@ -1,5 +1,7 @@
 #include "validate/ttest.h"
 
+#include <cstdio>
+
 #include <fmt/core.h>
 
 #include "cli/command.h"

@@ -4,6 +4,7 @@
 #include <optional>
 #include <random>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>

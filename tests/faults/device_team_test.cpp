@@ -3,6 +3,8 @@
 #include "render/device_team.h"
 
 #include <atomic>
+#include <chrono>
+#include <limits>
 #include <thread>
 
 #include <gmock/gmock.h>

@@ -1,6 +1,7 @@
 /// The contract of shaders/bsdf/bsdf.glsl, material by material: weight = eval/pdf, samples follow the pdf, energy,
 /// delta lobes.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -1,5 +1,6 @@
 /// Ray against one primitive, compared with double precision.
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 

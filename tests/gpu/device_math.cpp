@@ -1,5 +1,6 @@
 /// Random words, warps, polynomials, frames and the Fresnel term, against double precision written from the formulas.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

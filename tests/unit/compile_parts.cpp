@@ -1,5 +1,6 @@
 /// Thresholds, filter tables, normalisation and what compile_scene makes of shapes and lights.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>

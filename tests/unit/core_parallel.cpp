@@ -1,6 +1,7 @@
 /// parallel_for covers each index once, whatever the grain and the number of threads, and hands on what a body throws.
 
 #include <atomic>
+#include <chrono>
 #include <numeric>
 #include <stdexcept>
 #include <thread>

@@ -1,6 +1,7 @@
 /// EXR pictures: round trips, files of other programs, damaged files.
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <ImfChannelList.h>

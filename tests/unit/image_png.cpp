@@ -1,6 +1,7 @@
 /// PNG pictures: sRGB codes, kinds of PNG, damaged files.
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include <gtest/gtest.h>

@@ -2,6 +2,7 @@
 /// What the tests of src/image share: a folder that goes away, films of synthetic samples, errors as text.
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>

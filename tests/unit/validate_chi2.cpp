@@ -1,5 +1,6 @@
 /// The chi-square test of materials: quadrature, false alarms, and materials with a planted error.
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>

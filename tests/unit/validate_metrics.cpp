@@ -3,6 +3,7 @@
 
 #include "validate/metrics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>

@@ -2,6 +2,8 @@
 
 #include "validate/scene_probe.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
