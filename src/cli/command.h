@@ -7,9 +7,9 @@
 
 #include "core/command_line.h"
 #include "core/errors.h"
+#include "formats/read_scene.h"
 #include "gpu/gpu_renderer.h"
 #include "render/bsdf_probe.h"
-#include "scene/xml_reader.h"
 #include "validate/renderer_factory.h"
 
 namespace etendue::cli {

@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/errors.h"
-#include "scene/plugins.h"
+#include "scene/limits.h"
 
 namespace etendue::cli {
 namespace {

@@ -12,8 +12,7 @@
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
-#include "scene/obj_reader.h"
-#include "scene/text.h"
+#include "core/text.h"
 
 namespace etendue {
 namespace {

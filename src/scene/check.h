@@ -2,7 +2,7 @@
 /// What is legal in a scene but probably not meant.
 
 #include "scene/diagnostics.h"
-#include "scene/xml_reader.h"
+#include "scene/scene_file.h"
 
 namespace etendue {
 

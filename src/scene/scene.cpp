@@ -82,6 +82,11 @@ double largest_component(const glm::dvec3& v) {
 
 }  // namespace
 
+double triangle_area(const TriangleMesh& mesh, const glm::uvec3& t) {
+  const glm::dvec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
+  return 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0));
+}
+
 std::uint64_t scene_hash(const Scene& scene) {
   Hasher h;
   hash(h, scene.camera);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/json.h"
-#include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "validate/junit.h"
 #include "validate/renderer_factory.h"
 #include "validate/statistics.h"

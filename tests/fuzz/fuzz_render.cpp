@@ -14,11 +14,11 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "formats/nori/nori_reader.h"
+#include "formats/obj/obj_reader.h"
 #include "gpu/gpu_renderer.h"
 #include "reference/reference_renderer.h"
 #include "scene/check.h"
-#include "scene/obj_reader.h"
-#include "scene/xml_reader.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/obj_reader.h"
+#include "formats/obj/obj_reader.h"
 
 namespace {
 

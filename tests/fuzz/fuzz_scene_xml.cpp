@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "formats/nori/nori_reader.h"
+#include "formats/obj/obj_reader.h"
 #include "scene/check.h"
-#include "scene/obj_reader.h"
-#include "scene/xml_reader.h"
 
 namespace {
 

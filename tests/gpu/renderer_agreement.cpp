@@ -7,9 +7,9 @@
 
 #include "core/errors.h"
 #include "device_test.h"
+#include "formats/read_scene.h"
 #include "reference/reference_renderer.h"
 #include "reference_scenes.h"
-#include "scene/xml_reader.h"
 #include "validate/sample_comparison.h"
 
 namespace etendue::test {

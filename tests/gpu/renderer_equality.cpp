@@ -1,8 +1,8 @@
 /// L1 of the equality contract: on one device, the split of the work never changes a bit of the film.
 
 #include "device_test.h"
+#include "formats/read_scene.h"
 #include "reference_scenes.h"
-#include "scene/xml_reader.h"
 
 namespace etendue::test {
 namespace {

@@ -9,7 +9,7 @@ while read -r folder allowed; do
     grep -vE "#include \"($folder${allowed:+|$(echo "$allowed" | tr ' ' '|')})/" || true)
   # Only compile and gpu (and what stands above them) may see the structs shared with the shaders.
   case $folder in
-    core | image | scene | render | reference | vulkan | sculpt)
+    core | image | scene | formats | render | reference | vulkan | sculpt)
       offences="$offences$(grep -rn 'gpu_types\.h' "$folder" --include='*.h' --include='*.cpp' || true)" ;;
   esac
   if [ -n "$offences" ]; then
@@ -20,6 +20,7 @@ done <<'RULES'
 core
 image core
 scene core
+formats scene core
 render scene image core
 compile scene core
 vulkan core
@@ -28,10 +29,10 @@ reference render scene image core
 sculpt core
 validate gpu compile vulkan reference render scene image core
 bench gpu compile vulkan reference render scene image core
-cli bench validate gpu compile vulkan reference render scene image core
+cli formats bench validate gpu compile vulkan reference render scene image core
 RULES
 # A new folder has to be given its place above.
-known=" core image scene render compile vulkan gpu reference sculpt validate bench cli "
+known=" core image scene formats render compile vulkan gpu reference sculpt validate bench cli "
 for folder in */; do
   case $known in
     *" ${folder%/} "*) ;;

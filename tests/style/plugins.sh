@@ -1,6 +1,6 @@
 #!/bin/sh
 # The scene-file word is the file name: each material has its shader, its reference and its test scene, and each of those
-# files belongs to a material that the plugin table of src/scene names.
+# files belongs to a material that the plugin table of src/formats/nori names.
 set -eu
 cd "$1"
 status=0
@@ -12,6 +12,6 @@ for word in $words; do
   for file in "shaders/bsdf/$word.glsl" "src/reference/bsdf_$word.cpp" "tests/scenes/bsdf_$word.xml"; do
     [ -f "$file" ] || { echo "material $word: $file is missing"; status=1; }
   done
-  grep -rqF "\"$word\"" src/scene || { echo "material $word: no row in the plugin table of src/scene"; status=1; }
+  grep -rqF "\"$word\"" src/formats/nori || { echo "material $word: no row in the plugin table of src/formats/nori"; status=1; }
 done
 exit $status

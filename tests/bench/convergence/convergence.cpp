@@ -13,9 +13,9 @@
 
 #include "core/command_line.h"
 #include "core/errors.h"
+#include "formats/read_scene.h"
 #include "gpu/gpu_renderer.h"
 #include "image/image.h"
-#include "scene/xml_reader.h"
 
 using namespace etendue;
 

@@ -10,15 +10,13 @@
 #include <glm/glm.hpp>
 
 #include "scene/diagnostics.h"
+#include "scene/limits.h"
 #include "scene/scene.h"
 
 namespace etendue {
 
-/// Bounds on a mesh, so that memory stays within a few GiB whatever the file holds.
+/// Bounds on a file beside those of scene/limits.h, so that memory stays within a few GiB whatever it holds.
 struct ObjLimits {
-  static constexpr std::size_t kMaxVertices = std::size_t{1}
-                                              << 25;  ///< `v` lines, `vn` lines, vertices after splitting
-  static constexpr std::size_t kMaxTriangles = std::size_t{1} << 25;
   static constexpr std::size_t kMaxCorners = 65536;              ///< of one face
   static constexpr std::size_t kMaxLine = std::size_t{4} << 20;  ///< bytes, continuations included
 };
@@ -36,8 +34,5 @@ std::optional<TriangleMesh> read_obj(const std::string& path, const glm::dmat4& 
 /// The same from any source of bytes; `file` is for messages.
 std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file,
                                      const glm::dmat4& world_from_object, Diagnostics& diagnostics);
-
-/// Area of a triangle of the mesh, in squared scene units.
-double triangle_area(const TriangleMesh& mesh, const glm::uvec3& triangle);
 
 }  // namespace etendue

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "scene/plugins.h"
-#include "scene_testing.h"
+#include "formats/nori/plugins.h"
+#include "formats_testing.h"
 
 namespace etendue::testing {
 namespace {

@@ -1,7 +1,7 @@
 // Thousands of damaged copies of sound files: each reads, or is refused with a place and a sentence of one line.
 
+#include "formats_testing.h"
 #include "scene/check.h"
-#include "scene_testing.h"
 
 namespace etendue::testing {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/xml_document.h"
+#include "formats/xml/xml_document.h"
 
 #include <algorithm>
 #include <charconv>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/text.h"
+#include "core/text.h"
 
 namespace etendue {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/plugins.h"
+#include "formats/nori/plugins.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scene/text.h"
+#include "core/text.h"
 
 namespace etendue {
 namespace {

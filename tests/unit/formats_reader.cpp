@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "formats/nori/plugins.h"
+#include "formats_testing.h"
 #include "scene/check.h"
-#include "scene/plugins.h"
-#include "scene_testing.h"
 
 namespace etendue::testing {
 namespace {

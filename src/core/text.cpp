@@ -1,4 +1,4 @@
-#include "scene/text.h"
+#include "core/text.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "scene/polygon.h"
+#include "formats/obj/polygon.h"
 
 #include <algorithm>
 #include <cmath>

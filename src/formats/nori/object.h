@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "formats/nori/plugins.h"
+#include "formats/xml/xml_document.h"
 #include "scene/diagnostics.h"
-#include "scene/plugins.h"
-#include "scene/xml_document.h"
 
 namespace etendue {
 

@@ -1,4 +1,4 @@
-#include "scene/obj_reader.h"
+#include "formats/obj/obj_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,11 @@
 #include <fmt/format.h>
 
 #include "core/memory.h"
-#include "scene/input_file.h"
-#include "scene/line_reader.h"
-#include "scene/plugins.h"
-#include "scene/polygon.h"
-#include "scene/text.h"
+#include "core/text.h"
+#include "formats/input_file.h"
+#include "formats/line_reader.h"
+#include "formats/nori/plugins.h"
+#include "formats/obj/polygon.h"
 
 namespace etendue {
 namespace {
@@ -161,7 +161,7 @@ class ObjParser {
   }
 
   void parse_position(Tokens& tokens) {
-    check_capacity(mesh_.positions.size(), ObjLimits::kMaxVertices, "vertices");
+    check_capacity(mesh_.positions.size(), kMaxVertices, "vertices");
     mesh_.positions.emplace_back(0.0);  // counts even when the line is wrong, or all faces after it would be, too
     // Three coordinates, then perhaps a weight (for curves only) or a colour, as some exporters write.
     std::array<double, 8> n{};
@@ -176,7 +176,7 @@ class ObjParser {
   }
 
   void parse_normal(Tokens& tokens) {
-    check_capacity(mesh_.normals.size(), ObjLimits::kMaxVertices, "normals");
+    check_capacity(mesh_.normals.size(), kMaxVertices, "normals");
     mesh_.normals.emplace_back(0.0);
     std::array<double, 8> n{};
     parse_numbers(tokens, n, 3, 3, "a normal");
@@ -191,7 +191,7 @@ class ObjParser {
   }
 
   void parse_texture(Tokens& tokens) {
-    check_capacity(textures_, ObjLimits::kMaxVertices, "texture coordinates");
+    check_capacity(textures_, kMaxVertices, "texture coordinates");
     ++textures_;
     std::array<double, 8> n{};
     parse_numbers(tokens, n, 1, 3, "a texture coordinate");
@@ -247,7 +247,7 @@ class ObjParser {
     }
     if (corners_.size() < 3)
       throw ObjError{0, fmt::format("a face has {} corners; it needs 3 or more", corners_.size())};
-    check_capacity(mesh_.position_triangles.size() + corners_.size() - 3, ObjLimits::kMaxTriangles, "triangles");
+    check_capacity(mesh_.position_triangles.size() + corners_.size() - 3, kMaxTriangles, "triangles");
     if (corners_.size() == 3) return add_triangle({0, 1, 2});
     polygon_.clear();
     triangles_.clear();
@@ -364,7 +364,7 @@ class VertexSplitter {
       for (int corner = 0; corner < 3; ++corner) {
         std::uint32_t& index = mesh_.triangles[i][corner];
         index = number({index, with_normals ? source_of(raw_.normal_triangles[i][corner], i) : 0});
-        if (vertices_.size() > ObjLimits::kMaxVertices) return std::nullopt;
+        if (vertices_.size() > kMaxVertices) return std::nullopt;
       }
     }
     release(first_);
@@ -378,7 +378,7 @@ class VertexSplitter {
  private:
   using Vertex = VertexTable::Vertex;
   static constexpr std::uint32_t kPlane = 0x80000000u;
-  static_assert(ObjLimits::kMaxVertices < kPlane && ObjLimits::kMaxTriangles < kPlane);
+  static_assert(kMaxVertices < kPlane && kMaxTriangles < kPlane);
 
   std::uint32_t source_of(std::uint32_t normal, std::uint32_t triangle) const {
     const bool flat = normal == kNone || raw_.normals[normal] == glm::dvec3(0.0);
@@ -438,11 +438,6 @@ void warn_degenerate(const TriangleMesh& mesh, const std::string& file, Diagnost
 
 }  // namespace
 
-double triangle_area(const TriangleMesh& mesh, const glm::uvec3& t) {
-  const glm::dvec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
-  return 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0));
-}
-
 std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file,
                                      const glm::dmat4& world_from_object, Diagnostics& diagnostics) {
   ObjParser parser(source, file, world_from_object, diagnostics);
@@ -451,9 +446,9 @@ std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string
   if (mesh) {
     warn_degenerate(*mesh, file, diagnostics);
   } else {
-    diagnostics.error({file, 0, 0},
-                      fmt::format("the mesh has more than {} vertices with different normals; split the mesh",
-                                  ObjLimits::kMaxVertices));
+    diagnostics.error(
+        {file, 0, 0},
+        fmt::format("the mesh has more than {} vertices with different normals; split the mesh", kMaxVertices));
   }
   return mesh;
 }

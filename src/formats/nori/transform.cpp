@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/object.h"
-#include "scene/text.h"
+#include "core/text.h"
+#include "formats/nori/object.h"
 
 namespace etendue {
 namespace {

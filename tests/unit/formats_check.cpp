@@ -1,7 +1,7 @@
 // Legal but probably not meant: each warning appears where it should and stays away where it should not.
 
+#include "formats_testing.h"
 #include "scene/check.h"
-#include "scene_testing.h"
 
 namespace etendue::testing {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/input_file.h"
+#include "formats/input_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "scene/xml_reader.h"
+#include "formats/nori/nori_reader.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,12 +9,10 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "scene/check.h"
-#include "scene/input_file.h"
-#include "scene/obj_reader.h"
-#include "scene/object.h"
-#include "scene/text.h"
-#include "scene/xml_document.h"
+#include "core/text.h"
+#include "formats/nori/object.h"
+#include "formats/obj/obj_reader.h"
+#include "formats/xml/xml_document.h"
 
 namespace etendue {
 namespace {
@@ -23,13 +21,8 @@ namespace fs = std::filesystem;
 
 /// Errors after which meshes are no longer opened: a file that names one broken mesh a million times ends soon.
 constexpr std::size_t kMaxErrorsBeforeMeshes = 100;
-/// Triangles and vertices of all meshes of a file together: what one mesh may have.
-constexpr std::size_t kMaxSceneTriangles = ObjLimits::kMaxTriangles;
-constexpr std::size_t kMaxSceneVertices = ObjLimits::kMaxVertices;
 /// Bytes of all mesh files together, one that is named twice counting twice: some minutes of reading.
 constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{1} << 34;
-/// Darkest emission: below it single precision loses digits and then the light.
-constexpr double kMinRadiance = 1e-20;
 
 std::uint32_t to_uint32(std::int64_t value) {
   return static_cast<std::uint32_t>(value);
@@ -306,8 +299,8 @@ class SceneReader {
     if (!mesh) return std::nullopt;
     triangles_ += mesh->triangles.size();
     vertices_ += mesh->positions.size();
-    if (exceeds(triangles_, kMaxSceneTriangles, "triangles", position)) return std::nullopt;
-    if (exceeds(vertices_, kMaxSceneVertices, "vertices", position)) return std::nullopt;
+    if (exceeds(triangles_, kMaxTriangles, "triangles", position)) return std::nullopt;
+    if (exceeds(vertices_, kMaxVertices, "vertices", position)) return std::nullopt;
     return mesh;
   }
 
@@ -432,24 +425,6 @@ void report_unmatched_overrides(const ReadContext& context) {
   }
 }
 
-std::string read_text(const std::string& path) {
-  InputFile file(path);
-  if (file.size() > XmlDocument::kMaxBytes) {
-    throw Error(ExitCode::scene_error,
-                fmt::format("{}: the file has {} bytes; a scene file has at most {}, geometry belongs into OBJ files",
-                            path, file.size(), XmlDocument::kMaxBytes));
-  }
-  std::string text(static_cast<std::size_t>(file.size()), '\0');
-  std::size_t size = 0;
-  while (size < text.size()) {
-    const std::size_t count = file.read(text.data() + size, text.size() - size);
-    if (count == 0) break;  // somebody shortens the file while it is read
-    size += count;
-  }
-  text.resize(size);
-  return text;
-}
-
 }  // namespace
 
 std::optional<SceneFile> parse_scene_file(std::string text, const std::string& file, const ReadOptions& options,
@@ -464,38 +439,6 @@ std::optional<SceneFile> parse_scene_file(std::string text, const std::string& f
   if (diagnostics.error_count() == errors_before) report_unmatched_overrides(context);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return result;
-}
-
-std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOptions& options,
-                                         Diagnostics& diagnostics) {
-  std::string text;
-  try {
-    text = read_text(path);
-  } catch (const Error& error) {
-    diagnostics.error({}, error.what(), error.code());
-    return std::nullopt;
-  }
-  const MeshLoader load = [](const std::string& mesh, const glm::dmat4& world_from_object, Diagnostics& sink) {
-    return read_obj(mesh, world_from_object, sink);
-  };
-  return parse_scene_file(std::move(text), path, options, load, diagnostics);
-}
-
-SceneFile read_scene_file(const std::string& path, const ReadOptions& options) {
-  Diagnostics diagnostics;
-  std::optional<SceneFile> file = read_scene_file(path, options, diagnostics);
-  if (file) check_scene_file(*file, diagnostics);
-  diagnostics.log_warnings();
-  diagnostics.throw_first_error();
-  return std::move(*file);
-}
-
-Scene read_scene(const std::string& path, const ReadOptions& options) {
-  SceneFile file = read_scene_file(path, options);
-  if (auto* scene = std::get_if<Scene>(&file)) return std::move(*scene);
-  const char* command = std::holds_alternative<TTest>(file) ? "ttest" : "chi2";
-  throw Error(ExitCode::scene_error,
-              fmt::format("{}: the file holds a <test>, not a <scene>; run it with etendue {}", path, command));
 }
 
 }  // namespace etendue

@@ -1,11 +1,11 @@
-#include "scene/object.h"
+#include "formats/nori/object.h"
 
 #include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "scene/text.h"
+#include "core/text.h"
 
 namespace etendue {
 namespace {

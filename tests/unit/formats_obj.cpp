@@ -12,8 +12,8 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/polygon.h"
-#include "scene_testing.h"
+#include "formats/obj/polygon.h"
+#include "formats_testing.h"
 
 namespace etendue::testing {
 namespace {

@@ -13,9 +13,11 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/nori/nori_reader.h"
+#include "formats/obj/obj_reader.h"
+#include "formats/read_scene.h"
+#include "scene/check.h"
 #include "scene/diagnostics.h"
-#include "scene/obj_reader.h"
-#include "scene/xml_reader.h"
 
 namespace etendue::testing {
 

@@ -11,6 +11,8 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/limits.h"
+
 namespace etendue {
 
 enum class ParameterType { boolean, integer, real, string, number_list, point, vector, color, transform };
@@ -58,13 +60,6 @@ struct Plugin {
 };
 
 inline constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
-
-/// Largest |coordinate| of a point in world space: beyond it, squared areas overflow single precision.
-inline constexpr double kMaxCoordinate = 1e9;
-/// Largest radiance component: leaves room for path weights in single precision.
-inline constexpr double kMaxRadiance = 1e20;
-/// Largest width · height: the exact sums of so many pixels take 8 GiB.
-inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
 
 const std::vector<Plugin>& plugins();
 /// The row of a tag and type, or nullptr.

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "scene_testing.h"
+#include "formats_testing.h"
 
 namespace etendue::testing {
 namespace {

@@ -1,0 +1,22 @@
+#pragma once
+/// Nori's XML dialect and what Etendue adds to it, as docs/scene_format.md describes it: text in, plain structs out.
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "formats/read_options.h"
+#include "scene/diagnostics.h"
+#include "scene/scene_file.h"
+
+namespace etendue {
+
+/// Loads the mesh of an OBJ file named in a scene; nothing after reporting an error.
+using MeshLoader = std::function<std::optional<TriangleMesh>(
+    const std::string& path, const glm::dmat4& world_from_object, Diagnostics& diagnostics)>;
+
+/// Reads from memory: `file` names the text in messages and gives the folder that filenames are relative to.
+std::optional<SceneFile> parse_scene_file(std::string text, const std::string& file, const ReadOptions& options,
+                                          const MeshLoader& load_mesh, Diagnostics& diagnostics);
+
+}  // namespace etendue

@@ -1,0 +1,67 @@
+#include "formats/read_scene.h"
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "formats/input_file.h"
+#include "formats/nori/nori_reader.h"
+#include "formats/obj/obj_reader.h"
+#include "formats/xml/xml_document.h"
+#include "scene/check.h"
+
+namespace etendue {
+namespace {
+
+std::string read_text(const std::string& path) {
+  InputFile file(path);
+  if (file.size() > XmlDocument::kMaxBytes) {
+    throw Error(ExitCode::scene_error,
+                fmt::format("{}: the file has {} bytes; a scene file has at most {}, geometry belongs into OBJ files",
+                            path, file.size(), XmlDocument::kMaxBytes));
+  }
+  std::string text(static_cast<std::size_t>(file.size()), '\0');
+  std::size_t size = 0;
+  while (size < text.size()) {
+    const std::size_t count = file.read(text.data() + size, text.size() - size);
+    if (count == 0) break;  // somebody shortens the file while it is read
+    size += count;
+  }
+  text.resize(size);
+  return text;
+}
+
+}  // namespace
+
+std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOptions& options,
+                                         Diagnostics& diagnostics) {
+  std::string text;
+  try {
+    text = read_text(path);
+  } catch (const Error& error) {
+    diagnostics.error({}, error.what(), error.code());
+    return std::nullopt;
+  }
+  const MeshLoader load = [](const std::string& mesh, const glm::dmat4& world_from_object, Diagnostics& sink) {
+    return read_obj(mesh, world_from_object, sink);
+  };
+  return parse_scene_file(std::move(text), path, options, load, diagnostics);
+}
+
+SceneFile read_scene_file(const std::string& path, const ReadOptions& options) {
+  Diagnostics diagnostics;
+  std::optional<SceneFile> file = read_scene_file(path, options, diagnostics);
+  if (file) check_scene_file(*file, diagnostics);
+  diagnostics.log_warnings();
+  diagnostics.throw_first_error();
+  return std::move(*file);
+}
+
+Scene read_scene(const std::string& path, const ReadOptions& options) {
+  SceneFile file = read_scene_file(path, options);
+  if (auto* scene = std::get_if<Scene>(&file)) return std::move(*scene);
+  const char* command = std::holds_alternative<TTest>(file) ? "ttest" : "chi2";
+  throw Error(ExitCode::scene_error,
+              fmt::format("{}: the file holds a <test>, not a <scene>; run it with etendue {}", path, command));
+}
+
+}  // namespace etendue

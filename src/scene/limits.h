@@ -1,0 +1,21 @@
+#pragma once
+/// Bounds on what a scene may hold, whatever made it: a reader, a test, a program that uses the library.
+
+#include <cstddef>
+#include <cstdint>
+
+namespace etendue {
+
+/// Largest |coordinate| of a point in world space: beyond it, squared areas overflow single precision.
+inline constexpr double kMaxCoordinate = 1e9;
+/// Largest radiance component: leaves room for path weights in single precision.
+inline constexpr double kMaxRadiance = 1e20;
+/// Darkest emission but none: below it single precision loses digits and then the light.
+inline constexpr double kMinRadiance = 1e-20;
+/// Largest width · height: the exact sums of so many pixels take 8 GiB.
+inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
+/// Triangles and vertices, of one mesh and of all meshes of a scene together.
+inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 25;
+inline constexpr std::size_t kMaxVertices = std::size_t{1} << 25;
+
+}  // namespace etendue
