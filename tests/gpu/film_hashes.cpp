@@ -14,8 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "device_test.h"
+#include "formats/read_scene.h"
 #include "reference/reference_renderer.h"
-#include "scene/xml_reader.h"
 
 namespace etendue::test {
 namespace {
