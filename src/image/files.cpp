@@ -1,16 +1,19 @@
 #include "image/files.h"
 
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <random>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -53,6 +56,87 @@ int flush(int descriptor) {
   return result != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP ? errno : 0;
 }
 
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) close(number_);
+  }
+  Descriptor(Descriptor&& other) noexcept : number_(other.release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  int get() const { return number_; }
+  int release() { return std::exchange(number_, -1); }
+
+ private:
+  int number_ = -1;
+};
+
+/// The folder and the name in it that a path leads to after all symbolic links; what failed where it leads nowhere.
+struct Place {
+  Descriptor folder;
+  std::string name;
+  const char* failed = nullptr;  ///< what could not be done, with errno in `error`
+  int error = 0;
+};
+
+/// The setting of the kernel, /proc/sys/fs/`name`; 1 where it cannot be read.
+int kernel_setting(const char* name) {
+  char digit = '1';
+  const Descriptor file(open(fmt::format("/proc/sys/fs/{}", name).c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() >= 0 && read(file.get(), &digit, 1) != 1) digit = '1';
+  return digit - '0';
+}
+
+/// What the kernel decides about following a link (may_follow_link in fs/namei.c): in a sticky folder that everybody
+/// may write to, only the links of the folder's owner and one's own lead on. open() follows links itself; we need the
+/// place they lead to, so we have to decide as it does.
+bool may_follow(int folder, int link) {
+  struct stat above {
+  }, itself{};
+  if (fstat(folder, &above) != 0 || fstat(link, &itself) != 0) return false;
+  const bool anybody = (above.st_mode & S_ISVTX) != 0 && (above.st_mode & S_IWOTH) != 0;
+  return !anybody || itself.st_uid == geteuid() || itself.st_uid == above.st_uid ||
+         kernel_setting("protected_symlinks") == 0;
+}
+
+Descriptor open_folder(int at, const std::string& path) {
+  Descriptor folder(openat(at, path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // A folder that may be written but not listed serves as well; it cannot be flushed then.
+  if (folder.get() < 0 && errno == EACCES)
+    folder = Descriptor(openat(at, path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  return folder;
+}
+
+Place find_place(const std::string& path) {
+  // The kernel has the first word, whatever its reasons are: links that lead nowhere yet are ENOENT.
+  const Descriptor target(open(path.c_str(), O_PATH | O_CLOEXEC));
+  if (target.get() < 0 && errno != ENOENT) return {.failed = "cannot open it", .error = errno};
+  Place place;
+  std::filesystem::path rest = path;
+  for (int links = 0;; ++links) {
+    const std::string parent = rest.parent_path().empty() ? "." : rest.parent_path().string();
+    Descriptor folder = open_folder(links == 0 ? AT_FDCWD : place.folder.get(), parent);
+    if (folder.get() < 0) return {.failed = "cannot open the folder", .error = errno};
+    place.folder = std::move(folder);
+    place.name = rest.filename().string();
+    // Each link is held open while it is judged and read, so that nobody can exchange it in between.
+    const Descriptor link(openat(place.folder.get(), place.name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
+    struct stat status {};
+    if (link.get() < 0 || fstat(link.get(), &status) != 0 || !S_ISLNK(status.st_mode)) return place;
+    const auto refused = [](int error) { return Place{.failed = "cannot follow the symbolic link", .error = error}; };
+    if (links == 40) return refused(ELOOP);
+    if (!may_follow(place.folder.get(), link.get())) return refused(EACCES);
+    std::array<char, PATH_MAX> next;
+    const ssize_t length = readlinkat(link.get(), "", next.data(), next.size());
+    if (length < 0) return refused(errno);
+    rest = std::string(next.data(), static_cast<std::size_t>(length));
+  }
+}
+
 }  // namespace
 
 void AtomicFile::fail(const char* action, int error) const {
@@ -61,45 +145,41 @@ void AtomicFile::fail(const char* action, int error) const {
 }
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path) {
-  namespace fs = std::filesystem;
-  // Renaming over a link would replace the link, not the file the user meant.
-  fs::path target = fs::path(path);
-  std::error_code error;
-  for (int links = 0; fs::is_symlink(fs::symlink_status(target, error)); ++links) {
-    if (links == 40) fail("cannot follow the symbolic link", ELOOP);
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) fail("cannot follow the symbolic link", error.value());
-    target = target.parent_path() / next;  // just `next` when that is absolute
-  }
-  name_ = target.filename().string();
-  const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
-  if (path.empty() || path.find('\0') != std::string::npos || name_.empty() || name_ == "." || name_ == "..") {
+  const auto is_name = [](const std::string& name) { return !name.empty() && name != "." && name != ".."; };
+  const auto refuse_name = [&] {
     throw Error(ExitCode::file_error, fmt::format("\"{}\" is not the name of a file", path));
-  }
-  folder_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  // A folder that may be written but not listed serves as well; it cannot be flushed then.
-  if (folder_ < 0 && errno == EACCES) folder_ = open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-  if (folder_ < 0) fail("cannot open the folder", errno);
+  };
+  if (path.find('\0') != std::string::npos || !is_name(std::filesystem::path(path).filename().string())) refuse_name();
+  Place place = find_place(path);
+  if (place.failed != nullptr) fail(place.failed, place.error);
+  name_ = place.name;
+  if (!is_name(name_)) refuse_name();
+  folder_ = place.folder.release();
   try {
-    int mode = -1;
-    struct stat existing;
-    if (fstatat(folder_, name_.c_str(), &existing, 0) == 0) {
-      if (S_ISDIR(existing.st_mode)) fail("cannot replace it", EISDIR);
-      if (!S_ISREG(existing.st_mode)) {
-        throw Error(
-            ExitCode::file_error,
-            fmt::format("{}: is a device, pipe or socket and cannot be replaced; give the name of a file", path_));
-      }
-      if (faccessat(folder_, name_.c_str(), W_OK, AT_EACCESS) != 0) fail("cannot replace it", errno);
-      mode = existing.st_mode & 07777;
-    } else if (errno != ENOENT) {
-      fail("cannot look at it", errno);
-    }
-    create_beside(mode);
+    create_beside(mode_of_existing());
   } catch (...) {
     close(folder_);
     throw;
   }
+}
+
+// The permissions of the file that is there and may be replaced, or -1 when there is none.
+int AtomicFile::mode_of_existing() const {
+  struct stat existing {};
+  if (fstatat(folder_, name_.c_str(), &existing, AT_SYMLINK_NOFOLLOW) != 0) {
+    if (errno != ENOENT) fail("cannot look at it", errno);
+    return -1;
+  }
+  if (S_ISDIR(existing.st_mode)) fail("cannot replace it", EISDIR);
+  if (!S_ISREG(existing.st_mode)) {
+    throw Error(ExitCode::file_error,
+                fmt::format("{}: is a device, pipe or socket and cannot be replaced; give the name of a file", path_));
+  }
+  // Opened as the shell opens it, only not emptied: permissions, protected_regular, whatever else the kernel knows.
+  const Descriptor probe(
+      openat(folder_, name_.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0666));
+  if (probe.get() < 0) fail("cannot replace it", errno);
+  return existing.st_mode & 07777;
 }
 
 void AtomicFile::create_beside(int mode) {
@@ -149,6 +229,21 @@ void AtomicFile::commit() {
     throw Error(ExitCode::file_error, fmt::format("{}: is written, but the folder could not be flushed to the disk: {}",
                                                   path_, std::generic_category().message(error)));
   }
+}
+
+bool is_same_place(const std::string& a, const std::string& b) {
+  const Place first = find_place(a), second = find_place(b);
+  if (first.failed != nullptr || second.failed != nullptr) return false;
+  const auto same = [](const struct stat& x, const struct stat& y) {
+    return x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+  };
+  struct stat x {
+  }, y{};
+  if (fstat(first.folder.get(), &x) == 0 && fstat(second.folder.get(), &y) == 0 && same(x, y) &&
+      first.name == second.name)
+    return true;
+  return fstatat(first.folder.get(), first.name.c_str(), &x, AT_SYMLINK_NOFOLLOW) == 0 &&
+         fstatat(second.folder.get(), second.name.c_str(), &y, AT_SYMLINK_NOFOLLOW) == 0 && same(x, y);
 }
 
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes) {

@@ -11,9 +11,10 @@ namespace etendue {
 
 /// Replaces the file at a path in one step: bytes go to a new file beside it, which is flushed to the disk and renamed
 /// over the path by commit(). Whatever fails before that, the path keeps what it had and the new file is removed. A
-/// symbolic link at the path stays a link: the file it leads to is replaced. Every function throws Error(file_error)
-/// with the path and the system's reason; a file size limit (RLIMIT_FSIZE) is reported like a full disk and does not
-/// end the process.
+/// symbolic link at the path stays a link: the file it leads to is replaced. Links and existing files that the kernel
+/// would not open for writing (fs.protected_symlinks and fs.protected_regular in sticky folders such as /tmp) are
+/// refused, as they are by the shell's `>`. Every function throws Error(file_error) with the path and the system's
+/// reason; a file size limit (RLIMIT_FSIZE) is reported like a full disk and does not end the process.
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);
@@ -26,6 +27,7 @@ class AtomicFile {
 
  private:
   [[noreturn]] void fail(const char* action, int error) const;
+  int mode_of_existing() const;
   void create_beside(int mode);
 
   std::string path_;       ///< as given, for messages
@@ -34,6 +36,10 @@ class AtomicFile {
   int folder_ = -1;
   int file_ = -1;
 };
+
+/// Whether writing to both paths would write to one place: the same name in the same folder after all links, or two
+/// hard links of one file. False where a path leads nowhere.
+bool is_same_place(const std::string& a, const std::string& b);
 
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes);
 

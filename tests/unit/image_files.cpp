@@ -141,6 +141,60 @@ TEST(AtomicFile, FollowsSymbolicLinks) {
   expect_mentions(error_of([&] { write_file_atomically(folder / "loop", {}); }), "symbolic link");
 }
 
+// In a sticky folder of everybody's, such as /tmp, the kernel guards links and files of others by settings of its own
+// (fs.protected_symlinks, fs.protected_regular). Whatever they are, the shell is the measure.
+TEST(AtomicFile, OpensWhatTheShellOpensInStickyFolders) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can make links that belong to others";
+  constexpr uid_t kOther = 65534;
+  const TempFolder folder;
+  std::filesystem::create_directory(folder / "sticky");
+  chmod((folder / "sticky").c_str(), 01777);
+  spill(folder / "mine", "old");
+  spill(folder / "sticky/theirs", "old");
+  ASSERT_EQ(chown((folder / "sticky/theirs").c_str(), kOther, kOther), 0);
+  chmod((folder / "sticky/theirs").c_str(), 0666);
+  const std::pair<const char*, const char*> links[] = {
+      {"link", "../mine"}, {"dangling", "../later"}, {"chain", "second"}, {"second", "../mine"}};
+  for (const auto& [name, target] : links) {
+    std::filesystem::create_symlink(target, folder / (std::string("sticky/") + name));
+    ASSERT_EQ(lchown((folder / (std::string("sticky/") + name)).c_str(), kOther, kOther), 0);
+  }
+  std::filesystem::create_symlink("link", folder / "sticky/own-to-theirs");
+  std::filesystem::create_symlink("../mine", folder / "sticky/own");
+  for (const char* name : {"link", "dangling", "chain", "own-to-theirs", "own", "theirs"}) {
+    const std::string path = folder / (std::string("sticky/") + name);
+    const std::string command = "sh -c ': >> " + path + "' 2> /dev/null";  // opened with O_CREAT, not emptied
+    const bool shell_opens = std::system(command.c_str()) == 0;
+    std::filesystem::remove(folder / "later");
+    bool opens = true;
+    try {
+      write_file_atomically(path, bytes_of("new"));
+    } catch (const Error& error) {
+      opens = false;
+      expect_mentions(error.what(), "Permission denied");
+    }
+    EXPECT_EQ(opens, shell_opens) << name;
+    EXPECT_EQ(std::filesystem::exists(folder / "later"), shell_opens && name == std::string("dangling"));
+    std::filesystem::remove(folder / "later");
+  }
+}
+
+TEST(AtomicFile, KnowsTwoNamesOfOnePlace) {
+  const TempFolder folder;
+  spill(folder / "a", "");
+  std::filesystem::create_hard_link(folder / "a", folder / "hard");
+  std::filesystem::create_symlink("a", folder / "soft");
+  std::filesystem::create_symlink("new", folder / "ahead");
+  std::filesystem::create_directory_symlink(".", folder / "here");
+  for (const char* name : {"a", "hard", "soft", "here/a", "here/soft"}) {
+    EXPECT_TRUE(is_same_place(folder / "a", folder / name)) << name;
+    EXPECT_FALSE(is_same_place(folder / "new", folder / name)) << name;
+  }
+  EXPECT_TRUE(is_same_place(folder / "new", folder / "ahead"));
+  EXPECT_TRUE(is_same_place(folder / "new", folder / "here/new"));
+  EXPECT_FALSE(is_same_place(folder / "none/a", folder / "none/a"));  // leads nowhere, which is told elsewhere
+}
+
 TEST(AtomicFile, TakesTheLongestNames) {
   const TempFolder folder;
   const std::string longest(255, 'a');
