@@ -6,6 +6,7 @@
 #include "bench/export.h"
 #include "bench/report.h"
 #include "cli/command.h"
+#include "cli/results.h"
 #include "cli/units.h"
 #include "core/log.h"
 #include "core/parallel.h"
@@ -114,9 +115,9 @@ ExitCode run_bench(const Options& options) {
                      .repetitions = repetitions};
   for (const auto& scene : benches) report.scenes.push_back(scene->report());
   if (options.json) {
-    fmt::print("{}\n", bench_json(report).dump(2));
+    print_result("{}\n", bench_json(report).dump(2));
   } else {
-    fmt::print("{}", bench_table(report));
+    print_result("{}", bench_table(report));
   }
   if (report.passed()) return ExitCode::ok;
   log::error("Rays hit something else than in the reference; the rates above are worth nothing.");

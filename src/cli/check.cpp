@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include "cli/command.h"
+#include "cli/results.h"
 #include "core/json.h"
 #include "validate/scene_probe.h"
 
@@ -46,14 +47,14 @@ ExitCode check_files(const Options& options) {
                        {"column", d.position.column},
                        {"message", d.message}});
       } else {
-        fmt::print("{}: {}\n", severity_name(d.severity), to_string(d));
+        print_result("{}: {}\n", severity_name(d.severity), to_string(d));
       }
     }
     if (options.json) continue;
-    if (diagnostics.dropped() > 0) fmt::print("{} more findings are not listed\n", diagnostics.dropped());
-    if (!diagnostics.has_errors()) fmt::print("{}: ok\n", file);
+    if (diagnostics.dropped() > 0) print_result("{} more findings are not listed\n", diagnostics.dropped());
+    if (!diagnostics.has_errors()) print_result("{}: ok\n", file);
   }
-  if (options.json) fmt::print("{}\n", out.dump(2));
+  if (options.json) print_result("{}\n", out.dump(2));
   return code;
 }
 

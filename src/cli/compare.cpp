@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/result_files.h"
+#include "cli/results.h"
 #include "validate/html_report.h"
 
 namespace etendue::cli {
@@ -21,6 +22,7 @@ struct Options {
 };
 
 ExitCode run_compare(const Options& options) {
+  options.files.check();
   CompareOptions compare;
   compare.significance = options.significance;
   compare.metrics.flip = !options.no_flip;
@@ -28,11 +30,12 @@ ExitCode run_compare(const Options& options) {
   for (const std::string& text : options.below) compare.limits.push_back(parse_limit(text, false));
   const Image test = read_image(options.test), reference = read_image(options.reference);
   const Comparison comparison = compare_images(test, options.test, reference, options.reference, compare);
-  fmt::print("{}", comparison_text(comparison));
-  if (!options.files.json.empty()) write_text(options.files.json, json_text(comparison_json(comparison)));
-  if (!options.files.junit.empty())
-    write_text(options.files.junit, junit_xml("compare", {comparison_junit(comparison)}));
-  if (!options.files.html.empty()) write_text(options.files.html, comparison_html(comparison, test, reference));
+  print_result("{}", comparison_text(comparison));
+  OutputWriter files;
+  write_text(files, options.files.json, [&] { return json_text(comparison_json(comparison)); });
+  write_text(files, options.files.junit, [&] { return junit_xml("compare", {comparison_junit(comparison)}); });
+  write_text(files, options.files.html, [&] { return comparison_html(comparison, test, reference); });
+  files.finish();
   return comparison.passed() ? ExitCode::ok : ExitCode::test_failed;
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 #include "cli/command.h"
+#include "cli/results.h"
 #include "core/json.h"
 #include "vulkan/context.h"
 
@@ -22,15 +23,15 @@ ExitCode list(bool json) {
                      {"subgroup_size", d.subgroup_size},
                      {"missing", d.missing}});
     } else {
-      fmt::print("{}  {}  [{}]  {}  Vulkan {}  {:.1f} GiB{}\n", d.index, d.name, d.type, d.driver, api,
-                 static_cast<double>(d.memory_bytes) / (1 << 30),
-                 d.missing.empty() ? "" : "  not usable: " + d.missing);
+      print_result("{}  {}  [{}]  {}  Vulkan {}  {:.1f} GiB{}\n", d.index, d.name, d.type, d.driver, api,
+                   static_cast<double>(d.memory_bytes) / (1 << 30),
+                   d.missing.empty() ? "" : "  not usable: " + d.missing);
     }
   }
   if (json) {
-    fmt::print("{}\n", out.dump(2));
+    print_result("{}\n", out.dump(2));
   } else {
-    fmt::print("reference  double-precision CPU reference\n");
+    print_result("reference  double-precision CPU reference\n");
   }
   return ExitCode::ok;
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include "cli/command.h"
+#include "cli/results.h"
 #include "cli/units.h"
 #include "core/json.h"
 
@@ -94,25 +95,26 @@ void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Option
   if (options.json) {
     auto vertices = Json::array();
     for (const PathVertex& vertex : path) vertices.push_back(to_json(vertex));
-    fmt::print("{}\n", Json{{"scene", options.scene_file},
-                            {"device", renderer.device_name()},
-                            {"seed", options.seed},
-                            {"x", x},
-                            {"y", y},
-                            {"sample", id.sample},
-                            {"vertices", vertices}}
-                           .dump(2));
+    print_result("{}\n", Json{{"scene", options.scene_file},
+                              {"device", renderer.device_name()},
+                              {"seed", options.seed},
+                              {"x", x},
+                              {"y", y},
+                              {"sample", id.sample},
+                              {"vertices", vertices}}
+                             .dump(2));
     return;
   }
-  fmt::print("{} on {}, seed {}: pixel ({}, {}), sample {}\n", options.scene_file, renderer.device_name(), options.seed,
-             x, y, id.sample);
-  fmt::print("{:>7}  {:<13} {:<13} {:<8} {:<13} {:<8}  radiance gathered so far\n", "segment", "meets", "light",
-             "reached", "lobe", "survives");
+  print_result("{} on {}, seed {}: pixel ({}, {}), sample {}\n", options.scene_file, renderer.device_name(),
+               options.seed, x, y, id.sample);
+  print_result("{:>7}  {:<13} {:<13} {:<8} {:<13} {:<8}  radiance gathered so far\n", "segment", "meets", "light",
+               "reached", "lobe", "survives");
   for (std::size_t i = 0; i < path.size(); ++i) {
     const PathVertex& v = path[i];
-    fmt::print("{:>7}  {:<13} {:<13} {:<8} {:<13} {:<8}  {:.5g} {:.5g} {:.5g}\n", i + 1,
-               place(v.shape, v.primitive, "nothing"), place(v.light_shape, v.light_primitive, "-"),
-               yes_no(v.light_contributed), lobe_name(v), yes_no(v.survived), v.radiance.x, v.radiance.y, v.radiance.z);
+    print_result("{:>7}  {:<13} {:<13} {:<8} {:<13} {:<8}  {:.5g} {:.5g} {:.5g}\n", i + 1,
+                 place(v.shape, v.primitive, "nothing"), place(v.light_shape, v.light_primitive, "-"),
+                 yes_no(v.light_contributed), lobe_name(v), yes_no(v.survived), v.radiance.x, v.radiance.y,
+                 v.radiance.z);
   }
 }
 
@@ -153,21 +155,21 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
                         {"share", share(light.chosen, tally.light_samples)},
                         {"reached", light.reached}});
     }
-    fmt::print("{}\n", Json{{"scene", options.scene_file},
-                            {"device", renderer.device_name()},
-                            {"seed", options.seed},
-                            {"paths", tally.paths},
-                            {"lightSamples", tally.light_samples},
-                            {"lights", lights}}
-                           .dump(2));
+    print_result("{}\n", Json{{"scene", options.scene_file},
+                              {"device", renderer.device_name()},
+                              {"seed", options.seed},
+                              {"paths", tally.paths},
+                              {"lightSamples", tally.light_samples},
+                              {"lights", lights}}
+                             .dump(2));
     return;
   }
-  fmt::print("{} on {}, seed {}: {} light samples of {} paths\n", options.scene_file, renderer.device_name(),
-             options.seed, tally.light_samples, tally.paths);
-  fmt::print("{:<10} {:>10} {:>8} {:>10}\n", "light", "chosen", "share", "unhidden");
+  print_result("{} on {}, seed {}: {} light samples of {} paths\n", options.scene_file, renderer.device_name(),
+               options.seed, tally.light_samples, tally.paths);
+  print_result("{:<10} {:>10} {:>8} {:>10}\n", "light", "chosen", "share", "unhidden");
   for (const auto& [shape, light] : tally.lights) {
-    fmt::print("shape {:<4} {:>10} {:>6.2f} % {:>8.2f} %\n", shape, light.chosen,
-               100.0 * share(light.chosen, tally.light_samples), 100.0 * share(light.reached, light.chosen));
+    print_result("shape {:<4} {:>10} {:>6.2f} % {:>8.2f} %\n", shape, light.chosen,
+                 100.0 * share(light.chosen, tally.light_samples), 100.0 * share(light.reached, light.chosen));
   }
 }
 

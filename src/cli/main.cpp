@@ -1,14 +1,16 @@
-#include <cerrno>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
-#include <iostream>
 #include <new>
 #include <system_error>
 
 #include <fmt/core.h>
 #include "cli/command.h"
+#include "cli/results.h"
 #include "core/command_line.h"
 #include "core/errors.h"
 #include "core/log.h"
@@ -52,19 +54,24 @@ ExitCode run(int argc, char** argv) {
   return code;
 }
 
-// Results that did not arrive are no results: a full disk under a redirected stdout must not look like success.
-void flush_results() {
-  std::cout.flush();
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return;
-  throw etendue::Error(ExitCode::file_error,
-                       fmt::format("The results cannot be written to stdout: {}.", std::strerror(errno)));
+// A stream that is closed, full, or a pipe without a reader must cost what is written to it and nothing else. Closed
+// ones get a file that refuses writes, or the next file opened would take their number and their text.
+void guard_streams() {
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    // Takes the lowest free number, which is `stream`. Without /dev/null there is nothing to be done.
+    [[maybe_unused]] const int opened = open("/dev/null", O_RDONLY);
+  }
 }
 
 // Runs the command; an error becomes a sentence on stderr and an exit code.
 ExitCode guarded_run(int argc, char** argv) {
   try {
     const ExitCode code = run(argc, argv);
-    flush_results();
+    // Results that did not arrive are no results: a full disk under a redirected stdout must not look like success.
+    etendue::cli::finish_results();
     return code;
   } catch (const etendue::Error& error) {
     etendue::log::error(error.what());
@@ -72,7 +79,7 @@ ExitCode guarded_run(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     etendue::log::error("The host ran out of memory; use a smaller image or mesh.");
     return ExitCode::device_lost;
-  } catch (const std::system_error& error) {  // what fmt::print throws, above all
+  } catch (const std::system_error& error) {
     etendue::log::error(fmt::format("The system refused: {}.", error.what()));
     return ExitCode::file_error;
   } catch (const std::exception& error) {
@@ -84,6 +91,7 @@ ExitCode guarded_run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  guard_streams();
   const int code = static_cast<int>(guarded_run(argc, argv));
   if (etendue::vulkan::any_abandoned()) {
     // The driver's threads may never end, and its exit handlers wait for them.

@@ -3,7 +3,8 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include "cli/command.h"
-#include "cli/render_session.h"
+#include "cli/outputs.h"
+#include "cli/results.h"
 #include "core/json.h"
 #include "core/log.h"
 
@@ -25,29 +26,44 @@ std::string samples_text(const FilmFile& film, std::uint64_t count) {
                                         : fmt::format("{} sets of paths a pixel ({})", count, sampler->second);
 }
 
+// Outputs are different files, and none of them is a picture in place of a film that is read: its sums would be lost.
+void check_inputs_stay(const Options& options) {
+  std::vector<NamedFile> files;
+  for (const std::string& path : options.outputs) files.emplace_back("-o", path);
+  check_distinct(files);
+  for (const std::string& path : options.outputs) {
+    if (path.ends_with(".exr") && !options.picture) continue;
+    for (const std::string& film : options.films) check_distinct({{"FILM", film}, {"-o", path}});
+  }
+}
+
 ExitCode merge(const Options& options) {
   for (const std::string& path : options.outputs) check_output_name(path);
   for (const std::string& path : options.outputs) check_writable(path);
+  check_inputs_stay(options);
   const FilmFile film = merge_films(options.films);
   if (film.samples.empty())
     throw Error(ExitCode::file_error, "None of the films holds a sample; there is nothing to write.");
-  for (const std::string& path : options.outputs) write_output(path, film, !options.picture);
+  OutputWriter writer;
+  for (const std::string& path : options.outputs)
+    writer.write(path, [&] { write_output(path, film, !options.picture); });
 
   const std::uint64_t count = sample_count(film.samples);
   const std::uint64_t gaps = film.samples.back().second - count;
   if (options.json) {
-    fmt::print("{}\n", Json({{"outputs", options.outputs},
-                             {"films", options.films.size()},
-                             {"samples", count},
-                             {"missing", gaps},
-                             {"metadata", film_metadata(film)}})
-                           .dump(2));
-  } else if (!options.quiet) {
+    print_result("{}\n", Json({{"outputs", writer.written()},
+                               {"films", options.films.size()},
+                               {"samples", count},
+                               {"missing", gaps},
+                               {"metadata", film_metadata(film)}})
+                             .dump(2));
+  } else if (!options.quiet && !writer.written().empty()) {
     log::info(fmt::format("Merged {} films: {}, samples {}{}; wrote {}.", options.films.size(),
                           samples_text(film, count), etendue::to_text(film.samples),
                           gaps > 0 ? fmt::format(" ({} of 0:{} are missing)", gaps, film.samples.back().second) : "",
-                          fmt::join(options.outputs, " and ")));
+                          fmt::join(writer.written(), " and ")));
   }
+  writer.finish();
   return ExitCode::ok;
 }
 

@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/result_files.h"
+#include "cli/results.h"
 #include "core/log.h"
 #include "validate/compare.h"
 
@@ -21,16 +22,19 @@ struct Options {
 };
 
 ExitCode run(const Options& options) {
+  options.files.check();
   MutateOptions test = options.test;
   test.gpu = options.device.gpu_options();
   test.progress = [](const MutantOutcome& outcome) {
-    if (log::stderr_is_terminal()) fmt::print(stderr, "\r\033[K{} {}", outcome.mutant.id, outcome.mutant.name);
+    if (log::stderr_is_terminal()) log::put(fmt::format("\r\033[K{} {}", outcome.mutant.id, outcome.mutant.name));
   };
   const MutateReport report = run_mutate(test);
-  if (log::stderr_is_terminal()) fmt::print(stderr, "\r\033[K");
-  fmt::print("{}", options.markdown ? mutate_markdown(report) : mutate_text(report));
-  if (!options.files.json.empty()) write_text(options.files.json, json_text(mutate_json(report)));
-  if (!options.files.junit.empty()) write_text(options.files.junit, junit_xml("mutate", mutate_junit(report)));
+  if (log::stderr_is_terminal()) log::put("\r\033[K");
+  print_result("{}", options.markdown ? mutate_markdown(report) : mutate_text(report));
+  OutputWriter files;
+  write_text(files, options.files.json, [&] { return json_text(mutate_json(report)); });
+  write_text(files, options.files.junit, [&] { return junit_xml("mutate", mutate_junit(report)); });
+  files.finish();
   return report.passed() ? ExitCode::ok : ExitCode::test_failed;
 }
 

@@ -25,7 +25,7 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::finish() {
-  if (shown_ && terminal_) fmt::print(stderr, "\n");
+  if (shown_ && terminal_) log::put("\n");
   shown_ = false;
 }
 
@@ -38,10 +38,9 @@ void ProgressLine::update(std::uint64_t done) {
   const double seconds = std::chrono::duration<double>(now - start_).count();
   const double rate = seconds > 0.0 ? static_cast<double>(done - std::min(before_, done)) / seconds : 0.0;
   const double left = rate > 0.0 ? static_cast<double>(total_ - done) / rate : 0.0;
-  fmt::print(stderr, "{}{:3.0f} %  {}/{} samples  {:.2f} Msamples/s  {} left{}", terminal_ ? "\r" : "",
-             100.0 * static_cast<double>(done) / static_cast<double>(total_), done, total_, rate * 1e-6,
-             duration_text(left), terminal_ ? "   " : "\n");
-  std::fflush(stderr);
+  log::put(fmt::format("{}{:3.0f} %  {}/{} samples  {:.2f} Msamples/s  {} left{}", terminal_ ? "\r" : "",
+                       100.0 * static_cast<double>(done) / static_cast<double>(total_), done, total_, rate * 1e-6,
+                       duration_text(left), terminal_ ? "   " : "\n"));
 }
 
 }  // namespace etendue::cli

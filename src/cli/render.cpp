@@ -4,13 +4,17 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include "cli/command.h"
-#include "cli/render_session.h"
+#include "cli/outputs.h"
+#include "cli/progress.h"
 #include "cli/render_stats.h"
+#include "cli/results.h"
+#include "cli/signals.h"
 #include "cli/units.h"
 #include "core/json.h"
 #include "core/log.h"
 #include "core/version.h"
 #include "gpu/gpu_renderer.h"
+#include "render/session.h"
 
 namespace etendue::cli {
 namespace {
@@ -106,25 +110,49 @@ std::vector<std::string> output_paths(const Options& options, const Scene& scene
   return options.outputs;
 }
 
-SessionOptions session_options(const Options& options, Clock::time_point start) {
+/// What one call of the command is to do.
+struct Plan {
+  SessionOptions session;
+  std::vector<std::string> outputs;  ///< .exr and .png
+  bool film = false;                 ///< .exr outputs are films, which can be merged and resumed
+};
+
+Plan make_plan(const Options& options, Clock::time_point start) {
   if (!options.checkpoint_every.empty() && options.checkpoint.empty()) {
     throw Error(ExitCode::usage, "'--checkpoint-every' needs the file to write: add --checkpoint FILE.");
   }
   for (const std::string& path : options.outputs) check_output_name(path);
-  SessionOptions session{.film = options.film || !options.samples.empty(),
-                         .checkpoint = options.checkpoint,
-                         .start = start,
-                         .quiet = options.quiet};
+  for (const std::string& path : options.heat_maps) check_output_name(path);
+  if ((options.stats || !options.heat_maps.empty()) && !uses_gpu(options))
+    throw Error(ExitCode::usage, "--stats and --heat-map count on a Vulkan device; choose another --device.");
+  Plan plan{.session = {.start = start}, .film = options.film || !options.samples.empty()};
+  SessionOptions& session = plan.session;
   if (!options.checkpoint_every.empty())
     session.checkpoint_seconds = parse_duration("--checkpoint-every", options.checkpoint_every);
   if (!options.time.empty()) session.time_seconds = parse_duration("--time", options.time);
   if (!options.until_error.empty()) session.max_error = parse_fraction("--until-error", options.until_error);
-  return session;
+  return plan;
 }
 
-void report_rejected(const RenderJob& job, bool strict) {
+// Every file is one of its own, so that none is lost to another; a film may take the place of the film it goes on from.
+void check_files(const Plan& plan, const Options& options) {
+  std::vector<NamedFile> files = {{"--checkpoint", options.checkpoint}};
+  for (const std::string& path : plan.outputs) files.emplace_back("-o", path);
+  for (const std::string& path : options.heat_maps) files.emplace_back("--heat-map", path);
+  check_distinct(files);
+  for (const auto& [option, path] : files) {
+    const bool film = option == "--checkpoint" || (option == "-o" && plan.film && path.ends_with(".exr"));
+    if (!film) check_distinct({{"--resume", options.resume}, {option, path}});
+  }
+  for (const auto& [option, path] : files) {
+    if (!path.empty()) check_writable(path);
+  }
+}
+
+// Nothing when all samples are in the film.
+std::string rejected_text(const RenderJob& job) {
   const std::uint64_t count = job.state().film.rejected();
-  if (count == 0) return;
+  if (count == 0) return "";
   const std::uint32_t width = job.state().film.width();
   std::string places;
   for (std::size_t i = 0; i < std::min<std::size_t>(job.rejected().size(), 4); ++i) {
@@ -132,10 +160,7 @@ void report_rejected(const RenderJob& job, bool strict) {
     places += fmt::format("{} pixel ({}, {}) sample {} segment {}", i == 0 ? ":" : ";", r.id.pixel % width,
                           r.id.pixel / width, r.id.sample, r.segments);
   }
-  const std::string text =
-      fmt::format("{} samples were not finite or too large for the film and were left out{}", count, places);
-  if (strict) throw Error(ExitCode::test_failed, text + "; without --strict the image is written without them.");
-  log::warning(text);
+  return fmt::format("{} samples were not finite or too large for the film and were left out{}", count, places);
 }
 
 /// What one run did, for the report.
@@ -144,6 +169,7 @@ struct Outcome {
   std::uint64_t samples = 0;  ///< sample indices rendered by this run
   double render_seconds = 0, seconds = 0;
   std::optional<RenderProfile> profile;
+  OutputWriter files;
 };
 
 std::string reason_text(const Outcome& outcome, const RenderJob& job, const Options& options, std::uint32_t set_size) {
@@ -161,12 +187,12 @@ std::string reason_text(const Outcome& outcome, const RenderJob& job, const Opti
   return "";
 }
 
-Json to_json(const Outcome& outcome, const RenderJob& job, const SessionOptions& session, const DeviceTeam& team,
-             bool gpu) {
-  const double pixel_samples = static_cast<double>(outcome.samples * job.pixels() * session.set_size);
-  Json out = {{"outputs", session.outputs},
-              {"film", session.film},
-              {"checkpoint", session.checkpoint},
+Json to_json(const Outcome& outcome, const RenderJob& job, const Options& options, const Plan& plan,
+             const DeviceTeam& team) {
+  const double pixel_samples = static_cast<double>(outcome.samples * job.pixels() * plan.session.set_size);
+  Json out = {{"outputs", outcome.files.written()},
+              {"film", plan.film},
+              {"checkpoint", options.checkpoint},
               {"end", to_text(outcome.end)},
               {"metadata", film_metadata(job.state())},
               {"seconds", outcome.seconds},
@@ -174,9 +200,10 @@ Json to_json(const Outcome& outcome, const RenderJob& job, const SessionOptions&
               {"samples_per_second", outcome.render_seconds > 0 ? pixel_samples / outcome.render_seconds : 0.0},
               {"rejected", job.state().film.rejected()},
               {"devices", Json::array()}};
+  if (!outcome.files.failed().empty()) out["failed"] = outcome.files.failed();
   for (const Renderer* renderer : team.renderers()) {
     Json device = {{"device", renderer->device_name()}, {"driver", renderer->driver_name()}};
-    if (gpu) {
+    if (uses_gpu(options)) {
       const GpuTimings t = gpu_timings(*renderer);
       device["timings"] = {
           {"compile", t.compile}, {"upload", t.upload}, {"pipeline", t.pipeline}, {"render", t.render}};
@@ -188,71 +215,108 @@ Json to_json(const Outcome& outcome, const RenderJob& job, const SessionOptions&
   return out;
 }
 
-void report(const Outcome& outcome, const RenderJob& job, const Options& options, const SessionOptions& session,
+void report(const Outcome& outcome, const RenderJob& job, const Options& options, const Plan& plan,
             const DeviceTeam& team) {
+  const std::uint32_t set_size = plan.session.set_size;
   if (options.json) {
-    fmt::print("{}\n", to_json(outcome, job, session, team, uses_gpu(options)).dump(2));
+    print_result("{}\n", to_json(outcome, job, options, plan, team).dump(2));
   } else if (!options.quiet) {
     const Film& film = job.state().film;
     const double rate =
-        static_cast<double>(outcome.samples * job.pixels() * session.set_size) / std::max(outcome.render_seconds, 1e-9);
+        static_cast<double>(outcome.samples * job.pixels() * set_size) / std::max(outcome.render_seconds, 1e-9);
+    const std::vector<std::string>& written = outcome.files.written();
     log::info(fmt::format("Rendered {}x{} at {} spp{} in {} ({:.2f} Msamples/s); wrote {}.", film.width(),
-                          film.height(), job.done() * session.set_size,
-                          reason_text(outcome, job, options, session.set_size), duration_text(outcome.render_seconds),
-                          rate * 1e-6, fmt::join(session.outputs, " and ")));
+                          film.height(), job.done() * set_size, reason_text(outcome, job, options, set_size),
+                          duration_text(outcome.render_seconds), rate * 1e-6,
+                          written.empty() ? "nothing" : fmt::format("{}", fmt::join(written, " and "))));
   }
   if (outcome.profile && options.stats && !options.json)
-    fmt::print("{}", stats_text(*outcome.profile, gpu_timings(*team.renderers().front())));
+    print_result("{}", stats_text(*outcome.profile, gpu_timings(*team.renderers().front())));
 }
 
 // Statistics and heat maps are counted afterwards, on the first device and a few samples: the render pays nothing.
 std::optional<RenderProfile> count_profile(const DeviceTeam& team, const Options& options) {
   constexpr std::uint32_t kProfiledSamples = 4;
   if (!options.stats && options.heat_maps.empty()) return std::nullopt;
-  RenderProfile profile = gpu_profile(*team.renderers().front(), kProfiledSamples);
-  for (const std::string& path : options.heat_maps) write_heat_map(path, profile);
-  return profile;
+  return gpu_profile(*team.renderers().front(), kProfiledSamples);
 }
 
-ExitCode run_job(RenderJob& job, DeviceTeam& team, const Options& options, const SessionOptions& session) {
+SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const Options& options,
+                       const Plan& plan, SignalWatch& signals) {
+  const std::uint64_t paths = job.pixels() * plan.session.set_size;
+  ProgressLine line(options.quiet, job.done() * paths, job.total() * paths);
+  const auto write_picture = [&] {
+    signals.take_image_request();
+    OutputWriter files;
+    for (const std::string& path : plan.outputs) files.write(path, [&] { write_output(path, job.state(), plan.film); });
+    if (!files.failed().empty()) log::warning(files.complaint() + ". The render goes on.");
+  };
+  Session session(job, checkpoint, plan.session,
+                  {.stop_asked = [&] { return signals.stop_asked(); },
+                   .picture_asked = [&] { return signals.image_asked(); },
+                   .write_picture = write_picture,
+                   .progress = [&](std::uint64_t done) { line.update(done); },
+                   .warn = [](const std::string& sentence) { log::warning(sentence); }});
+  signals.saving_starts();
+  return session.run(team);
+}
+
+ExitCode run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const Options& options, const Plan& plan,
+                 SignalWatch& signals) {
+  if (const std::string ahead = checkpoint.samples_ahead(); !ahead.empty()) {
+    log::warning(
+        fmt::format("{} holds the samples {} of this render already and is kept until this run has them as "
+                    "well; '--resume {}' goes on from there.",
+                    options.checkpoint, ahead, options.checkpoint));
+  }
   const std::uint64_t before = job.done();
   const auto render_start = Clock::now();
-  Session run(job, session);
-  Outcome outcome{.end = run.run(team)};
+  Outcome outcome{.end = run_session(job, checkpoint, team, options, plan, signals)};
   outcome.render_seconds = std::chrono::duration<double>(Clock::now() - render_start).count();
   outcome.samples = job.done() - before;
   if (job.done() == 0) {
     log::warning("Interrupted before the first pass was finished; nothing was written.");
     return ExitCode::interrupted;
   }
-  run.save_checkpoint();
-  report_rejected(job, options.scene.strict);
-  run.write_outputs();
-  outcome.seconds = std::chrono::duration<double>(Clock::now() - session.start).count();
+  // The checkpoint comes first; from here on, what one file suffers does not touch the others.
+  OutputWriter checkpoint_file;
+  checkpoint_file.write(options.checkpoint, [&] { checkpoint.save(); });
+  if (const std::string text = rejected_text(job); !text.empty()) {
+    if (options.scene.strict && !checkpoint_file.failed().empty()) log::warning(checkpoint_file.complaint() + ".");
+    if (options.scene.strict)
+      throw Error(ExitCode::test_failed, text + "; without --strict the image is written without them.");
+    log::warning(text);
+  }
+  for (const std::string& path : plan.outputs)
+    outcome.files.write(path, [&] { write_output(path, job.state(), plan.film); });
+  outcome.seconds = std::chrono::duration<double>(Clock::now() - plan.session.start).count();
   if (outcome.end != SessionEnd::interrupted) outcome.profile = count_profile(team, options);
-  report(outcome, job, options, session, team);
+  if (outcome.profile) {
+    for (const std::string& path : options.heat_maps)
+      outcome.files.write(path, [&] { write_heat_map(path, *outcome.profile); });
+  }
+  report(outcome, job, options, plan, team);
+  outcome.files.add_failures(checkpoint_file);
+  outcome.files.finish();
   return outcome.end == SessionEnd::interrupted ? ExitCode::interrupted : ExitCode::ok;
 }
 
 ExitCode render(const Options& options) {
-  for (const std::string& path : options.heat_maps) check_output_name(path);
-  if ((options.stats || !options.heat_maps.empty()) && !uses_gpu(options))
-    throw Error(ExitCode::usage, "--stats and --heat-map count on a Vulkan device; choose another --device.");
-  SessionOptions session = session_options(options, Clock::now());
+  Plan plan = make_plan(options, Clock::now());
+  SignalWatch signals(options.quiet);
   Scene scene = read_scene(options.scene_file, options.scene.read_options());
   if (!options.size.empty()) {
     const Size size = parse_size(options.size);
     scene.camera.width = size.width;
     scene.camera.height = size.height;
   }
-  session.outputs = output_paths(options, scene);
-  session.set_size = scene.sampler.set_size();
+  plan.outputs = output_paths(options, scene);
+  plan.session.set_size = scene.sampler.set_size();
   const SampleRange wanted = wanted_samples(options, scene);
   RenderJob job(identity(scene, options.seed), {{wanted.begin, wanted.end}});
   if (!options.resume.empty()) job.resume(read_film(options.resume), options.resume);
-  for (const std::string& path : session.outputs) check_writable(path);
-  for (const std::string& path : options.heat_maps) check_writable(path);
-  if (!session.checkpoint.empty()) check_checkpoint(session.checkpoint);
+  check_files(plan, options);
+  Checkpoint checkpoint(options.checkpoint, job);
 
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : options.device.factories()) {
@@ -263,7 +327,7 @@ ExitCode render(const Options& options) {
   if (!options.quiet && uses_gpu(options)) {
     for (const Renderer* renderer : team.renderers()) log::info(gpu_device_choice(*renderer));
   }
-  return run_job(job, team, options, session);
+  return run_job(job, checkpoint, team, options, plan, signals);
 }
 
 void add_job_options(Command& command, Options& options) {
@@ -319,7 +383,8 @@ void add_render_command(Command& app, Action& action) {
   command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--json", options->json, "print what was done as JSON");
   command->footer(
-      "SIGINT or SIGTERM: finish the pass, write image and checkpoint, end with code 130; a second one aborts. "
+      "SIGINT, SIGTERM or SIGHUP: finish the pass, write image and checkpoint, end with code 130; a second SIGINT or "
+      "SIGTERM aborts. "
       "SIGUSR1: write the current image.");
   command->callback([&action, options] { action = [options] { return render(*options); }; });
 }

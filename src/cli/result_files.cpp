@@ -12,8 +12,19 @@ void ResultFiles::add_to(Command& command, bool with_html) {
   if (with_html) command.add_option("--html", html, "write a self-contained report for any browser to this file");
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  write_file_atomically(path, std::as_bytes(std::span(text)));
+void ResultFiles::check() const {
+  check_distinct({{"--json", json}, {"--junit", junit}, {"--html", html}});
+  for (const std::string& path : {json, junit, html}) {
+    if (!path.empty()) check_writable(path);
+  }
+}
+
+void write_text(OutputWriter& files, const std::string& path, const std::function<std::string()>& text) {
+  if (path.empty()) return;
+  files.write(path, [&] {
+    const std::string content = text();
+    write_file_atomically(path, std::as_bytes(std::span(content)));
+  });
 }
 
 }  // namespace etendue::cli

@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/result_files.h"
+#include "cli/results.h"
 #include "core/log.h"
 #include "validate/compare.h"
 
@@ -21,18 +22,21 @@ struct Options {
 };
 
 ExitCode run(const Options& options) {
+  options.files.check();
   SelftestOptions test = options.test;
   test.seed = options.seed ? *options.seed
                            : std::random_device()() & 0x7fffffffu;  // printed, so that a failure can be repeated
   if (test.seeds > 1 && log::stderr_is_terminal()) {
     test.progress = [&](std::uint32_t done) {
-      fmt::print(stderr, "\r{} of {} suites{}", done, test.seeds, done == test.seeds ? "\n" : "");
+      log::put(fmt::format("\r{} of {} suites{}", done, test.seeds, done == test.seeds ? "\n" : ""));
     };
   }
   const SelftestReport report = run_selftest(options.device.factory(), options.device.probe_factory(), test);
-  fmt::print("{}", selftest_text(report));
-  if (!options.files.json.empty()) write_text(options.files.json, json_text(selftest_json(report)));
-  if (!options.files.junit.empty()) write_text(options.files.junit, junit_xml("selftest", selftest_junit(report)));
+  print_result("{}", selftest_text(report));
+  OutputWriter files;
+  write_text(files, options.files.json, [&] { return json_text(selftest_json(report)); });
+  write_text(files, options.files.junit, [&] { return junit_xml("selftest", selftest_junit(report)); });
+  files.finish();
   return report.passed() ? ExitCode::ok : ExitCode::test_failed;
 }
 

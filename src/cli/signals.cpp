@@ -1,11 +1,14 @@
 #include "cli/signals.h"
 
-#include <csignal>
-#include <cstring>
-
+#include <poll.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstring>
 
 #include "core/errors.h"
 
@@ -13,10 +16,15 @@ namespace etendue::cli {
 namespace {
 
 // Handlers may only touch lock-free atomics and call what POSIX lists as async-signal-safe.
-std::atomic<int> g_stop_requests{0};
+std::atomic<bool> g_stop_request{false};
 std::atomic<bool> g_image_request{false};
+std::atomic<bool> g_saving{false};
 std::atomic<bool> g_quiet{false};
-static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+/// When the first SIGINT or SIGTERM came, ns of the monotonic clock; 0: not yet.
+std::atomic<std::int64_t> g_first_time{0};
+static_assert(std::atomic<std::int64_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+
+constexpr std::int64_t kOneRequest = 300'000'000;  // ns: signals that belong together
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1};
 constexpr int kSignalCount = 4;
@@ -24,27 +32,48 @@ struct sigaction g_before[kSignalCount];
 
 void say(const char* sentence) {
   if (g_quiet) return;
-  // Nothing can be done about a stderr that is gone.
+  // Nothing can be done about a stderr that is gone, and a pipe that nobody reads must not hold the process.
+  pollfd stream{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
+  if (poll(&stream, 1, 0) != 1) return;
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, sentence, std::strlen(sentence));
 }
 
+bool is_impatient(int signal) {
+  if (signal == SIGHUP) return false;
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  const std::int64_t now = std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+  std::int64_t first = 0;
+  if (g_first_time.compare_exchange_strong(first, now)) return false;
+  return now - first > kOneRequest;
+}
+
 extern "C" void on_render_signal(int signal) {
+  const int saved_errno = errno;
   if (signal == SIGUSR1) {
     g_image_request = true;
     return;
   }
-  if (g_stop_requests.fetch_add(1) > 0) {
+  if (!g_saving) {
+    say("\nInterrupted before anything was rendered; nothing was written.\n");
+    _exit(static_cast<int>(ExitCode::interrupted));
+  }
+  if (is_impatient(signal)) {
     say("\nAborted.\n");
     _exit(static_cast<int>(ExitCode::interrupted));
   }
-  say("\nInterrupted: finishing the pass, then saving what is done; once more to abort.\n");
+  if (!g_stop_request.exchange(true))
+    say("\nInterrupted: finishing the pass, then saving what is done; once more to abort.\n");
+  errno = saved_errno;
 }
 
 }  // namespace
 
 SignalWatch::SignalWatch(bool quiet) {
-  g_stop_requests = 0;
+  g_stop_request = false;
   g_image_request = false;
+  g_saving = false;
+  g_first_time = 0;
   g_quiet = quiet;
   struct sigaction action {};
   action.sa_handler = on_render_signal;
@@ -61,8 +90,11 @@ SignalWatch::~SignalWatch() {
   for (int i = 0; i < kSignalCount; ++i) sigaction(kSignals[i], &g_before[i], nullptr);
 }
 
+void SignalWatch::saving_starts() {
+  g_saving = true;
+}
 bool SignalWatch::stop_asked() const {
-  return g_stop_requests > 0;
+  return g_stop_request;
 }
 bool SignalWatch::image_asked() const {
   return g_image_request;

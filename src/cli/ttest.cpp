@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "cli/result_files.h"
+#include "cli/results.h"
 #include "validate/chi2.h"
 
 namespace etendue::cli {
@@ -21,6 +22,7 @@ struct Options {
 };
 
 ExitCode run_files(const Options& options) {
+  if (!options.junit.empty()) check_writable(options.junit);
   // All files are read before the first device is touched.
   std::vector<TTest> tests;
   for (const std::string& file : options.files) {
@@ -45,12 +47,14 @@ ExitCode run_files(const Options& options) {
     if (options.json) {
       out.push_back(ttest_json(report));
     } else {
-      fmt::print("{}\n", ttest_table(report));
+      print_result("{}\n", ttest_table(report));
       std::fflush(stdout);
     }
   }
-  if (options.json) fmt::print("{}\n", out.dump(2));
-  if (!options.junit.empty()) write_text(options.junit, junit_xml("ttest", cases));
+  if (options.json) print_result("{}\n", out.dump(2));
+  OutputWriter files;
+  write_text(files, options.junit, [&] { return junit_xml("ttest", cases); });
+  files.finish();
   return passed ? ExitCode::ok : ExitCode::test_failed;
 }
 

@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/result_files.h"
+#include "cli/results.h"
 #include "validate/html_report.h"
 
 namespace etendue::cli {
@@ -23,6 +24,7 @@ struct Options {
 };
 
 ExitCode run_validate(const Options& options) {
+  options.files.check();
   SceneFile read = read_scene_file(options.file, options.scene.read_options());
   const auto* scene = std::get_if<Scene>(&read);
   if (scene == nullptr) {
@@ -35,15 +37,16 @@ ExitCode run_validate(const Options& options) {
                             : options.require == "rounding" ? Verdict::rounding_only
                                                             : Verdict::statistically_equal;
   const Validation validation = validate_scene(*scene, options.device.factory(), reference.factory(), validate);
-  fmt::print("{}", validation_text(validation));
-  if (!options.files.json.empty()) write_text(options.files.json, json_text(validation_json(validation)));
-  if (!options.files.junit.empty())
-    write_text(options.files.junit, junit_xml("validate", {validation_junit(validation)}));
-  if (!options.files.html.empty()) {
+  print_result("{}", validation_text(validation));
+  OutputWriter files;
+  write_text(files, options.files.json, [&] { return json_text(validation_json(validation)); });
+  write_text(files, options.files.junit, [&] { return junit_xml("validate", {validation_junit(validation)}); });
+  write_text(files, options.files.html, [&] {
     MetricOptions metrics;
     metrics.flip = !options.no_flip;
-    write_text(options.files.html, validation_html(validation, metrics));
-  }
+    return validation_html(validation, metrics);
+  });
+  files.finish();
   return validation.passed() ? ExitCode::ok : ExitCode::test_failed;
 }
 

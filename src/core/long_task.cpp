@@ -1,7 +1,6 @@
 #include "core/long_task.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <fmt/core.h>
 
@@ -16,7 +15,7 @@ LongTask::LongTask(std::string what, std::uint64_t total, Seconds silent)
       next_(Clock::now() + std::chrono::duration_cast<Clock::duration>(silent)) {}
 
 LongTask::~LongTask() {
-  if (shown_ && terminal_) fmt::print(stderr, "\n");
+  if (shown_ && terminal_) log::put("\n");
 }
 
 void LongTask::advance(std::uint64_t parts) {
@@ -27,8 +26,7 @@ void LongTask::advance(std::uint64_t parts) {
   next_ = now + (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(5000));
   shown_ = true;
   const double percent = 100.0 * static_cast<double>(std::min(done, total_)) / static_cast<double>(total_);
-  fmt::print(stderr, "{}{}: {:.0f} %{}", terminal_ ? "\r" : "", what_, percent, terminal_ ? "   " : "\n");
-  std::fflush(stderr);
+  log::put(fmt::format("{}{}: {:.0f} %{}", terminal_ ? "\r" : "", what_, percent, terminal_ ? "   " : "\n"));
 }
 
 }  // namespace etendue

@@ -27,6 +27,8 @@ class RenderJob {
   std::uint64_t done() const { return sample_count(state_.samples); }  ///< sample indices
   std::uint64_t total() const { return sample_count(wanted_); }
   std::uint64_t pixels() const { return state_.film.pixels().size(); }
+  const FilmHeader& identity() const { return identity_; }  ///< without samples
+  const SampleRanges& wanted() const { return wanted_; }
   const FilmFile& state() const { return state_; }
   /// The first 64 rejected samples of this session.
   const std::vector<RejectedSample>& rejected() const { return rejected_; }

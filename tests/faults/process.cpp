@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -29,8 +30,12 @@ void limit_resource(Resource resource, std::uint64_t value) {
 [[noreturn]] void become(char* const argv[], char* const envp[], const char* folder, int out, int err,
                          const ProcessOptions& options) {
   if (chdir(folder) != 0) _exit(126);
-  dup2(out, STDOUT_FILENO);
-  dup2(err, STDERR_FILENO);
+  dup2(options.out.value_or(out), STDOUT_FILENO);
+  dup2(options.err.value_or(err), STDERR_FILENO);
+  if (options.owns_terminal && (setsid() < 0 || ioctl(STDERR_FILENO, TIOCSCTTY, 0) != 0)) _exit(126);
+  if (options.ignores_hangup) ::signal(SIGHUP, SIG_IGN);
+  if (options.close_out) close(STDOUT_FILENO);
+  if (options.close_err) close(STDERR_FILENO);
   limit_resource(RLIMIT_FSIZE, options.file_size_limit);
   limit_resource(RLIMIT_AS, options.memory_limit);
   limit_resource(RLIMIT_CPU, options.cpu_seconds_limit);

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct ProcessOptions {
   std::uint64_t file_size_limit = 0;               ///< RLIMIT_FSIZE in bytes; 0: none
   std::uint64_t memory_limit = 0;                  ///< RLIMIT_AS in bytes; 0: none
   std::uint64_t cpu_seconds_limit = 0;             ///< RLIMIT_CPU; 0: none
+  std::optional<int> out, err;                     ///< descriptors for stdout and stderr instead of files
+  bool close_out = false, close_err = false;       ///< started without the stream
+  bool owns_terminal = false;                      ///< stderr is a terminal, and the controlling one of the process
+  bool ignores_hangup = false;                     ///< as under nohup
 };
 
 class Process {

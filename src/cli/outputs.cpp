@@ -1,0 +1,75 @@
+#include "cli/outputs.h"
+
+#include <new>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "image/files.h"
+#include "image/film_file.h"
+
+namespace etendue::cli {
+
+void check_output_name(const std::string& path) {
+  if (path.ends_with(".exr") || path.ends_with(".png")) return;
+  throw Error(ExitCode::usage,
+              fmt::format("'-o {}' ends neither in .exr nor in .png, the two formats that are written.", path));
+}
+
+void check_writable(const std::string& path) {
+  const AtomicFile probe(path);
+}
+
+void check_distinct(const std::vector<NamedFile>& files) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const auto& [a_option, a] = files[k];
+      const auto& [b_option, b] = files[i];
+      if (a.empty() || b.empty() || !is_same_place(a, b)) continue;
+      throw Error(ExitCode::usage, fmt::format("'{} {}' and '{} {}' are one file; give one of them another name.",
+                                               a_option, a, b_option, b));
+    }
+  }
+}
+
+void write_output(const std::string& path, const FilmFile& film, bool as_film) {
+  if (path.ends_with(".exr") && as_film) {
+    write_film(path, film);
+    return;
+  }
+  const Image image = image_from_film(film.film, film_metadata(film));
+  if (path.ends_with(".png")) {
+    write_png(path, image);
+  } else {
+    write_exr(path, image);
+  }
+}
+
+void OutputWriter::write(const std::string& path, const std::function<void()>& write) {
+  try {
+    write();
+    written_.push_back(path);
+    return;
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::file_error) throw;
+    reasons_.emplace_back(error.what());
+  } catch (const std::bad_alloc&) {
+    reasons_.push_back(fmt::format("{}: the memory of this machine does not suffice to write it", path));
+  }
+  failed_.push_back(path);
+}
+
+void OutputWriter::add_failures(const OutputWriter& other) {
+  failed_.insert(failed_.end(), other.failed_.begin(), other.failed_.end());
+  reasons_.insert(reasons_.end(), other.reasons_.begin(), other.reasons_.end());
+}
+
+std::string OutputWriter::complaint() const {
+  return fmt::format("{}", fmt::join(reasons_, "; "));
+}
+
+void OutputWriter::finish() const {
+  if (!failed_.empty()) throw Error(ExitCode::file_error, complaint());
+}
+
+}  // namespace etendue::cli

@@ -1,0 +1,50 @@
+#pragma once
+/// Files that a command writes: checked before the work begins, written one by one at its end.
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/errors.h"
+#include "image/image.h"
+
+namespace etendue::cli {
+
+/// Throws Error(usage) unless the path ends in .exr or .png.
+void check_output_name(const std::string& path);
+
+/// Throws Error(file_error) when the file could not be written now: better before the work than after it. The file is
+/// not touched.
+void check_writable(const std::string& path);
+
+/// An option and the file it names: {"-o", "picture.exr"}.
+using NamedFile = std::pair<std::string, std::string>;
+
+/// Throws Error(usage) when two of the files are one: the same place after all links, or the same file by two hard
+/// links. Empty names are skipped.
+void check_distinct(const std::vector<NamedFile>& files);
+
+/// Writes a film as picture (.png), picture or film (.exr).
+void write_output(const std::string& path, const FilmFile& film, bool as_film);
+
+/// Writes files one by one. One that cannot be written does not keep the others from being written.
+class OutputWriter {
+ public:
+  /// Calls `write`, which writes the file at `path`; an Error(file_error) or a lack of memory is kept for finish().
+  void write(const std::string& path, const std::function<void()>& write);
+
+  const std::vector<std::string>& written() const { return written_; }
+  const std::vector<std::string>& failed() const { return failed_; }
+  /// Takes over what another one could not write.
+  void add_failures(const OutputWriter& other);
+  /// One sentence about everything that failed; empty when nothing did.
+  std::string complaint() const;
+  /// Throws Error(file_error) with the complaint if there is one.
+  void finish() const;
+
+ private:
+  std::vector<std::string> written_, failed_, reasons_;
+};
+
+}  // namespace etendue::cli

@@ -1,0 +1,31 @@
+#include "cli/results.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+
+#include "core/errors.h"
+
+namespace etendue::cli {
+namespace {
+
+int g_error = 0;  // errno of the first write that failed
+
+}  // namespace
+
+void print_text(std::string_view text) {
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() && g_error == 0) g_error = errno;
+}
+
+void finish_results() {
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) != 0 && g_error == 0) g_error = errno;
+  if (g_error == 0 && std::ferror(stdout) == 0 && std::cout) return;
+  throw Error(ExitCode::file_error, fmt::format("The results cannot be written to stdout: {}.",
+                                                std::strerror(g_error != 0 ? g_error : errno)));
+}
+
+}  // namespace etendue::cli

@@ -1,0 +1,23 @@
+#pragma once
+/// Results on stdout.
+
+#include <string_view>
+#include <utility>
+
+#include <fmt/core.h>
+
+namespace etendue::cli {
+
+/// Writes to stdout. One that is closed, full, or a pipe without a reader does not end the command, which may have
+/// files to write yet; finish_results() tells.
+void print_text(std::string_view text);
+
+template <typename... Arguments>
+void print_result(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  print_text(fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
+/// What was printed is with its receiver now. Throws Error(file_error) unless all of it is.
+void finish_results();
+
+}  // namespace etendue::cli
