@@ -7,7 +7,7 @@
 #include "sampler.glsl"
 #include "scene.glsl"
 
-layout(constant_id = 0) const uint kFilterKind = kFilterBox;
+layout(constant_id = kConstantFilterKind) const uint kFilterKind = kFilterBox;
 
 // Offset from the pixel centre, in pixels, distributed like |filter|; `weight` is ±∫|f|/∫f.
 float sample_filter(float u, out float weight) {

@@ -39,6 +39,31 @@ const uint kBindingLightPairs = 16u;
 const uint kBindingLightTrails = 17u;
 const uint kBindingCount = 18u;
 
+// Ids of specialization constants: kConstant<X> is that of the constant k<X> in GLSL, whatever kernel declares it.
+const uint kConstantFilterKind = 0u;
+const uint kConstantIntegrator = 1u;
+const uint kConstantNee = 2u;
+const uint kConstantMis = 3u;
+const uint kConstantLuminance = 4u;
+const uint kConstantStepsPerTurn = 5u;
+const uint kConstantIterationsPerRound = 6u;
+const uint kConstantTurnsPerRound = 7u;
+const uint kConstantStackSize = 8u;
+const uint kConstantHasSpheres = 9u;
+const uint kConstantFewTriangles = 10u;
+const uint kConstantFewSpheres = 11u;
+const uint kConstantLightShapeRounds = 12u;
+const uint kConstantLightPrimitiveRounds = 13u;
+const uint kConstantBsdfsUsed = 14u;
+const uint kConstantVertexNormals = 15u;
+const uint kConstantSphereLights = 16u;
+const uint kConstantTreeRoot = 17u;
+const uint kConstantLightTreeDepth = 18u;
+const uint kConstantSetBits = 19u;
+const uint kConstantMutant = 20u;  // see mutants.h
+const uint kConstantAnyHit = 21u;
+const uint kConstantFew = 32u;     // the first of kFewFloats for each of kFewPrimitives
+
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
 const uint kTileSize = 8u;        // pixels
 const uint kNone = 0xffffffffu;
@@ -71,8 +96,9 @@ const uint kPrimitiveSphere = 1u;
 #error "ETENDUE_BVH_WIDTH, children of a node of the tree, must be defined as 4 or 8"
 #endif
 const uint kBvhWidth = ETENDUE_BVH_WIDTH;
+const uint kRecordTexels = 3u;  // k<Struct>Texels: the size of a struct in texels of its table
 const uint kSlotTexels = kBvhWidth == 8u ? 1u : 3u;  // slot s begins at texel s · kSlotTexels
-const uint kPrimitiveSlots = 3u / kSlotTexels;       // from one primitive to the next
+const uint kPrimitiveSlots = kRecordTexels / kSlotTexels;       // from one primitive to the next
 struct Record {
   uvec4 a, b, c;
 };
@@ -97,9 +123,9 @@ const uint kMaxTreeDepth = 64u;           // the builder's bound on wide levels
 
 // The primitives that nearly every ray would meet in the tree, the walls of a room and the ground, stand outside it; of a scene of at most so many
 // all do, and there is no tree. They come first in the array, triangles before spheres. Kernels know their floats as specialization constants,
-// nine a primitive from kFewConstants on, and test one after the other before a ray enters the tree.
+// kFewFloats a primitive from kConstantFew on, and test one after the other before a ray enters the tree.
 const uint kFewPrimitives = 24u;
-const uint kFewConstants = 32u;
+const uint kFewFloats = 9u;
 
 // One analytic primitive, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in
 // p0 and its radius in p1.x.
@@ -123,6 +149,7 @@ struct Shape {
   float light_area;    // total area in normalised coordinates
   uint first_triangle; // into the triangle indices; kNone when the shape has no vertex normals
 };
+const uint kShapeTexels = 3u;
 
 // A shape that emits: chosen when `threshold <= word`, the last one that satisfies it.
 struct LightShape {
@@ -131,6 +158,7 @@ struct LightShape {
   uint first_primitive;  // into the light primitives
   uint primitive_count;
 };
+const uint kLightShapeTexels = 1u;
 
 // A primitive of an emitting shape.
 struct LightPrimitive {
@@ -139,6 +167,7 @@ struct LightPrimitive {
   float prob;  // probability within its shape
   uint pad0;
 };
+const uint kLightPrimitiveTexels = 1u;
 
 // What a group of lights can do at most.
 struct LightBounds {
@@ -147,6 +176,7 @@ struct LightBounds {
   vec3 axis;       // of the cone of normals
   float cos_cone;  // of the cone's half angle
 };
+const uint kLightBoundsTexels = 2u;
 // A branching of the light tree; the first pair is the root's. Both halves together, because the choice between them needs both.
 struct LightPair {
   LightBounds left_bounds, right_bounds;
@@ -155,6 +185,7 @@ struct LightPair {
   uint left;         // a pair, or kLightLeaf | slot
   uint right;
 };
+const uint kLightPairTexels = 5u;
 const uint kLightLeaf = 0x80000000u;
 const uint kMaxLightTreeDepth = 31u;
 
@@ -165,6 +196,7 @@ struct LightTrail {
   uint pad0;
   uint pad1;
 };
+const uint kLightTrailTexels = 1u;
 
 // Everything that is constant during a render. Directions and positions are in normalised scene coordinates.
 struct Frame {
@@ -290,13 +322,15 @@ struct TracedVertex {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Record) == 48);
-static_assert(sizeof(Primitive) == 48);
-static_assert(sizeof(Shape) == 48);
-static_assert(sizeof(LightShape) == 16);
-static_assert(sizeof(LightPrimitive) == 16);
-static_assert(sizeof(LightPair) == 80);
-static_assert(sizeof(LightTrail) == 16);
+constexpr uint kTexelBytes = sizeof(uvec4);
+static_assert(sizeof(Record) == kRecordTexels * kTexelBytes);
+static_assert(sizeof(Primitive) == kRecordTexels * kTexelBytes);
+static_assert(sizeof(Shape) == kShapeTexels * kTexelBytes);
+static_assert(sizeof(LightShape) == kLightShapeTexels * kTexelBytes);
+static_assert(sizeof(LightPrimitive) == kLightPrimitiveTexels * kTexelBytes);
+static_assert(sizeof(LightBounds) == kLightBoundsTexels * kTexelBytes);
+static_assert(sizeof(LightPair) == kLightPairTexels * kTexelBytes);
+static_assert(sizeof(LightTrail) == kLightTrailTexels * kTexelBytes);
 static_assert(sizeof(Frame) == 144);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);

@@ -6,15 +6,15 @@
 #include "ray.glsl"
 #include "scene.glsl"
 
-layout(constant_id = 9) const bool kHasSpheres = true;
+layout(constant_id = kConstantHasSpheres) const bool kHasSpheres = true;
 // The primitives that are tested before the tree, see kFewPrimitives.
-layout(constant_id = 10) const uint kFewTriangles = 0u;
-layout(constant_id = 11) const uint kFewSpheres = 0u;
+layout(constant_id = kConstantFewTriangles) const uint kFewTriangles = 0u;
+layout(constant_id = kConstantFewSpheres) const uint kFewSpheres = 0u;
 
 // Their floats: kFew<i>_<k> is float k of p0, p1, p2 of primitive i.
 #define FOR_EACH_FEW(X) \
   X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11) X(12) X(13) X(14) X(15) X(16) X(17) X(18) X(19) X(20) X(21) X(22) X(23)
-#define FEW_VALUE(i, k) layout(constant_id = kFewConstants + 9 * i + k) const float kFew##i##_##k = 0.0;
+#define FEW_VALUE(i, k) layout(constant_id = kConstantFew + kFewFloats * i + k) const float kFew##i##_##k = 0.0;
 #define FEW_VALUES_OF(i)                                                                                    \
   FEW_VALUE(i, 0) FEW_VALUE(i, 1) FEW_VALUE(i, 2) FEW_VALUE(i, 3) FEW_VALUE(i, 4) FEW_VALUE(i, 5) FEW_VALUE(i, 6) \
   FEW_VALUE(i, 7) FEW_VALUE(i, 8)

@@ -5,15 +5,13 @@
 #ifndef ETENDUE_MUTANTS_H
 #define ETENDUE_MUTANTS_H
 
+#include "gpu_types.h"
+
 #ifdef __cplusplus
-#include <cstdint>
 namespace etendue::gpu {
-using uint = std::uint32_t;
 #endif
 
 #if defined(__cplusplus) || defined(ETENDUE_MUTANTS)
-const uint kMutantConstant = 20u;  // constant_id of the mutant's number
-
 const uint kMutantNone = 0u;
 const uint kMutantCosineDropped = 1u;
 const uint kMutantBsdfPdfScaled = 2u;
@@ -56,7 +54,7 @@ const uint kMutantCount = 36u;
 #ifdef __cplusplus
 }  // namespace etendue::gpu
 #elif defined(ETENDUE_MUTANTS)
-layout(constant_id = kMutantConstant) const uint kMutant = kMutantNone;
+layout(constant_id = kConstantMutant) const uint kMutant = kMutantNone;
 // Does `action` (one statement) in the mutant called `id` only.
 #define MUTATE(id, action) if (kMutant == (id)) { action; }
 #else

@@ -6,7 +6,7 @@
 
 // 0: independent numbers. Else paths come in sets of 2^kSetBits whose numbers are one scrambled Sobol net each. A constant, because
 // lavapipe would compute both kinds of numbers behind an `if`.
-layout(constant_id = 19) const uint kSetBits = 0u;
+layout(constant_id = kConstantSetBits) const uint kSetBits = 0u;
 const uint kMaxSetBits = 12u;
 
 const uint kBlockCamera = 0u;

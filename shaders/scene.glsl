@@ -37,32 +37,36 @@ Primitive to_primitive(Record r) {
 }
 Primitive fetch_primitive(uint slot) { return to_primitive(fetch_record(slot)); }
 Shape fetch_shape(uint i) {
-  const uvec4 a = load_shape(3u * i);
-  const uvec4 b = load_shape(3u * i + 1u);
-  const uvec4 c = load_shape(3u * i + 2u);
+  const uint first = kShapeTexels * i;
+  const uvec4 a = load_shape(first);
+  const uvec4 b = load_shape(first + 1u);
+  const uvec4 c = load_shape(first + 2u);
   return Shape(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), uintBitsToFloat(b.w), uintBitsToFloat(c.x), uintBitsToFloat(c.y),
                uintBitsToFloat(c.z), c.w);
 }
 LightShape fetch_light_shape(uint i) {
-  const uvec4 a = load_light_shape(i);
+  const uvec4 a = load_light_shape(kLightShapeTexels * i);
   return LightShape(a.x, a.y, a.z, a.w);
 }
 LightPrimitive fetch_light_primitive(uint i) {
-  const uvec4 a = load_light_primitive(i);
+  const uvec4 a = load_light_primitive(kLightPrimitiveTexels * i);
   return LightPrimitive(a.x, a.y, uintBitsToFloat(a.z), a.w);
 }
-LightBounds fetch_light_bounds(uint quad) {
-  const uvec4 a = load_light_pair(quad);
-  const uvec4 b = load_light_pair(quad + 1u);
+// From the first texel of one of a pair's halves.
+LightBounds fetch_light_bounds(uint texel) {
+  const uvec4 a = load_light_pair(texel);
+  const uvec4 b = load_light_pair(texel + 1u);
   return LightBounds(uintBitsToFloat(a.xyz), uintBitsToFloat(a.w), uintBitsToFloat(b.xyz), uintBitsToFloat(b.w));
 }
 LightPair fetch_light_pair(uint i) {
-  const uvec4 e = load_light_pair(5u * i + 4u);
-  return LightPair(fetch_light_bounds(5u * i), fetch_light_bounds(5u * i + 2u), uintBitsToFloat(e.x), uintBitsToFloat(e.y), e.z, e.w);
+  const uint left = kLightPairTexels * i;
+  const uint right = left + kLightBoundsTexels;
+  const uvec4 e = load_light_pair(right + kLightBoundsTexels);
+  return LightPair(fetch_light_bounds(left), fetch_light_bounds(right), uintBitsToFloat(e.x), uintBitsToFloat(e.y), e.z, e.w);
 }
 LightTrail fetch_light_trail(uint shape, uint primitive) {
-  const uint first = load_light_trail(shape).x;
-  const uvec4 a = load_light_trail(first + primitive);
+  const uint first = load_light_trail(kLightTrailTexels * shape).x;
+  const uvec4 a = load_light_trail(kLightTrailTexels * (first + primitive));
   return LightTrail(a.x, uintBitsToFloat(a.y), a.z, a.w);
 }
 // Vertex indices of a triangle in xyz; only for shapes with vertex normals.

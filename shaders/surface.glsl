@@ -4,7 +4,7 @@
 
 #include "intersect.glsl"
 
-layout(constant_id = 15) const bool kVertexNormals = true;  // of any mesh
+layout(constant_id = kConstantVertexNormals) const bool kVertexNormals = true;  // of any mesh
 
 struct Surface {
   vec3 p;

@@ -7,8 +7,8 @@
 #include "intersect.glsl"
 #include "profile.glsl"
 
-layout(constant_id = 8) const uint kStackSize = 16u;  // levels of the tree, so that the stack cannot overflow
-layout(constant_id = 17) const uint kTreeRoot = 0u;   // slot of the root; kNone for a scene without a tree
+layout(constant_id = kConstantStackSize) const uint kStackSize = 16u;  // levels of the tree, so that the stack cannot overflow
+layout(constant_id = kConstantTreeRoot) const uint kTreeRoot = 0u;   // slot of the root; kNone for a scene without a tree
 
 const bool kHasFew = kFewTriangles + kFewSpheres > 0u;
 const uint kBeforeTree = 0xfffffffeu;

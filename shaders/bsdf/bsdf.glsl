@@ -28,7 +28,7 @@ bool is_delta(uint lobe) { return lobe == kLobeDeltaReflection || lobe == kLobeD
 
 // The scene's materials, bit i for kBsdf… = i. A constant, because a SIMD machine computes all materials for all lanes: those that no
 // surface has should not be there.
-layout(constant_id = 14) const uint kBsdfsUsed = 0xffffffffu;
+layout(constant_id = kConstantBsdfsUsed) const uint kBsdfsUsed = 0xffffffffu;
 
 bool bsdf_is(Shape m, uint bsdf) {
   const uint bit = 1u << bsdf;

@@ -18,14 +18,14 @@ struct LightSample {
   uint primitive;
 };
 
-layout(constant_id = 16) const bool kSphereLights = true;
+layout(constant_id = kConstantSphereLights) const bool kSphereLights = true;
 
 #include "area.glsl"
 
 // Rounds of the bisections below: ceil(log2) of the number of emitting shapes, and of the primitives of the one with most. As constants, because
 // an exit test would not save the lanes of a SIMD group anything.
-layout(constant_id = 12) const uint kLightShapeRounds = 32u;
-layout(constant_id = 13) const uint kLightPrimitiveRounds = 32u;
+layout(constant_id = kConstantLightShapeRounds) const uint kLightShapeRounds = 32u;
+layout(constant_id = kConstantLightPrimitiveRounds) const uint kLightPrimitiveRounds = 32u;
 
 // Last entry whose threshold is <= word, by bisection: integers, so every device chooses alike. Further rounds change nothing.
 uint choose_light_shape(uint word) {

@@ -2,7 +2,7 @@
 #include "../mutants.h"
 
 // Levels of the tree; 0: lights are chosen by power alone. A constant, because lavapipe would compute both choices behind an `if`.
-layout(constant_id = 18) const uint kLightTreeDepth = 0u;
+layout(constant_id = kConstantLightTreeDepth) const uint kLightTreeDepth = 0u;
 const bool kLightTree = kLightTreeDepth > 0u;
 
 // How high a group lies above a plane, for a choice: its middle at `middle`, the rest up to `reach` above and below that. 0 only where all of it lies

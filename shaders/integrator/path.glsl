@@ -10,9 +10,9 @@
 #include "../mutants.h"
 #include "../trace.glsl"
 
-layout(constant_id = 1) const uint kIntegrator = kIntegratorPath;
-layout(constant_id = 2) const bool kNee = true;  // and there are lights
-layout(constant_id = 3) const bool kMis = true;
+layout(constant_id = kConstantIntegrator) const uint kIntegrator = kIntegratorPath;
+layout(constant_id = kConstantNee) const bool kNee = true;  // and there are lights
+layout(constant_id = kConstantMis) const bool kMis = true;
 
 // A path under construction: the ray that is traced next and what it carries.
 struct Path {

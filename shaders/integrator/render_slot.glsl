@@ -5,10 +5,10 @@
 #include "../film.glsl"
 #include "path.glsl"
 
-layout(constant_id = 4) const bool kLuminance = false;
-layout(constant_id = 5) const uint kStepsPerTurn = 6u;
-layout(constant_id = 7) const uint kTurnsPerRound = 2u;
-layout(constant_id = 6) const uint kIterationsPerRound = 8u;  // upper bound of all loops' iterations in a round
+layout(constant_id = kConstantLuminance) const bool kLuminance = false;
+layout(constant_id = kConstantStepsPerTurn) const uint kStepsPerTurn = 6u;
+layout(constant_id = kConstantTurnsPerRound) const uint kTurnsPerRound = 2u;
+layout(constant_id = kConstantIterationsPerRound) const uint kIterationsPerRound = 8u;  // upper bound of all loops' iterations in a round
 
 layout(push_constant) uniform PassBlock { Pass pass; };
 layout(set = 0, binding = kBindingProgress, std430) buffer ProgressBuffer { uint next_path[]; };

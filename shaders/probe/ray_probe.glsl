@@ -4,7 +4,7 @@
 
 #include "../trace.glsl"
 
-layout(constant_id = 7) const bool kAnyHit = false;  // any hit ends the walk, as it does for shadow rays
+layout(constant_id = kConstantAnyHit) const bool kAnyHit = false;  // any hit ends the walk, as it does for shadow rays
 
 layout(push_constant) uniform PassBlock { Pass pass; };
 layout(set = 0, binding = kBindingRays, std430) readonly buffer RayBuffer { RayRequest rays[]; };

@@ -15,7 +15,7 @@ namespace etendue {
 
 using Texel = gpu::uvec4;
 
-inline constexpr std::uint32_t kPrimitiveTexels = sizeof(gpu::Primitive) / sizeof(Texel);
+inline constexpr std::uint32_t kPrimitiveTexels = gpu::kRecordTexels;
 
 /// The grid of a node's boxes: along axis k the coordinate q stands for origin[k] + q · scale[k].
 struct NodeGrid {

@@ -92,21 +92,21 @@ std::vector<DeviceNeed> scene_needs(const CompiledScene& scene) {
 
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) {
   const LightRounds light_rounds(scene);
-  std::vector<vulkan::Specialization> constants = {{8, std::max(1u, scene.tree_depth)},
-                                                   {9, scene.has_spheres ? 1u : 0u},
-                                                   {10, scene.few_triangles},
-                                                   {11, scene.few_spheres},
-                                                   {12, light_rounds.shapes},
-                                                   {13, light_rounds.primitives},
-                                                   {14, bsdfs_used(scene)},
-                                                   {15, scene.normals.empty() ? 0u : 1u},
-                                                   {16, has_sphere_lights(scene) ? 1u : 0u},
-                                                   {17, scene.tree_root},
-                                                   {18, scene.light_tree_depth}};
+  std::vector<vulkan::Specialization> constants = {{gpu::kConstantStackSize, std::max(1u, scene.tree_depth)},
+                                                   {gpu::kConstantHasSpheres, scene.has_spheres ? 1u : 0u},
+                                                   {gpu::kConstantFewTriangles, scene.few_triangles},
+                                                   {gpu::kConstantFewSpheres, scene.few_spheres},
+                                                   {gpu::kConstantLightShapeRounds, light_rounds.shapes},
+                                                   {gpu::kConstantLightPrimitiveRounds, light_rounds.primitives},
+                                                   {gpu::kConstantBsdfsUsed, bsdfs_used(scene)},
+                                                   {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
+                                                   {gpu::kConstantSphereLights, has_sphere_lights(scene) ? 1u : 0u},
+                                                   {gpu::kConstantTreeRoot, scene.tree_root},
+                                                   {gpu::kConstantLightTreeDepth, scene.light_tree_depth}};
   for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) {
-    for (std::uint32_t k = 0; k < 9; ++k) {
-      const gpu::uvec4& texel = scene.records[kPrimitiveTexels * i + k / 3];
-      constants.push_back({gpu::kFewConstants + 9 * i + k, texel[static_cast<int>(k % 3)]});
+    for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
+      const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];
+      constants.push_back({gpu::kConstantFew + gpu::kFewFloats * i + k, texel[static_cast<int>(k % 3)]});
     }
   }
   return constants;

@@ -102,16 +102,17 @@ class GpuRenderer final : public Renderer {
     const std::uint32_t turns = nee ? kTurnsNee : kTurnsNaive;
     const std::uint32_t steps = !has_tree ? 1 : nee ? kStepsNee : kStepsNaive;
     const LightRounds light_rounds(compiled);
-    constants_ = {
-        {0, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
-        {1, scene.integrator.type == Integrator::Type::path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
-        {2, nee ? 1u : 0u},
-        {3, scene.integrator.mis ? 1u : 0u},
-        {4, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
-        {5, steps},
-        {6, turns * (steps + 1) + 1 + light_rounds.shapes + light_rounds.primitives + 2 * compiled.light_tree_depth},
-        {7, turns},
-        {19, set_bits_}};
+    constants_ = {{gpu::kConstantFilterKind, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
+                  {gpu::kConstantIntegrator,
+                   scene.integrator.type == Integrator::Type::path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
+                  {gpu::kConstantNee, nee ? 1u : 0u},
+                  {gpu::kConstantMis, scene.integrator.mis ? 1u : 0u},
+                  {gpu::kConstantLuminance, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
+                  {gpu::kConstantStepsPerTurn, steps},
+                  {gpu::kConstantIterationsPerRound, turns * (steps + 1) + 1 + light_rounds.shapes +
+                                                         light_rounds.primitives + 2 * compiled.light_tree_depth},
+                  {gpu::kConstantTurnsPerRound, turns},
+                  {gpu::kConstantSetBits, set_bits_}};
     for (const auto& more : {scene_constants(compiled), kernels_.constants})
       constants_.insert(constants_.end(), more.begin(), more.end());
     step_budget_ = context_.is_cpu() ? kCpuIterations : kGpuIterations;

@@ -38,7 +38,7 @@ KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
           kernels::bsdf_samples_mutant,
           kernels::render_profile,
           kernels::render_profile_subgroups,
-          {{gpu::kMutantConstant, *mutant}}};
+          {{gpu::kConstantMutant, *mutant}}};
 }
 
 }  // namespace etendue

@@ -20,7 +20,6 @@ constexpr double kDispatchTimeout = 60.0;  // seconds
 // Steps of one ray. lavapipe ends loops silently after 65 535 iterations of a group of 8 lanes, and walks may be laid
 // end to end; a tree of 64 levels is left long before that.
 constexpr std::uint32_t kMostSteps = 7500;
-constexpr std::uint32_t kAnyHitConstant = 7;  // constant_id in shaders/probe/ray_probe.glsl
 
 class GpuRayCaster final : public RayCaster {
  public:
@@ -92,7 +91,7 @@ class GpuRayCaster final : public RayCaster {
   }
   vulkan::Kernel make_kernel(RayQuery query) {
     std::vector<vulkan::Specialization> constants = constants_;
-    constants.push_back({kAnyHitConstant, query == RayQuery::any ? 1u : 0u});
+    constants.push_back({gpu::kConstantAnyHit, query == RayQuery::any ? 1u : 0u});
     return {context_, *layout_, kernels_.trace_rays, constants, "trace_rays"};
   }
   // New buffers; the one of the rays also stands where kernels of other kinds have theirs.

@@ -18,7 +18,8 @@ class DeviceCamera : public DeviceTest {
   std::vector<gpu::CameraAnswer> rays(const Scene& scene, const std::vector<gpu::CameraCase>& cases) {
     const CompiledScene compiled = compile_scene(scene);
     const gpu::uint kind = compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable;
-    return run<gpu::CameraAnswer>({kernels::camera_rays, "camera_rays", &compiled, {{0, kind}}}, cases);
+    return run<gpu::CameraAnswer>({kernels::camera_rays, "camera_rays", &compiled, {{gpu::kConstantFilterKind, kind}}},
+                                  cases);
   }
 };
 

@@ -76,7 +76,8 @@ TEST_F(DeviceMath, SobolWordsAreThoseOfTheReference) {
     std::vector<gpu::WordsCase> cases;
     for (gpu::uint i = 0; i < 4096; ++i) cases.push_back({i % 3, i, i % 9, 5});
     for (gpu::uint i = 0; i < 4096; ++i) cases.push_back({i * 977u, i * 1048573u + 11u, i % 64, i * i});
-    const auto answers = run<gpu::WordsAnswer>({kernels::sampler_words, "sampler_words", nullptr, {{19, bits}}}, cases);
+    const auto answers = run<gpu::WordsAnswer>(
+        {kernels::sampler_words, "sampler_words", nullptr, {{gpu::kConstantSetBits, bits}}}, cases);
     for (std::size_t i = 0; i < cases.size(); ++i) {
       const gpu::WordsCase& c = cases[i];
       const auto expected = reference::SampleRandom(c.seed, c.pixel, c.sample_index, bits).block(c.block);

@@ -15,10 +15,14 @@ const vulkan::ContextOptions kValidation{
     .validation = true, .validation_extra = vulkan::ContextOptions::from_environment().validation_extra};
 
 struct Device {
-  Device() : context("auto", kValidation), commands(context), layout(context, kernel_bindings(), sizeof(gpu::Pass)) {}
+  Device()
+      : context("auto", kValidation),
+        commands(context),
+        texels(context, kernel_bindings(TableLoads::texel_buffer), sizeof(gpu::Pass)),
+        storage(context, kernel_bindings(TableLoads::storage_buffer), sizeof(gpu::Pass)) {}
   vulkan::Context context;
   vulkan::Commands commands;
-  vulkan::BindingLayout layout;
+  vulkan::BindingLayout texels, storage;
 };
 
 // Opened once; `reason` tells why there is none.
@@ -83,7 +87,8 @@ void DeviceTest::run_bytes(const KernelRun& run, std::span<const std::byte> inpu
   Device& d = *device();
   static const CompiledScene empty = compile_scene(Scene{});
   const CompiledScene& compiled = run.scene != nullptr ? *run.scene : empty;
-  const DeviceScene scene(d.context, d.commands, compiled);
+  const vulkan::BindingLayout& layout = run.loads == TableLoads::texel_buffer ? d.texels : d.storage;
+  const DeviceScene scene(d.context, d.commands, compiled, run.loads);
   const auto buffer = [&](std::size_t bytes, const char* what) {
     return vulkan::Buffer(d.context, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, what);
   };
@@ -91,7 +96,7 @@ void DeviceTest::run_bytes(const KernelRun& run, std::span<const std::byte> inpu
   const vulkan::Buffer out = buffer(outputs.size(), "test outputs");
   d.commands.upload(in, 0, inputs);
   d.commands.fill(out, 0xdeadbeefu);  // a lane that writes nothing shows
-  vulkan::BindingSet set(d.context, d.layout);
+  vulkan::BindingSet set(d.context, layout);
   scene.bind(set);
   set.bind(gpu::kBindingRequests, in);
   set.bind(gpu::kBindingResults, out);
@@ -100,11 +105,11 @@ void DeviceTest::run_bytes(const KernelRun& run, std::span<const std::byte> inpu
     const std::vector<vulkan::Specialization> scene_values = scene_constants(compiled);
     constants.insert(constants.end(), scene_values.begin(), scene_values.end());
   }
-  const vulkan::Kernel kernel(d.context, d.layout, run.spirv, constants, run.name);
+  const vulkan::Kernel kernel(d.context, layout, run.spirv, constants, run.name);
   gpu::Pass pass{};
   pass.request_count = lanes;
   const std::uint32_t groups = (lanes + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize;
-  d.commands.dispatch(d.layout, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, 120.0);
+  d.commands.dispatch(layout, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, 120.0);
   d.commands.download(out, 0, outputs);
 }
 

@@ -25,6 +25,7 @@ struct KernelRun {
   const char* name = "";
   const CompiledScene* scene = nullptr;  ///< nullptr: an empty scene is bound
   std::vector<vulkan::Specialization> constants;
+  TableLoads loads = TableLoads::texel_buffer;  ///< what the kernel was built for
 };
 
 /// The scene with the slots of all its primitives appended to the triangle indices, where brute_force.glsl finds them:

@@ -1,4 +1,5 @@
-/// shaders/gpu_types.h means the same bytes on both sides: the Offset decorations of the built SPIR-V against offsetof.
+/// shaders/gpu_types.h means the same on both sides: the Offset decorations of the built SPIR-V against offsetof, the
+/// SpecId decorations against the ids that the host uses.
 
 #include <cstddef>
 #include <cstring>
@@ -145,6 +146,21 @@ struct SpirvStruct {
   std::set<std::uint32_t> strides;
 };
 
+// Ids of specialization constants by the names of the constants.
+using Constants = std::map<std::string, std::set<std::uint32_t>>;
+
+Constants parse_constants(const std::vector<std::uint32_t>& words) {
+  constexpr std::uint32_t kName = 5, kDecorate = 71, kSpecId = 1;
+  std::map<std::uint32_t, std::string> names;
+  Constants constants;
+  for (std::size_t i = 5; i < words.size() && words[i] >> 16 != 0; i += words[i] >> 16) {
+    const std::uint32_t* w = words.data() + i;
+    if ((w[0] & 0xffffu) == kName) names[w[1]] = reinterpret_cast<const char*>(w + 2);
+    if ((w[0] & 0xffffu) == kDecorate && w[2] == kSpecId) constants[names[w[1]]].insert(w[3]);
+  }
+  return constants;
+}
+
 // The few instructions of the SPIR-V binary form that matter (specification, §3.42).
 std::vector<SpirvStruct> parse_structs(const std::vector<std::uint32_t>& words) {
   constexpr std::uint32_t kName = 5, kMemberName = 6, kTypeArray = 28, kTypeRuntimeArray = 29, kDecorate = 71,
@@ -223,11 +239,60 @@ TEST(CompileLayout, TheRenderersKernelsAgree) {
   EXPECT_GE(binaries, 3u) << "in " << KERNEL_DIR;
 }
 
-TEST(CompileLayout, NoStructOfTheHeaderIsForgotten) {
+std::string read_header() {
   std::ifstream file(SHADER_DIR "/gpu_types.h");
   std::stringstream text;
   text << file.rdbuf();
-  const std::string header = text.str();
+  return text.str();
+}
+
+// kConstant<X> = id in the header.
+std::map<std::string, std::uint32_t> header_constants() {
+  const std::string header = read_header();
+  const std::regex declaration(R"(const uint kConstant(\w+) = (\d+)u;)");
+  std::map<std::string, std::uint32_t> ids;
+  for (std::sregex_iterator it(header.begin(), header.end(), declaration), end; it != end; ++it)
+    ids[(*it)[1]] = static_cast<std::uint32_t>(std::stoul((*it)[2]));
+  return ids;
+}
+
+TEST(CompileLayout, IdsOfSpecializationConstantsAreDistinct) {
+  std::map<std::uint32_t, std::string> names;
+  for (const auto& [name, id] : header_constants()) {
+    EXPECT_TRUE(names.emplace(id, name).second) << name << " and " << names[id] << " have the same id " << id;
+    EXPECT_TRUE(name == "Few" || id < kConstantFew) << name << " lies among the floats of the few primitives";
+  }
+  EXPECT_GT(names.size(), 10u);
+}
+
+TEST(CompileLayout, SpecializationConstantsHaveTheIdsOfTheirNames) {
+  std::map<std::string, std::uint32_t> unseen = header_constants();
+  const std::map<std::string, std::uint32_t> ids = unseen;
+  const std::regex few(R"(kFew(\d+)_(\d+))");
+  for (const auto& entry : std::filesystem::directory_iterator(KERNEL_DIR)) {
+    if (entry.path().extension() != ".spv") continue;
+    for (const auto& [name, found] : parse_constants(read_words(entry.path()))) {
+      SCOPED_TRACE(entry.path().string() + ": " + name);
+      ASSERT_EQ(found.size(), 1u) << "a constant without a name, or two of one name";
+      std::smatch match;
+      if (std::regex_match(name, match, few)) {
+        const auto i = static_cast<std::uint32_t>(std::stoul(match[1])),
+                   k = static_cast<std::uint32_t>(std::stoul(match[2]));
+        ASSERT_TRUE(i < kFewPrimitives && k < kFewFloats);
+        EXPECT_EQ(*found.begin(), kConstantFew + kFewFloats * i + k);
+        unseen.erase("Few");
+        continue;
+      }
+      ASSERT_TRUE(name.starts_with('k') && ids.contains(name.substr(1))) << "gpu_types.h has no kConstant… for it";
+      EXPECT_EQ(*found.begin(), ids.at(name.substr(1)));
+      unseen.erase(name.substr(1));
+    }
+  }
+  for (const auto& [name, id] : unseen) ADD_FAILURE() << "no kernel has a constant k" << name << " with the id " << id;
+}
+
+TEST(CompileLayout, NoStructOfTheHeaderIsForgotten) {
+  const std::string header = read_header();
   const std::regex declaration(R"(struct\s+(\w+)\s*\{)");
   std::size_t structs = 0;
   for (std::sregex_iterator it(header.begin(), header.end(), declaration), end; it != end; ++it, ++structs) {

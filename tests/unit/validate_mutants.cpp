@@ -27,10 +27,10 @@ TEST(Mutants, ReleaseKernelsHoldNone) {
   const KernelSet wrong = kernel_set(gpu::kMutantNone);
   for (const auto kernel : {release.render, release.trace_samples, release.trace_path, release.bsdf_samples}) {
     EXPECT_FALSE(kernel.empty());
-    EXPECT_FALSE(has_constant(kernel, gpu::kMutantConstant));
+    EXPECT_FALSE(has_constant(kernel, gpu::kConstantMutant));
   }
   for (const auto kernel : {wrong.render, wrong.trace_samples, wrong.trace_path, wrong.bsdf_samples})
-    EXPECT_TRUE(has_constant(kernel, gpu::kMutantConstant));
+    EXPECT_TRUE(has_constant(kernel, gpu::kConstantMutant));
   EXPECT_TRUE(release.constants.empty());
 }
 

@@ -194,7 +194,22 @@ struct LoopAnswer {
   uint pad0;
 };
 
+// One entry of each table of the scene, as the kernels fetch it.
+struct TablesAnswer {
+  Primitive primitive;
+  Record record;
+  Shape shape;
+  LightShape light_shape;
+  LightPrimitive light_primitive;
+  LightBounds left_bounds;
+  LightPair light_pair;
+  LightTrail light_trail;
+  uvec4 triangle;
+  vec4 normal;
+};
+
 #ifdef __cplusplus
+static_assert(sizeof(TablesAnswer) == 400);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);
 static_assert(sizeof(FrameCase) == 32 && sizeof(FrameAnswer) == 64);

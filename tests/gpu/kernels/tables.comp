@@ -1,0 +1,15 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Entry i of every table, fetched and written back field by field.
+#include "test_io.glsl"
+#include "scene.glsl"
+
+TEST_BUFFERS(uvec4, TablesAnswer)
+
+void main() {
+  if (!lane_has_work()) return;
+  const uint i = inputs[lane()].x;
+  outputs[lane()] = TablesAnswer(fetch_primitive(i * kPrimitiveSlots), fetch_record(i * kPrimitiveSlots), fetch_shape(i), fetch_light_shape(i),
+                                 fetch_light_primitive(i), fetch_light_bounds(kLightPairTexels * i), fetch_light_pair(i),
+                                 fetch_light_trail(i, inputs[lane()].y), uvec4(fetch_triangle(i), 0u), vec4(fetch_normal(i), 0.0));
+}
