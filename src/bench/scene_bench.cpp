@@ -73,7 +73,7 @@ void SceneBench::open() {
 
 void SceneBench::open_caster() {
   const auto reference = [&] { return make_reference_ray_caster(scene_, placement()); };
-  caster_ = options_.gpu ? make_gpu_ray_caster(scene_, *options_.gpu) : reference();
+  caster_ = options_.gpu ? make_gpu_ray_caster(shared_, *options_.gpu) : reference();
   device_name_ = caster_->device_name();
   driver_name_ = caster_->driver_name();
   sets_ = make_ray_sets(scene_, *caster_,
@@ -99,7 +99,7 @@ void SceneBench::open_renderer() {
   vulkan::reset_memory_peak();
   const RenderSettings settings{.seed = options_.seed};
   renderer_ =
-      options_.gpu ? make_gpu_renderer(scene_, settings, *options_.gpu) : make_reference_renderer(scene_, settings);
+      options_.gpu ? make_gpu_renderer(shared_, settings, *options_.gpu) : make_reference_renderer(scene_, settings);
   device_name_ = renderer_->device_name();
   driver_name_ = renderer_->driver_name();
   // The first sample pays for the kernel, the next ones show how many fit into a repetition.

@@ -81,6 +81,7 @@ class SceneBench {
   double render(std::uint32_t spp);
 
   Scene scene_;
+  SharedScene shared_{scene_};  // the rays and the renderer share what is compiled
   BenchOptions options_;
   std::string device_name_, driver_name_;
   std::unique_ptr<RayCaster> caster_;

@@ -82,7 +82,7 @@ GpuOptions device_options(const std::string& selector, const DeviceOption& optio
 }
 
 RendererFactory device_factory(const std::string& selector, const DeviceOption& option) {
-  return [options = device_options(selector, option)](const Scene& scene, const RenderSettings& settings) {
+  return [options = device_options(selector, option)](const SharedScene& scene, const RenderSettings& settings) {
     return make_gpu_renderer(scene, settings, options);
   };
 }
@@ -91,7 +91,11 @@ RendererFactory device_factory(const std::string& selector, const DeviceOption& 
 
 RendererFactory DeviceOption::factory() const {
   set_thread_count(threads);
-  if (selector == "reference") return make_reference_renderer;
+  if (selector == "reference") {
+    return [](const SharedScene& scene, const RenderSettings& settings) {
+      return make_reference_renderer(scene.scene(), settings);
+    };
+  }
   return device_factory(selector, *this);
 }
 

@@ -318,10 +318,11 @@ ExitCode render(const Options& options) {
   check_files(plan, options);
   Checkpoint checkpoint(options.checkpoint, job);
 
+  const SharedScene shared(scene);  // compiled once for all devices, and for those that are opened afresh
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : options.device.factories()) {
     open.push_back(
-        [factory, &scene, settings = RenderSettings{.seed = options.seed}] { return factory(scene, settings); });
+        [factory, shared, settings = RenderSettings{.seed = options.seed}] { return factory(shared, settings); });
   }
   DeviceTeam team(std::move(open));
   if (!options.quiet && uses_gpu(options)) {

@@ -1,6 +1,7 @@
 #include "compile/compiled_scene.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -10,7 +11,6 @@
 #include "compile/bvh.h"
 #include "compile/discrete.h"
 #include "compile/few_primitives.h"
-#include "compile/filter_table.h"
 #include "compile/light_tree.h"
 #include "compile/normalization.h"
 #include "compile/reinsertion.h"
@@ -96,19 +96,6 @@ Box primitive_box(const gpu::Primitive& p) {
   return box;
 }
 
-// A power of two that brings the camera's axes to where their squares fit a float; 1 for any usual camera. toWorld may
-// scale by whatever a double holds, and only the directions count.
-double camera_unit(const glm::dmat4& world_from_camera, double tan_x, double tan_y) {
-  double largest = 0.0;
-  for (int a = 0; a < 3; ++a) {
-    largest = std::max({largest, std::abs(world_from_camera[0][a]) * tan_x, std::abs(world_from_camera[1][a]) * tan_y,
-                        std::abs(world_from_camera[2][a])});
-  }
-  constexpr int kUsual = 40;
-  const int exponent = std::ilogb(largest);
-  return std::abs(exponent) <= kUsual ? 1.0 : std::ldexp(1.0, exponent);
-}
-
 class Compiler {
  public:
   explicit Compiler(const Scene& scene) : scene_(scene), normalization_(find_normalization(scene)) {}
@@ -118,8 +105,10 @@ class Compiler {
     flatten_shapes();
     build_tree();
     make_lights();
-    if (uses_light_tree(scene_)) make_light_tree();
-    make_frame();
+    if (wants_light_tree(scene_)) make_light_tree();
+    out_.normalization = normalization_;
+    out_.sky = scene_.sky;
+    out_.film_exponent = film_exponent(scene_, Integrator::Type::path);
     return std::move(out_);
   }
 
@@ -276,40 +265,6 @@ class Compiler {
     out_.light_tree_depth = tree.depth;
   }
 
-  void make_frame() {
-    const Camera& camera = scene_.camera;
-    const glm::dmat4& m = camera.world_from_camera;
-    gpu::Frame& f = out_.frame;
-    const double tan_x = std::tan(0.5 * camera.fov * kPi / 180.0);
-    const double tan_y = tan_x * camera.height / camera.width;
-    // Beyond this a scene of size 1 is far below what single precision can see, and squares would overflow.
-    const glm::dvec3 farthest(0x1p60);
-    const glm::dvec3 origin = (glm::dvec3(m[3]) - normalization_.center) * normalization_.scale;
-    f.camera_origin = glm::vec3(glm::clamp(origin, -farthest, farthest));
-    const double unit = camera_unit(m, tan_x, tan_y);
-    f.camera_x = glm::vec3(m[0] / unit);
-    f.camera_y = glm::vec3(m[1] / unit);
-    f.camera_z = glm::vec3(m[2] / unit);
-    f.near_clip = static_cast<float>(camera.near_clip * normalization_.scale * unit);
-    f.far_clip = static_cast<float>(camera.far_clip * normalization_.scale * unit);
-    f.tan_x = static_cast<float>(tan_x);
-    f.tan_y = static_cast<float>(tan_y);
-    f.sky_top = glm::vec3(scene_.sky.top);
-    f.sky_horizon = glm::vec3(scene_.sky.horizon);
-    f.distance_scale = static_cast<float>(normalization_.scale);
-    f.width = camera.width;
-    f.height = camera.height;
-    f.tiles_x = (camera.width + gpu::kTileSize - 1) / gpu::kTileSize;
-    f.max_depth = scene_.integrator.max_depth;
-    f.rr_depth = scene_.integrator.rr_depth > 0 ? scene_.integrator.rr_depth : gpu::kNone;
-    f.film_exponent = film_exponent(scene_);
-    f.light_shape_count = static_cast<gpu::uint>(out_.light_shapes.size());
-    const FilterTable table = make_filter_table(camera.filter);
-    f.filter_weight = static_cast<float>(table.weight);
-    f.filter_zero = table.has_negative_lobes ? static_cast<float>(table.zero) : INFINITY;
-    out_.filter_knots = table.knots;
-  }
-
   const Scene& scene_;
   Normalization normalization_;
   CompiledScene out_;
@@ -318,9 +273,16 @@ class Compiler {
   std::vector<gpu::uint> slot_of_;               // of each flat primitive
 };
 
+std::atomic<std::uint64_t> g_compilations{0};
+
 }  // namespace
 
+std::uint64_t scene_compilations() {
+  return g_compilations;
+}
+
 CompiledScene compile_scene(const Scene& scene) {
+  ++g_compilations;
   return Compiler(scene).compile();
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "compile/normalization.h"
 #include "gpu_types.h"
 #include "scene/scene.h"
 
@@ -12,7 +13,9 @@ namespace etendue {
 /// Everything a device needs to render a scene, in the layouts of shaders/gpu_types.h. Positions are normalised:
 /// translated and scaled by a power of two, so that single precision serves scenes of any size and place alike.
 struct CompiledScene {
-  gpu::Frame frame{};
+  Normalization normalization;
+  Sky sky;
+  int film_exponent = 0;            ///< of the path integrator
   std::vector<gpu::uvec4> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives
   std::vector<gpu::Shape> shapes;
   std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
@@ -23,7 +26,6 @@ struct CompiledScene {
   /// Per shape in `turns` the place in this table of its first primitive's trail, then the trails.
   std::vector<gpu::LightTrail> light_trails;
   std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 where there is no tree
-  std::vector<float> filter_knots;       ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
   std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone when all primitives stand outside the tree
   std::uint32_t tree_depth = 0;          ///< levels of nodes
   bool has_spheres = false;
@@ -31,6 +33,11 @@ struct CompiledScene {
   std::uint32_t few_spheres = 0;    ///< after the triangles
 };
 
+/// Shapes and lights; cameras, samplers and integrators are the business of compile_view. Lights get a tree where
+/// the scene's light sampler asks for one, whether or not the scene's integrator uses it.
 CompiledScene compile_scene(const Scene& scene);
+
+/// How often this process has called compile_scene: for tests of what is not compiled again.
+std::uint64_t scene_compilations();
 
 }  // namespace etendue

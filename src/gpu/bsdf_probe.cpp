@@ -23,25 +23,22 @@ class GpuBsdfProbe final : public BsdfProbe {
  public:
   GpuBsdfProbe(const Bsdf& bsdf, const GpuOptions& options)
       : kernels_(kernel_set(options.mutant)),
-        context_(options.device, options.context),
-        commands_(context_),
-        layout_(context_, kernel_bindings(), sizeof(gpu::BsdfProbePass)),
-        kernel_(context_, layout_, kernels_.bsdf_samples, kernels_.constants, "bsdf_samples"),
-        scene_(context_, commands_, compile_material(bsdf)),
-        queries_(context_, kChunk * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+        scene_(open_device(options), compile_material(bsdf), TableLoads::texel_buffer),
+        kernel_(context(), scene_.layout(), kernels_.bsdf_samples, kernels_.constants, "bsdf_samples"),
+        queries_(context(), kChunk * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "directions"),
-        results_(context_, kChunk * sizeof(gpu::BsdfProbeResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+        results_(context(), kChunk * sizeof(gpu::BsdfProbeResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "material samples"),
-        set_(context_, layout_) {
-    for (const vulkan::Binding& b : layout_.bindings()) {
+        set_(context(), scene_.layout()) {
+    for (const vulkan::Binding& b : scene_.layout().bindings()) {
       if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) set_.bind(b.number, queries_);
     }
     scene_.bind(set_);
     set_.bind(gpu::kBindingResults, results_);
   }
 
-  std::string device_name() const override { return context_.info().name; }
-  std::string driver_name() const override { return context_.info().driver; }
+  std::string device_name() const override { return context().info().name; }
+  std::string driver_name() const override { return context().info().driver; }
 
   std::vector<BsdfDraw> sample(const glm::dvec3& wo, std::uint32_t seed, std::uint32_t first,
                                std::uint32_t count) override {
@@ -63,7 +60,7 @@ class GpuBsdfProbe final : public BsdfProbe {
       const auto chunk = wi.subspan(done, std::min(kChunk, wi.size() - done));
       std::vector<gpu::vec4> directions;
       for (const glm::dvec3& w : chunk) directions.emplace_back(w, 0.0);
-      commands_.upload(queries_, 0, std::as_bytes(std::span(directions)));
+      commands().upload(queries_, 0, std::as_bytes(std::span(directions)));
       for (const gpu::BsdfProbeResult& r : run({wo, 0, 0, static_cast<std::uint32_t>(chunk.size()), 1, 0})) {
         values.push_back({r.weight, r.pdf});
       }
@@ -72,20 +69,20 @@ class GpuBsdfProbe final : public BsdfProbe {
   }
 
  private:
+  const vulkan::Context& context() const { return *scene_.device().context; }
+  vulkan::Commands& commands() { return scene_.device().commands; }
   std::vector<gpu::BsdfProbeResult> run(const gpu::BsdfProbePass& pass) {
     const std::uint32_t groups = (pass.count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize;
-    commands_.dispatch(layout_, kernel_, set_, std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
+    scene_.device().commands.dispatch(scene_.layout(), kernel_, set_, std::as_bytes(std::span(&pass, 1)), groups,
+                                      kDispatchTimeout);
     std::vector<gpu::BsdfProbeResult> results(pass.count);
-    commands_.download(results_, 0, std::as_writable_bytes(std::span(results)));
+    commands().download(results_, 0, std::as_writable_bytes(std::span(results)));
     return results;
   }
 
   KernelSet kernels_;
-  vulkan::Context context_;
-  vulkan::Commands commands_;
-  vulkan::BindingLayout layout_;
-  vulkan::Kernel kernel_;
   DeviceScene scene_;
+  vulkan::Kernel kernel_;
   vulkan::Buffer queries_, results_;
   vulkan::BindingSet set_;
 };

@@ -51,26 +51,34 @@ std::uint32_t max_groups_per_band(const vulkan::Context& context) {
   return static_cast<std::uint32_t>(context.limits().maxStorageBufferRange / kBytesPerGroup);
 }
 
-FilmBand::FilmBand(const vulkan::Context& context, vulkan::Commands& commands, const SlotLayout& layout,
-                   std::uint32_t first_group, std::uint32_t group_count, SampleRange range, std::uint32_t set_bits)
-    : first_group_(first_group),
-      group_count_(group_count),
-      slots_(context, std::uint64_t{group_count} * gpu::kWorkgroupSize * sizeof(gpu::FilmSlot),
-             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "film"),
-      progress_(context, std::uint64_t{group_count} * gpu::kWorkgroupSize * sizeof(std::uint32_t),
-                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "film progress") {
+FilmBand::FilmBand(const vulkan::Context& context, std::uint32_t first_group, std::uint32_t group_count,
+                   bool with_set_sums)
+    : first_group_(first_group), group_count_(group_count) {
+  const auto buffer = [&](std::size_t bytes_per_slot, const char* what) {
+    return vulkan::Buffer(context, std::uint64_t{group_count} * gpu::kWorkgroupSize * bytes_per_slot,
+                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, what);
+  };
+  slots_ = buffer(sizeof(gpu::FilmSlot), "film");
+  progress_ = buffer(sizeof(std::uint32_t), "film progress");
+  if (with_set_sums) set_sums_ = buffer(sizeof(gpu::vec4), "sums over sets");
+}
+
+void FilmBand::begin(vulkan::Commands& commands, const SlotLayout& layout, SampleRange range, std::uint32_t set_bits) {
   commands.fill(slots_, 0);
-  std::vector<std::uint32_t> next(std::size_t{group_count} * gpu::kWorkgroupSize);
+  std::vector<std::uint32_t> next(std::size_t{group_count_} * gpu::kWorkgroupSize);
   for (std::size_t i = 0; i < next.size(); ++i) {
-    const std::uint32_t set = range.begin + layout.layer(first_group + i / gpu::kWorkgroupSize,
+    const std::uint32_t set = range.begin + layout.layer(first_group_ + i / gpu::kWorkgroupSize,
                                                          static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
     next[i] = set << set_bits;
   }
   commands.upload(progress_, 0, std::as_bytes(std::span(next)));
-  if (set_bits == 0) return;
-  set_sums_.emplace(context, next.size() * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                    vulkan::Buffer::Memory::device, "sums over sets");
-  commands.fill(*set_sums_, 0);
+  if (set_sums_) commands.fill(*set_sums_, 0);
+}
+
+void FilmBand::bind(vulkan::BindingSet& set) const {
+  set.bind(gpu::kBindingFilm, slots_);
+  set.bind(gpu::kBindingProgress, progress_);
+  if (set_sums_) set.bind(gpu::kBindingSetSums, *set_sums_);
 }
 
 void FilmBand::add_to(vulkan::Commands& commands, const SlotLayout& layout, Film& film) const {
@@ -87,6 +95,23 @@ void FilmBand::add_to(vulkan::Commands& commands, const SlotLayout& layout, Film
       if (pixel != ~0u) film.pixels()[pixel].merge(slots[i]);
     }
   }
+}
+
+DeviceFilm::DeviceFilm(std::shared_ptr<GpuDevice> device, const SlotLayout& layout, std::uint32_t set_bits)
+    : device_(std::move(device)), layout_(layout), set_bits_(set_bits) {
+  const std::uint32_t per_band = max_groups_per_band(*device_->context);
+  for (std::uint64_t first = 0; first < layout.groups(); first += per_band) {
+    const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(per_band, layout.groups() - first));
+    bands_.emplace_back(*device_->context, static_cast<std::uint32_t>(first), count, set_bits > 0);
+  }
+}
+
+void DeviceFilm::begin(SampleRange range) {
+  for (FilmBand& band : bands_) band.begin(device_->commands, layout_, range, set_bits_);
+}
+
+void DeviceFilm::add_to(Film& film) const {
+  for (const FilmBand& band : bands_) band.add_to(device_->commands, layout_, film);
 }
 
 }  // namespace etendue

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "gpu/device_limits.h"
+#include "gpu/gpu_device.h"
 #include "image/film.h"
 #include "render/renderer.h"
-#include "vulkan/commands.h"
+#include "vulkan/kernel.h"
 
 namespace etendue {
 
@@ -23,6 +24,7 @@ struct SlotLayout {
   bool packed() const { return layers > 1; }
   std::uint32_t pixels() const { return width * height; }
   std::uint64_t groups() const;
+  bool operator==(const SlotLayout&) const = default;
   /// Pixel of lane `lane` of group `group`, or ~0u for padding.
   std::uint32_t pixel(std::uint64_t group, std::uint32_t lane) const;
   /// Which of its pixel's slots that is; 0 for padding.
@@ -32,22 +34,39 @@ struct SlotLayout {
 /// A run of workgroups whose slots fit into one storage buffer.
 class FilmBand {
  public:
-  /// `range` counts sets of 2^set_bits paths.
-  FilmBand(const vulkan::Context& context, vulkan::Commands& commands, const SlotLayout& layout,
-           std::uint32_t first_group, std::uint32_t group_count, SampleRange range, std::uint32_t set_bits);
+  FilmBand(const vulkan::Context& context, std::uint32_t first_group, std::uint32_t group_count, bool with_set_sums);
+  /// Empties all slots and sets them to the beginning of `range`, which counts sets of 2^set_bits paths.
+  void begin(vulkan::Commands& commands, const SlotLayout& layout, SampleRange range, std::uint32_t set_bits);
   std::uint32_t first_group() const { return first_group_; }
   std::uint32_t group_count() const { return group_count_; }
-  const vulkan::Buffer& slots() const { return slots_; }
-  const vulkan::Buffer& progress() const { return progress_; }
-  /// Sums over unfinished sets; null where a set is one path.
-  const vulkan::Buffer* set_sums() const { return set_sums_ ? &*set_sums_ : nullptr; }
+  void bind(vulkan::BindingSet& set) const;
   /// Adds every slot to its pixel.
   void add_to(vulkan::Commands& commands, const SlotLayout& layout, Film& film) const;
 
  private:
   std::uint32_t first_group_, group_count_;
   vulkan::Buffer slots_, progress_;
-  std::optional<vulkan::Buffer> set_sums_;
+  std::optional<vulkan::Buffer> set_sums_;  // over unfinished sets, where a set is more than one path
+};
+
+/// The slots of a whole film, in bands; kept from one render to the next.
+class DeviceFilm {
+ public:
+  DeviceFilm(std::shared_ptr<GpuDevice> device, const SlotLayout& layout, std::uint32_t set_bits);
+  /// True when a film of this layout needs no other buffers.
+  bool fits(const SlotLayout& layout, std::uint32_t set_bits) const {
+    return layout == layout_ && set_bits == set_bits_;
+  }
+  void begin(SampleRange range);
+  const SlotLayout& layout() const { return layout_; }
+  const std::vector<FilmBand>& bands() const { return bands_; }
+  void add_to(Film& film) const;
+
+ private:
+  std::shared_ptr<GpuDevice> device_;
+  SlotLayout layout_;
+  std::uint32_t set_bits_;
+  std::vector<FilmBand> bands_;
 };
 
 /// What a film takes on a device: slots and progress.

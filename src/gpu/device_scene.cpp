@@ -13,6 +13,10 @@
 namespace etendue {
 namespace {
 
+// Of one layout for all kernels.
+constexpr std::uint32_t kPushConstantBytes = sizeof(gpu::Pass);
+static_assert(sizeof(gpu::BsdfProbePass) == kPushConstantBytes);
+
 struct Table {
   std::uint32_t binding;
   const char* what;
@@ -86,7 +90,6 @@ std::vector<vulkan::Binding> kernel_bindings(TableLoads loads) {
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene) {
   std::vector<DeviceNeed> needs;
   for (const Table& table : tables(scene)) needs.push_back({table.what, table.bytes.size()});
-  needs.push_back({"reconstruction filter", scene.filter_knots.size() * sizeof(float), DeviceNeed::Kind::storage});
   return needs;
 }
 
@@ -101,8 +104,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                                    {gpu::kConstantBsdfsUsed, bsdfs_used(scene)},
                                                    {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
                                                    {gpu::kConstantSphereLights, has_sphere_lights(scene) ? 1u : 0u},
-                                                   {gpu::kConstantTreeRoot, scene.tree_root},
-                                                   {gpu::kConstantLightTreeDepth, scene.light_tree_depth}};
+                                                   {gpu::kConstantTreeRoot, scene.tree_root}};
   for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) {
     for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
       const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];
@@ -112,25 +114,28 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
   return constants;
 }
 
-DeviceScene::DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene,
-                         TableLoads loads)
-    : context_(context), commands_(commands) {
-  const auto add = [&](std::uint32_t binding, std::span<const std::byte> bytes, VkBufferUsageFlags usage,
-                       const char* what) {
-    vulkan::Buffer buffer(context_, bytes.size(), usage, vulkan::Buffer::Memory::device, what);
-    commands_.upload(buffer, 0, bytes);
-    entries_.push_back({binding, std::move(buffer), {}});
-  };
-  add(gpu::kBindingFrame, std::as_bytes(std::span(&scene.frame, 1)), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-      "frame constants");
-  add(gpu::kBindingFilter, std::as_bytes(std::span(scene.filter_knots)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-      "reconstruction filter");
-  const bool texels = loads == TableLoads::texel_buffer;
+DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene,
+                         std::optional<TableLoads> wanted, std::span<const DeviceNeed> planned)
+    : device_(std::move(device)),
+      loads_(choose_table_loads(*device_->context, scene, wanted)),
+      facts_(scene),
+      light_rounds_(scene),
+      has_tree_(scene.tree_root != gpu::kNone),
+      light_tree_depth_(scene.light_tree_depth),
+      constants_(scene_constants(scene)),
+      layout_(*device_->context, kernel_bindings(loads_), kPushConstantBytes) {
+  std::vector<DeviceNeed> needs = scene_needs(scene);
+  needs.insert(needs.end(), planned.begin(), planned.end());
+  check_needs(needs, limits_of(*device_->context));
+  const bool texels = loads_ == TableLoads::texel_buffer;
+  const VkBufferUsageFlags usage =
+      texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   for (const Table& table : tables(scene)) {
-    add(table.binding, table.bytes,
-        texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, table.what);
-    Entry& entry = entries_.back();
-    if (texels) entry.view = vulkan::make_texel_view(context_, entry.buffer, VK_FORMAT_R32G32B32A32_UINT);
+    vulkan::Buffer buffer(*device_->context, table.bytes.size(), usage, vulkan::Buffer::Memory::device, table.what);
+    device_->commands.upload(buffer, 0, table.bytes);
+    vulkan::TexelView view;
+    if (texels) view = vulkan::make_texel_view(*device_->context, buffer, VK_FORMAT_R32G32B32A32_UINT);
+    entries_.push_back({table.binding, std::move(buffer), std::move(view)});
   }
 }
 

@@ -3,15 +3,12 @@
 
 #include <optional>
 
-#include "compile/compiled_scene.h"
+#include "compile/compiled_view.h"
 #include "gpu/device_limits.h"
-#include "vulkan/commands.h"
+#include "gpu/gpu_device.h"
 #include "vulkan/kernel.h"
 
 namespace etendue {
-
-/// How kernels read the tables of the scene, see shaders/scene.glsl.
-enum class TableLoads { texel_buffer, storage_buffer };
 
 /// Texel buffers, unless a table of the scene is too long for those of the device and not for its storage buffers.
 /// Throws Error(device_lost) naming limits, needed and available when neither will do, or `wanted` will not.
@@ -28,16 +25,32 @@ struct LightRounds {
 };
 
 /// Specialization constants of every kernel that traces rays: tree, lights, and the few primitives outside the tree.
+/// All but that of the light tree's depth: whether the tree is used is up to the view.
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene);
 
 /// What a scene takes on a device.
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene);
 
+/// The tables in device memory, and what views and kernels need to know of them. The compiled scene may go once it is
+/// made.
 class DeviceScene {
  public:
-  /// The needs of the scene must have been checked.
-  DeviceScene(const vulkan::Context& context, vulkan::Commands& commands, const CompiledScene& scene,
-              TableLoads loads = TableLoads::texel_buffer);
+  /// Throws Error(device_lost), before anything is uploaded, when the device cannot hold or read the tables, or not
+  /// beside what else is `planned`.
+  DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene, std::optional<TableLoads> wanted = {},
+              std::span<const DeviceNeed> planned = {});
+
+  GpuDevice& device() const { return *device_; }
+  const std::shared_ptr<GpuDevice>& device_pointer() const { return device_; }
+  TableLoads loads() const { return loads_; }
+  const SceneFacts& facts() const { return facts_; }
+  const LightRounds& light_rounds() const { return light_rounds_; }
+  bool has_tree() const { return has_tree_; }
+  std::uint32_t light_tree_depth() const { return light_tree_depth_; }
+  /// See scene_constants.
+  const std::vector<vulkan::Specialization>& constants() const { return constants_; }
+  /// Of every kernel that reads this scene.
+  const vulkan::BindingLayout& layout() const { return layout_; }
   void bind(vulkan::BindingSet& set) const;
 
  private:
@@ -46,8 +59,14 @@ class DeviceScene {
     vulkan::Buffer buffer;
     vulkan::TexelView view;  // of a table
   };
-  const vulkan::Context& context_;
-  vulkan::Commands& commands_;
+  std::shared_ptr<GpuDevice> device_;
+  TableLoads loads_;
+  SceneFacts facts_;
+  LightRounds light_rounds_;
+  bool has_tree_;
+  std::uint32_t light_tree_depth_;
+  std::vector<vulkan::Specialization> constants_;
+  vulkan::BindingLayout layout_;
   std::vector<Entry> entries_;
 };
 

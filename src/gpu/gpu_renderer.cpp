@@ -11,6 +11,7 @@
 #include "core/log.h"
 #include "gpu/device_film.h"
 #include "gpu/device_scene.h"
+#include "gpu/device_view.h"
 #include "gpu/kernel_set.h"
 
 namespace etendue {
@@ -34,6 +35,11 @@ constexpr double kDispatchTimeout = 300.0;  // seconds; passes are sized to a fr
 // Lanes that keep a device busy.
 std::uint32_t wanted_slots(const vulkan::Context& context) {
   return context.is_cpu() ? 4096 : 1u << 17;
+}
+
+DeviceNeed most_film_need(const vulkan::Context& context, const Camera& camera) {
+  constexpr std::uint32_t kManySamples = ~0u;
+  return film_need({camera.width, camera.height, kManySamples, wanted_slots(context)});
 }
 
 class Timer {
@@ -75,54 +81,27 @@ class PassSizer {
 
 class GpuRenderer final : public Renderer {
  public:
-  GpuRenderer(const Scene& scene, const RenderSettings& settings, const GpuOptions& options)
+  GpuRenderer(std::shared_ptr<const DeviceScene> scene, const View& view, const RenderSettings& settings,
+              const GpuOptions& options, const GpuTimings& timings)
       : options_(options),
-        context_(options.device, options.context),
-        commands_(context_),
-        set_bits_(scene.sampler.set_bits) {
-    Timer timer;
-    CompiledScene compiled = compile_scene(scene);
-    compiled.frame.seed = settings.seed;
-    frame_ = compiled.frame;
-    timings_.compile = timer.seconds();
-    timer = {};
-    const TableLoads loads = choose_table_loads(context_, compiled, options.wanted_loads());
-    check_limits(compiled);
-    kernels_ = kernel_set(options.mutant, loads);
-    layout_.emplace(context_, kernel_bindings(loads), sizeof(gpu::Pass));
-    scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled, loads);
-    report_ = vulkan::Buffer(context_, sizeof(gpu::ReportHead) + gpu::kRejectedListed * sizeof(gpu::RejectedEntry),
-                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::host, "report");
+        scene_(std::move(scene)),
+        kernels_(kernel_set(options.mutant, scene_->loads())),
+        view_(scene_->device()),
+        report_(context(), sizeof(gpu::ReportHead) + gpu::kRejectedListed * sizeof(gpu::RejectedEntry),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::host, "report"),
+        unused_(context(), 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "placeholder"),
+        step_budget_(context().is_cpu() ? kCpuIterations : kGpuIterations),
+        timings_(timings) {
     std::memset(report_.mapped().data(), 0, report_.mapped().size());
-    unused_ =
-        vulkan::Buffer(context_, 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "placeholder");
-    timings_.upload = timer.seconds();
-    const bool has_tree = compiled.tree_root != gpu::kNone;
-    const bool nee = scene.integrator.nee && !compiled.light_shapes.empty();
-    const std::uint32_t turns = nee ? kTurnsNee : kTurnsNaive;
-    const std::uint32_t steps = !has_tree ? 1 : nee ? kStepsNee : kStepsNaive;
-    const LightRounds light_rounds(compiled);
-    constants_ = {{gpu::kConstantFilterKind, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
-                  {gpu::kConstantIntegrator,
-                   scene.integrator.type == Integrator::Type::path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
-                  {gpu::kConstantNee, nee ? 1u : 0u},
-                  {gpu::kConstantMis, scene.integrator.mis ? 1u : 0u},
-                  {gpu::kConstantLuminance, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
-                  {gpu::kConstantStepsPerTurn, steps},
-                  {gpu::kConstantIterationsPerRound, turns * (steps + 1) + 1 + light_rounds.shapes +
-                                                         light_rounds.primitives + 2 * compiled.light_tree_depth},
-                  {gpu::kConstantTurnsPerRound, turns},
-                  {gpu::kConstantSetBits, set_bits_}};
-    for (const auto& more : {scene_constants(compiled), kernels_.constants})
-      constants_.insert(constants_.end(), more.begin(), more.end());
-    step_budget_ = context_.is_cpu() ? kCpuIterations : kGpuIterations;
+    set_view(view, settings);
   }
 
-  std::string device_name() const override { return context_.info().name; }
-  std::string driver_name() const override { return context_.info().driver; }
+  std::string device_name() const override { return context().info().name; }
+  std::string driver_name() const override { return context().info().driver; }
   const GpuTimings& timings() const { return timings_; }
-  const std::string& choice() const { return context_.choice(); }
+  const std::string& choice() const { return context().choice(); }
 
+  void set_view(const View& view, const RenderSettings& settings) override;
   std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
                        std::vector<RejectedSample>& rejected) override;
   std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) override;
@@ -131,34 +110,35 @@ class GpuRenderer final : public Renderer {
 
  private:
   class SampleTracer;
-  void check_limits(const CompiledScene& scene) const {
-    std::vector<DeviceNeed> needs = scene_needs(scene);
-    constexpr std::uint32_t kManySamples = ~0u;
-    needs.push_back(film_need({frame_.width, frame_.height, kManySamples, wanted_slots(context_)}));
-    check_needs(needs, limits_of(context_));
-  }
+  const vulkan::Context& context() const { return *scene_->device().context; }
+  vulkan::Commands& commands() { return scene_->device().commands; }
+  std::vector<vulkan::Specialization> view_constants(const View& view, const RenderSettings& settings,
+                                                     bool tabulated_filter) const;
   vulkan::Kernel make_kernel(std::span<const std::uint32_t> spirv, const char* name) {
     const Timer timer;
-    vulkan::Kernel kernel(context_, *layout_, spirv, constants_, name);
+    vulkan::Kernel kernel(context(), scene_->layout(), spirv, constants_, name);
     timings_.pipeline += timer.seconds();
     return kernel;
   }
-  // A set with the scene bound and a placeholder everywhere else.
+  // A set with scene and view bound and a placeholder everywhere else.
   vulkan::BindingSet make_set() {
-    vulkan::BindingSet set(context_, *layout_);
+    vulkan::BindingSet set(context(), scene_->layout());
     for (const std::uint32_t b :
          {gpu::kBindingRays, gpu::kBindingFilm, gpu::kBindingProgress, gpu::kBindingSetSums, gpu::kBindingReport,
           gpu::kBindingRequests, gpu::kBindingResults, gpu::kBindingVertices}) {
       set.bind(b, unused_);
     }
     scene_->bind(set);
+    view_.bind(set);
     return set;
   }
   double dispatch(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, const gpu::Pass& pass,
                   std::uint32_t groups) {
-    return commands_.dispatch(*layout_, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
+    return commands().dispatch(scene_->layout(), kernel, set, std::as_bytes(std::span(&pass, 1)), groups,
+                               kDispatchTimeout);
   }
-  std::vector<FilmBand> make_bands(const SlotLayout& slots, SampleRange range);
+  void check_film(const Film& film) const;
+  void prepare_film(const SlotLayout& slots, SampleRange range);
   void run_pass(const vulkan::Kernel& kernel, const FilmBand& band, const vulkan::BindingSet& set,
                 const SlotLayout& slots, std::uint32_t samples, std::uint32_t sample_end);
   void run_groups(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups,
@@ -167,18 +147,19 @@ class GpuRenderer final : public Renderer {
   void prepare_sizer();
 
   GpuOptions options_;
+  std::shared_ptr<const DeviceScene> scene_;
   KernelSet kernels_;
-  vulkan::Context context_;
-  vulkan::Commands commands_;
-  std::optional<vulkan::BindingLayout> layout_;  // follows the scene: how its tables are read
-  std::unique_ptr<DeviceScene> scene_;
+  DeviceView view_;
   vulkan::Buffer report_, unused_;
   std::vector<vulkan::Specialization> constants_;
   vulkan::Kernel render_kernel_, path_kernel_;  // made when first needed
-  const std::uint32_t set_bits_;                // of the sampler; what this class calls samples are sets of paths
+  std::unique_ptr<SampleTracer> tracer_;        // likewise
+  std::optional<DeviceFilm> film_;              // of the last render
+  std::vector<vulkan::BindingSet> film_sets_;   // of its bands
+  std::uint32_t set_bits_ = 0;                  // of the sampler; what this class calls samples are sets of paths
   gpu::Frame frame_{};
   std::uint32_t step_budget_ = 0;
-  bool first_dispatch_done_ = false;
+  bool first_dispatch_done_ = false;  // of the present render kernel
   std::unique_ptr<PassSizer> sizer_;
   std::vector<RejectedSample> rejected_;
   GpuTimings timings_;
@@ -190,9 +171,9 @@ class GpuRenderer::SampleTracer {
   SampleTracer(GpuRenderer& renderer, std::size_t capacity)
       : renderer_(renderer),
         kernel_(renderer.make_kernel(renderer.kernels_.trace_samples, "trace_samples")),
-        requests_(renderer.context_, capacity * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+        requests_(renderer.context(), capacity * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                   vulkan::Buffer::Memory::device, "sample requests"),
-        results_(renderer.context_, capacity * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+        results_(renderer.context(), capacity * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "sample results"),
         set_(renderer.make_set()) {
     set_.bind(gpu::kBindingRequests, requests_);
@@ -202,13 +183,13 @@ class GpuRenderer::SampleTracer {
   std::vector<gpu::SampleResult> trace(std::span<const SampleId> ids, std::uint32_t budget) const {
     std::vector<gpu::SampleRequest> asked;
     for (const SampleId& id : ids) asked.push_back({id.pixel, id.sample, 0, 0});
-    renderer_.commands_.upload(requests_, 0, std::as_bytes(std::span(asked)));
+    renderer_.commands().upload(requests_, 0, std::as_bytes(std::span(asked)));
     gpu::Pass pass{};
     pass.request_count = static_cast<gpu::uint>(ids.size());
     pass.step_budget = budget;
     renderer_.dispatch(kernel_, set_, pass, (pass.request_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
     std::vector<gpu::SampleResult> out(ids.size());
-    renderer_.commands_.download(results_, 0, std::as_writable_bytes(std::span(out)));
+    renderer_.commands().download(results_, 0, std::as_writable_bytes(std::span(out)));
     return out;
   }
 
@@ -219,14 +200,72 @@ class GpuRenderer::SampleTracer {
   vulkan::BindingSet set_;
 };
 
-std::vector<FilmBand> GpuRenderer::make_bands(const SlotLayout& slots, SampleRange range) {
-  std::vector<FilmBand> bands;
-  const std::uint32_t per_band = max_groups_per_band(context_);
-  for (std::uint64_t first = 0; first < slots.groups(); first += per_band) {
-    const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(per_band, slots.groups() - first));
-    bands.emplace_back(context_, commands_, slots, static_cast<std::uint32_t>(first), count, range, set_bits_);
+// Kernels are made anew only where their constants change: seed, size and camera are none of them.
+void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
+  const CompiledView compiled = compile_view(scene_->facts(), view, settings.seed);
+  if (film_ && (compiled.frame.width != frame_.width || compiled.frame.height != frame_.height)) {
+    film_sets_.clear();
+    film_.reset();
+    const DeviceNeed film = most_film_need(context(), view.camera);
+    check_needs(std::span(&film, 1), limits_of(context()));
   }
-  return bands;
+  view_.set(scene_->device(), compiled);
+  frame_ = compiled.frame;
+  set_bits_ = view.sampler.set_bits;
+  std::vector<vulkan::Specialization> constants = view_constants(view, settings, !compiled.filter_knots.empty());
+  for (const auto& more : {scene_->constants(), kernels_.constants})
+    constants.insert(constants.end(), more.begin(), more.end());
+  if (constants == constants_) return;
+  constants_ = std::move(constants);
+  render_kernel_ = {};
+  path_kernel_ = {};
+  tracer_.reset();
+  first_dispatch_done_ = false;
+}
+
+std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view, const RenderSettings& settings,
+                                                                bool tabulated_filter) const {
+  const bool path = view.integrator.type == Integrator::Type::path;
+  const bool nee = view.integrator.nee && scene_->facts().light_shape_count > 0;
+  const std::uint32_t turns = nee ? kTurnsNee : kTurnsNaive;
+  const std::uint32_t steps = !scene_->has_tree() ? 1 : nee ? kStepsNee : kStepsNaive;
+  const std::uint32_t tree_depth = path && view.integrator.nee ? scene_->light_tree_depth() : 0;
+  const LightRounds& rounds = scene_->light_rounds();
+  return {
+      {gpu::kConstantFilterKind, tabulated_filter ? gpu::kFilterTable : gpu::kFilterBox},
+      {gpu::kConstantIntegrator, path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
+      {gpu::kConstantNee, nee ? 1u : 0u},
+      {gpu::kConstantMis, view.integrator.mis ? 1u : 0u},
+      {gpu::kConstantLuminance, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
+      {gpu::kConstantStepsPerTurn, steps},
+      {gpu::kConstantTurnsPerRound, turns},
+      {gpu::kConstantIterationsPerRound, turns * (steps + 1) + 1 + rounds.shapes + rounds.primitives + 2 * tree_depth},
+      {gpu::kConstantLightTreeDepth, tree_depth},
+      {gpu::kConstantSetBits, set_bits_}};
+}
+
+// The film's place on the device is kept from render to render.
+void GpuRenderer::prepare_film(const SlotLayout& slots, SampleRange range) {
+  if (!film_ || !film_->fits(slots, set_bits_)) {
+    film_sets_.clear();
+    film_.reset();  // before the next one takes memory
+    film_.emplace(scene_->device_pointer(), slots, set_bits_);
+    for (const FilmBand& band : film_->bands()) {
+      film_sets_.push_back(make_set());
+      band.bind(film_sets_.back());
+      film_sets_.back().bind(gpu::kBindingReport, report_);
+    }
+  }
+  film_->begin(range);
+}
+
+void GpuRenderer::check_film(const Film& film) const {
+  if (film.width() == frame_.width && film.height() == frame_.height && film.exponent() == frame_.film_exponent) return;
+  throw Error(
+      ExitCode::usage,
+      fmt::format("The film is {}x{} pixels of exponent {}, but the view has {}x{} of exponent {}; give both "
+                  "the same.",
+                  film.width(), film.height(), film.exponent(), frame_.width, frame_.height, frame_.film_exponent));
 }
 
 gpu::ReportHead GpuRenderer::take_report() {
@@ -263,7 +302,7 @@ void GpuRenderer::run_groups(const vulkan::Kernel& kernel, const vulkan::Binding
       throw Error(ExitCode::device_lost, fmt::format("{} paths need more than {} loop iterations each, the most a "
                                                      "dispatch may take on '{}'; lower maxDepth or let roulette "
                                                      "begin earlier (rrDepth).",
-                                                     head.stuck, pass.step_budget, context_.info().name));
+                                                     head.stuck, pass.step_budget, context().info().name));
     }
   }
 }
@@ -277,7 +316,7 @@ void GpuRenderer::run_pass(const vulkan::Kernel& kernel, const FilmBand& band, c
   pass.packed_pixels = slots.packed() ? slots.pixels() : 0;
   for (std::uint32_t done = 0; done < band.group_count();) {
     const std::uint32_t groups =
-        std::min({sizer_->groups(band.group_count() - done, samples), context_.limits().maxComputeWorkGroupCount[0]});
+        std::min({sizer_->groups(band.group_count() - done, samples), context().limits().maxComputeWorkGroupCount[0]});
     pass.first_group = band.first_group() + done;
     run_groups(kernel, set, pass, groups, samples);
     done += groups;
@@ -286,7 +325,7 @@ void GpuRenderer::run_pass(const vulkan::Kernel& kernel, const FilmBand& band, c
 
 void GpuRenderer::prepare_sizer() {
   if (sizer_) return;
-  sizer_ = std::make_unique<PassSizer>(context_.is_cpu() ? kCpuPassSeconds : options_.pass_seconds,
+  sizer_ = std::make_unique<PassSizer>(context().is_cpu() ? kCpuPassSeconds : options_.pass_seconds,
                                        options_.fixed_samples, options_.fixed_groups);
 }
 
@@ -307,33 +346,32 @@ void add_profile(RenderProfile& profile, const gpu::SlotProfile& slot, std::uint
 
 RenderProfile GpuRenderer::profile(std::uint32_t samples) {
   const GpuTimings of_renders = timings_;
-  const bool ballots = context_.info().subgroup_ballot;
+  const bool ballots = context().info().subgroup_ballot;
   const vulkan::Kernel kernel = make_kernel(ballots ? kernels_.profile_subgroups : kernels_.profile, "render_profile");
   prepare_sizer();
   const SlotLayout slots(frame_.width, frame_.height, samples, 1);  // one slot a pixel
   RenderProfile out{.width = frame_.width, .height = frame_.height, .samples = samples << set_bits_};
   out.visits.resize(slots.pixels());
   glm::dvec4 shares(0.0);
-  for (const FilmBand& band : make_bands(slots, {0, samples})) {
+  prepare_film(slots, {0, samples});
+  for (std::size_t b = 0; b < film_->bands().size(); ++b) {
+    const FilmBand& band = film_->bands()[b];
     std::vector<gpu::SlotProfile> counts(std::size_t{band.group_count()} * gpu::kWorkgroupSize);
-    const vulkan::Buffer buffer(context_, counts.size() * sizeof(gpu::SlotProfile), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+    const vulkan::Buffer buffer(context(), counts.size() * sizeof(gpu::SlotProfile), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                 vulkan::Buffer::Memory::device, "profile");
-    commands_.fill(buffer, 0);
-    vulkan::BindingSet set = make_set();
-    set.bind(gpu::kBindingFilm, band.slots());
-    set.bind(gpu::kBindingProgress, band.progress());
-    if (band.set_sums() != nullptr) set.bind(gpu::kBindingSetSums, *band.set_sums());
-    set.bind(gpu::kBindingReport, report_);
+    commands().fill(buffer, 0);
+    vulkan::BindingSet& set = film_sets_[b];
     set.bind(gpu::kBindingResults, buffer);
     run_pass(kernel, band, set, slots, samples, samples);
-    commands_.download(buffer, 0, std::as_writable_bytes(std::span(counts)));
+    commands().download(buffer, 0, std::as_writable_bytes(std::span(counts)));
+    set.bind(gpu::kBindingResults, unused_);
     for (std::size_t i = 0; i < counts.size(); ++i) {
       const std::uint32_t pixel = slots.pixel(band.first_group() + i / gpu::kWorkgroupSize,
                                               static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
       if (pixel != ~0u) add_profile(out, counts[i], pixel, shares);
     }
   }
-  const double size = context_.info().subgroup_size;
+  const double size = context().info().subgroup_size;
   if (shares.x > 0.0) out.walk_utilisation = shares.y / (shares.x * size);
   if (shares.z > 0.0) out.shade_utilisation = shares.w / (shares.z * size);
   timings_ = of_renders;  // counting is none
@@ -342,19 +380,12 @@ RenderProfile GpuRenderer::profile(std::uint32_t samples) {
 
 std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress,
                                   std::vector<RejectedSample>& rejected) {
+  check_film(film);
   if (!render_kernel_.get()) render_kernel_ = make_kernel(kernels_.render, "render");
   prepare_sizer();
   rejected_.clear();
-  const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context_));
-  const std::vector<FilmBand> bands = make_bands(slots, range);
-  std::vector<vulkan::BindingSet> sets;
-  for (const FilmBand& band : bands) {
-    sets.push_back(make_set());
-    sets.back().bind(gpu::kBindingFilm, band.slots());
-    sets.back().bind(gpu::kBindingProgress, band.progress());
-    if (band.set_sums() != nullptr) sets.back().bind(gpu::kBindingSetSums, *band.set_sums());
-    sets.back().bind(gpu::kBindingReport, report_);
-  }
+  const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context()));
+  prepare_film(slots, range);
   const std::uint64_t pixels = std::uint64_t{frame_.width} * frame_.height;
   std::uint32_t done = range.begin;
   bool go_on = true;
@@ -364,28 +395,29 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
     const auto samples = static_cast<std::uint32_t>(
         std::min<std::uint64_t>(sizer_->samples(slots.groups() * gpu::kWorkgroupSize), left_a_slot));
     const std::uint32_t end = done + static_cast<std::uint32_t>(std::min(std::uint64_t{samples} * slots.layers, left));
-    for (std::size_t i = 0; i < bands.size(); ++i) run_pass(render_kernel_, bands[i], sets[i], slots, samples, end);
+    for (std::size_t i = 0; i < film_sets_.size(); ++i)
+      run_pass(render_kernel_, film_->bands()[i], film_sets_[i], slots, samples, end);
     ++timings_.passes;
     done = end;
     if (progress) go_on = progress((done - range.begin) * pixels, range.count() * pixels);
   }
-  for (const FilmBand& band : bands) band.add_to(commands_, slots, film);
+  film_->add_to(film);
   rejected.insert(rejected.end(), rejected_.begin(), rejected_.end());
   return done;
 }
 
 std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> ids) {
   constexpr std::size_t kChunk = 1u << 16;
-  const SampleTracer tracer(*this, kChunk);
+  if (!tracer_) tracer_ = std::make_unique<SampleTracer>(*this, kChunk);
   std::vector<SampleRecord> out;
   out.reserve(ids.size());
   for (std::size_t first = 0; first < ids.size(); first += kChunk) {
     const auto chunk = ids.subspan(first, std::min(kChunk, ids.size() - first));
     std::vector<gpu::SampleResult> results =
-        tracer.trace(chunk, context_.is_cpu() ? kCpuIterationsDivergent : kGpuIterations);
+        tracer_->trace(chunk, context().is_cpu() ? kCpuIterationsDivergent : kGpuIterations);
     for (std::size_t i = 0; i < results.size(); ++i) {
       // A long path is traced again alone, with the whole budget to itself.
-      if (results[i].stuck != 0) results[i] = tracer.trace(chunk.subspan(i, 1), step_budget_).front();
+      if (results[i].stuck != 0) results[i] = tracer_->trace(chunk.subspan(i, 1), step_budget_).front();
       if (results[i].stuck != 0) {
         throw Error(ExitCode::device_lost,
                     fmt::format("The path of pixel {} sample {} needs more than {} traversal steps; lower maxDepth.",
@@ -399,13 +431,13 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
 
 std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
   if (!path_kernel_.get()) path_kernel_ = make_kernel(kernels_.trace_path, "trace_path");
-  const vulkan::Buffer request(context_, sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+  const vulkan::Buffer request(context(), sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                vulkan::Buffer::Memory::device, "sample request");
   constexpr std::size_t kBytes = 16 + gpu::kMaxTracedVertices * sizeof(gpu::TracedVertex);
-  const vulkan::Buffer vertices(context_, kBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
+  const vulkan::Buffer vertices(context(), kBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device,
                                 "path vertices");
   const gpu::SampleRequest asked{id.pixel, id.sample, 0, 0};
-  commands_.upload(request, 0, std::as_bytes(std::span(&asked, 1)));
+  commands().upload(request, 0, std::as_bytes(std::span(&asked, 1)));
   vulkan::BindingSet set = make_set();
   set.bind(gpu::kBindingRequests, request);
   set.bind(gpu::kBindingVertices, vertices);
@@ -413,7 +445,7 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
   pass.step_budget = step_budget_;
   dispatch(path_kernel_, set, pass, 1);
   std::vector<std::byte> bytes(kBytes);
-  commands_.download(vertices, 0, bytes);
+  commands().download(vertices, 0, bytes);
   std::uint32_t count = 0;
   std::memcpy(&count, bytes.data(), sizeof count);
   std::vector<PathVertex> out;
@@ -428,9 +460,23 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
 
 }  // namespace
 
-std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSettings& settings,
+std::unique_ptr<Renderer> make_gpu_renderer(const SharedScene& shared, const RenderSettings& settings,
                                             const GpuOptions& options) {
-  return std::make_unique<GpuRenderer>(scene, settings, options);
+  const std::shared_ptr<GpuDevice> device = open_device(options);
+  GpuTimings timings;
+  Timer timer;
+  const auto compiled = shared.once<CompiledScene>(compile_scene);
+  timings.compile = timer.seconds();
+  timer = {};
+  const DeviceNeed film = most_film_need(*device->context, shared.scene().camera);
+  auto scene = std::make_shared<const DeviceScene>(device, *compiled, options.wanted_loads(), std::span(&film, 1));
+  timings.upload = timer.seconds();
+  return std::make_unique<GpuRenderer>(std::move(scene), view_of(shared.scene()), settings, options, timings);
+}
+
+std::unique_ptr<Renderer> make_gpu_renderer(std::shared_ptr<const DeviceScene> scene, const View& view,
+                                            const RenderSettings& settings, const GpuOptions& options) {
+  return std::make_unique<GpuRenderer>(std::move(scene), view, settings, options, GpuTimings{});
 }
 
 GpuTimings gpu_timings(const Renderer& renderer) {

@@ -7,7 +7,7 @@
 
 #include "gpu/device_scene.h"
 #include "render/renderer.h"
-#include "vulkan/context.h"
+#include "render/shared_scene.h"
 
 namespace etendue {
 
@@ -36,23 +36,14 @@ struct RenderProfile {
   std::vector<glm::vec3> visits;  ///< of each pixel, per sample: nodes, primitives, rays
 };
 
-struct GpuOptions {
-  std::string device = "auto";  ///< see vulkan::Context
-  vulkan::ContextOptions context = vulkan::ContextOptions::from_environment();
-  double pass_seconds = 0.1;        ///< a dispatch is sized to take about this long, so that no watchdog fires
-  std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
-  std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
-  std::optional<TableLoads> loads;  ///< see choose_table_loads; for tests and measurements
-  std::optional<std::uint32_t>
-      mutant;  ///< kernels with a planted error (shaders/mutants.h), for tests of the tests; 0: those kernels, no error
-
-  /// The choice of `loads` that is open: kernels with planted errors read texel buffers only.
-  std::optional<TableLoads> wanted_loads() const { return mutant ? TableLoads::texel_buffer : loads; }
-};
-
-/// Opens the device and uploads the scene. Throws Error(no_device, device_lost).
-std::unique_ptr<Renderer> make_gpu_renderer(const Scene& scene, const RenderSettings& settings,
+/// Opens the device and uploads the scene, compiled unless it is; looks at it as the scene says. Throws
+/// Error(no_device, device_lost).
+std::unique_ptr<Renderer> make_gpu_renderer(const SharedScene& scene, const RenderSettings& settings,
                                             const GpuOptions& options = {});
+/// Renders a scene that lies on a device already; renderers of one device take turns. `options` must be those of the
+/// device scene.
+std::unique_ptr<Renderer> make_gpu_renderer(std::shared_ptr<const DeviceScene> scene, const View& view,
+                                            const RenderSettings& settings, const GpuOptions& options = {});
 
 /// Timings of a renderer made by make_gpu_renderer.
 GpuTimings gpu_timings(const Renderer& renderer);

@@ -4,7 +4,6 @@
 
 #include <fmt/core.h>
 
-#include "compile/normalization.h"
 #include "core/errors.h"
 #include "gpu/device_scene.h"
 #include "gpu/kernel_set.h"
@@ -23,42 +22,41 @@ constexpr std::uint32_t kMostSteps = 7500;
 
 class GpuRayCaster final : public RayCaster {
  public:
-  GpuRayCaster(const Scene& scene, const GpuOptions& options)
-      : placement_(find_placement(scene)), context_(options.device, options.context), commands_(context_) {
-    const CompiledScene compiled = compile_scene(scene);
-    const TableLoads loads = choose_table_loads(context_, compiled, options.wanted_loads());
-    kernels_ = kernel_set(options.mutant, loads);
-    layout_.emplace(context_, kernel_bindings(loads), sizeof(gpu::Pass));
-    set_.emplace(context_, *layout_);
-    scene_ = std::make_unique<DeviceScene>(context_, commands_, compiled, loads);
-    constants_ = scene_constants(compiled);
+  GpuRayCaster(const SharedScene& scene, const GpuOptions& options) : device_(open_device(options)) {
+    const auto compiled = scene.once<CompiledScene>(compile_scene);
+    placement_ = {compiled->normalization.center, compiled->normalization.scale};
+    scene_ = std::make_unique<DeviceScene>(device_, *compiled, options.wanted_loads());
+    kernels_ = kernel_set(options.mutant, scene_->loads());
+    set_.emplace(*device_->context, scene_->layout());
+    constants_ = scene_->constants();
     constants_.insert(constants_.end(), kernels_.constants.begin(), kernels_.constants.end());
     closest_ = make_kernel(RayQuery::closest);
     any_ = make_kernel(RayQuery::any);
     bind(16, 16);
   }
 
-  std::string device_name() const override { return context_.info().name; }
-  std::string driver_name() const override { return context_.info().driver; }
+  std::string device_name() const override { return device_->context->info().name; }
+  std::string driver_name() const override { return device_->context->info().driver; }
   Placement placement() const override { return placement_; }
   std::size_t max_rays() const override {
-    const std::size_t per_binding = context_.limits().maxStorageBufferRange / sizeof(CastRay);
-    const std::size_t per_dispatch = std::size_t{context_.limits().maxComputeWorkGroupCount[0]} * gpu::kWorkgroupSize;
+    const std::size_t per_binding = device_->context->limits().maxStorageBufferRange / sizeof(CastRay);
+    const std::size_t per_dispatch =
+        std::size_t{device_->context->limits().maxComputeWorkGroupCount[0]} * gpu::kWorkgroupSize;
     return std::min({kMostRays, per_binding, per_dispatch});
   }
   std::size_t enough_rays() const override {
-    return std::min(max_rays(), context_.is_cpu() ? std::size_t{1} << 19 : kMostRays);
+    return std::min(max_rays(), device_->context->is_cpu() ? std::size_t{1} << 19 : kMostRays);
   }
 
   void load(std::span<const CastRay> rays) override {
     if (rays.size() > max_rays())
       throw Error(ExitCode::usage, fmt::format("{} rays at a time are more than the {} that '{}' takes.", rays.size(),
-                                               max_rays(), context_.info().name));
+                                               max_rays(), device_->context->info().name));
     if (rays.size() > capacity_) {
       capacity_ = rays.size();
       bind(capacity_ * sizeof(CastRay), capacity_ * sizeof(CastHit));
     }
-    commands_.upload(rays_, 0, std::as_bytes(rays));
+    device_->commands.upload(rays_, 0, std::as_bytes(rays));
     count_ = static_cast<std::uint32_t>(rays.size());
   }
 
@@ -68,13 +66,13 @@ class GpuRayCaster final : public RayCaster {
     pass.request_count = count_;
     pass.step_budget = kMostSteps;
     const vulkan::Kernel& kernel = query == RayQuery::any ? any_ : closest_;
-    return commands_.dispatch(*layout_, kernel, *set_, std::as_bytes(std::span(&pass, 1)),
-                              (count_ + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, kDispatchTimeout);
+    return device_->commands.dispatch(scene_->layout(), kernel, *set_, std::as_bytes(std::span(&pass, 1)),
+                                      (count_ + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, kDispatchTimeout);
   }
 
   std::vector<CastHit> hits() override {
     std::vector<CastHit> hits(count_);
-    commands_.download(results_, 0, std::as_writable_bytes(std::span(hits)));
+    device_->commands.download(results_, 0, std::as_writable_bytes(std::span(hits)));
     for (std::size_t i = 0; i < hits.size(); ++i) {
       if (hits[i].steps <= kMostSteps) continue;
       throw Error(ExitCode::device_lost,
@@ -85,21 +83,17 @@ class GpuRayCaster final : public RayCaster {
   }
 
  private:
-  static Placement find_placement(const Scene& scene) {
-    const Normalization n = find_normalization(scene);
-    return {n.center, n.scale};
-  }
   vulkan::Kernel make_kernel(RayQuery query) {
     std::vector<vulkan::Specialization> constants = constants_;
     constants.push_back({gpu::kConstantAnyHit, query == RayQuery::any ? 1u : 0u});
-    return {context_, *layout_, kernels_.trace_rays, constants, "trace_rays"};
+    return {*device_->context, scene_->layout(), kernels_.trace_rays, constants, "trace_rays"};
   }
   // New buffers; the one of the rays also stands where kernels of other kinds have theirs.
   void bind(std::size_t ray_bytes, std::size_t result_bytes) {
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    rays_ = vulkan::Buffer(context_, ray_bytes, kUsage, vulkan::Buffer::Memory::device, "rays");
-    results_ = vulkan::Buffer(context_, result_bytes, kUsage, vulkan::Buffer::Memory::device, "hits");
-    for (const vulkan::Binding& b : layout_->bindings()) {
+    rays_ = vulkan::Buffer(*device_->context, ray_bytes, kUsage, vulkan::Buffer::Memory::device, "rays");
+    results_ = vulkan::Buffer(*device_->context, result_bytes, kUsage, vulkan::Buffer::Memory::device, "hits");
+    for (const vulkan::Binding& b : scene_->layout().bindings()) {
       if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) set_->bind(b.number, rays_);
     }
     scene_->bind(*set_);
@@ -108,9 +102,7 @@ class GpuRayCaster final : public RayCaster {
 
   KernelSet kernels_;
   Placement placement_;
-  vulkan::Context context_;
-  vulkan::Commands commands_;
-  std::optional<vulkan::BindingLayout> layout_;
+  std::shared_ptr<GpuDevice> device_;
   std::unique_ptr<DeviceScene> scene_;
   std::vector<vulkan::Specialization> constants_;
   vulkan::Kernel closest_, any_;
@@ -122,7 +114,7 @@ class GpuRayCaster final : public RayCaster {
 
 }  // namespace
 
-std::unique_ptr<RayCaster> make_gpu_ray_caster(const Scene& scene, const GpuOptions& options) {
+std::unique_ptr<RayCaster> make_gpu_ray_caster(const SharedScene& scene, const GpuOptions& options) {
   return std::make_unique<GpuRayCaster>(scene, options);
 }
 

@@ -104,7 +104,7 @@ Lights::Lights(const Scene& scene) : of_shape_(scene.shapes.size()) {
     weights.push_back(luminance(lights_.back().radiance) * lights_.back().area);
   }
   shape_choice_ = DiscreteChoice(weights);
-  if (uses_light_tree(scene)) tree_ = LightTree(light_leaves(scene, lights_));
+  if (wants_light_tree(scene)) tree_ = LightTree(light_leaves(scene, lights_));
 }
 
 }  // namespace etendue::reference

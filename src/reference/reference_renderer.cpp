@@ -95,6 +95,11 @@ class ReferenceRenderer final : public Renderer {
   std::string device_name() const override { return "reference"; }
   std::string driver_name() const override { return fmt::format("double precision, etendue {}", version()); }
 
+  void set_view(const View& view, const RenderSettings& settings) override {
+    world_.set_view(view);
+    settings_ = settings;
+  }
+
   std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
                        std::vector<RejectedSample>& rejected) override;
   std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) override;

@@ -31,6 +31,15 @@ World::World(const Scene& scene) : scene_(scene), lights_(scene), filter_(scene.
   for (const std::uint32_t i : bvh_.order()) primitives_.push_back(unordered[i]);
 }
 
+void World::set_view(const View& view) {
+  const Integrator::LightSampler of_the_scene = scene_.integrator.light_sampler;
+  scene_.camera = view.camera;
+  scene_.sampler = view.sampler;
+  scene_.integrator = view.integrator;
+  scene_.integrator.light_sampler = of_the_scene;
+  filter_ = FilterSampler(view.camera.filter);
+}
+
 std::vector<World::Primitive> World::collect() const {
   std::vector<Primitive> primitives;
   for (std::uint32_t s = 0; s < scene_.shapes.size(); ++s) {

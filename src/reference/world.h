@@ -8,13 +8,16 @@
 #include "reference/filter.h"
 #include "reference/lights.h"
 #include "reference/ray.h"
-#include "scene/scene.h"
+#include "scene/view.h"
 
 namespace etendue::reference {
 
 class World {
  public:
   explicit World(const Scene& scene);
+
+  /// Looks at the same shapes and lights in another way.
+  void set_view(const View& view);
 
   const Scene& scene() const { return scene_; }
   const Lights& lights() const { return lights_; }

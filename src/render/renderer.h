@@ -12,6 +12,7 @@
 
 #include "image/film.h"
 #include "scene/scene.h"
+#include "scene/view.h"
 
 namespace etendue {
 
@@ -75,6 +76,10 @@ class Renderer {
   /// "Mesa 22.3.6".
   virtual std::string device_name() const = 0;
   virtual std::string driver_name() const = 0;
+
+  /// Renders with another camera, film size, sampler, integrator or seed from now on. Compiles nothing of the scene
+  /// again. Throws what making a renderer throws.
+  virtual void set_view(const View& view, const RenderSettings& settings) = 0;
 
   /// Adds samples [range.begin, end) of every pixel to `film` and returns `end`: range.end, or less when `progress`
   /// asked to stop. The samples added are exactly those of whole indices. Rejected samples are listed in `rejected`

@@ -105,8 +105,11 @@ std::uint64_t scene_hash(const Scene& scene) {
 }
 
 bool uses_light_tree(const Scene& scene) {
+  return scene.integrator.type == Integrator::Type::path && scene.integrator.nee && wants_light_tree(scene);
+}
+
+bool wants_light_tree(const Scene& scene) {
   using enum Integrator::LightSampler;
-  if (scene.integrator.type != Integrator::Type::path || !scene.integrator.nee) return false;
   if (scene.integrator.light_sampler != automatic) return scene.integrator.light_sampler == tree;
   std::size_t primitives = 0;
   for (const Shape& shape : scene.shapes) {
@@ -118,7 +121,11 @@ bool uses_light_tree(const Scene& scene) {
 }
 
 int film_exponent(const Scene& scene) {
-  if (scene.integrator.type == Integrator::Type::normals) return 0;
+  return film_exponent(scene, scene.integrator.type);
+}
+
+int film_exponent(const Scene& scene, Integrator::Type integrator) {
+  if (integrator == Integrator::Type::normals) return 0;
   double largest = std::max(largest_component(scene.sky.top), largest_component(scene.sky.horizon));
   for (const Shape& shape : scene.shapes) {
     if (shape.emitter) largest = std::max(largest, largest_component(shape.emitter->radiance));

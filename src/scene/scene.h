@@ -135,9 +135,12 @@ std::uint64_t scene_hash(const Scene& scene);
 inline constexpr std::size_t kManyLights = 10;
 /// Whether lights are chosen by a tree; docs/conventions.md, "Light tree".
 bool uses_light_tree(const Scene& scene);
+/// Whether they would be if the integrator sampled lights: what `lightSampler` says of the scene.
+bool wants_light_tree(const Scene& scene);
 
 /// Smallest integer E with every emitted radiance component <= 2^E (0 for a dark scene or the normals integrator): the
 /// film's unit, see docs/conventions.md.
 int film_exponent(const Scene& scene);
+int film_exponent(const Scene& scene, Integrator::Type integrator);
 
 }  // namespace etendue

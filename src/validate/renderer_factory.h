@@ -5,10 +5,12 @@
 #include <memory>
 
 #include "render/renderer.h"
+#include "render/shared_scene.h"
 
 namespace etendue {
 
-/// Makes a renderer of `scene` with these settings; throws Error when it cannot.
-using RendererFactory = std::function<std::unique_ptr<Renderer>(const Scene& scene, const RenderSettings& settings)>;
+/// Makes a renderer of `scene` with these settings; throws Error when it cannot. What it compiles stays with the scene.
+using RendererFactory =
+    std::function<std::unique_ptr<Renderer>(const SharedScene& scene, const RenderSettings& settings)>;
 
 }  // namespace etendue

@@ -92,12 +92,12 @@ Validation validate_scene(const Scene& scene, const RendererFactory& make_device
   v.samples = compare_samples(*device, *reference, scene.camera.width, scene.camera.height, options.sample_budget,
                               options.limits);
 
-  const auto device3 = make_device(scene, {options.seed + 1, FilmQuantity::color});
+  device->set_view(view_of(scene), {options.seed + 1, FilmQuantity::color});
   v.device_image =
-      render_image(*device3, scene, v.samples_per_pixel, options, options.seed + 1, v.device_rejected, v.rejected);
-  const auto reference3 = make_reference(scene, {options.seed + 2, FilmQuantity::color});
-  v.reference_image = render_image(*reference3, scene, v.samples_per_pixel, options, options.seed + 2,
-                                   v.reference_rejected, v.rejected);
+      render_image(*device, scene, v.samples_per_pixel, options, options.seed + 1, v.device_rejected, v.rejected);
+  reference->set_view(view_of(scene), {options.seed + 2, FilmQuantity::color});
+  v.reference_image =
+      render_image(*reference, scene, v.samples_per_pixel, options, options.seed + 2, v.reference_rejected, v.rejected);
   v.tests = test_images(v.device_image, v.reference_image, options.significance);
   v.verdict = judge(v);
   return v;

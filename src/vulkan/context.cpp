@@ -332,6 +332,26 @@ Context::Context(const std::string& selector, const ContextOptions& options)
   load_pipeline_cache();
 }
 
+Context::Context(const ForeignDevice& foreign, const ContextOptions& options)
+    : options_(options),
+      instance_(shared_instance(options)),
+      info_(describe(foreign.physical, 0)),
+      physical_(foreign.physical),
+      owned_(false),
+      device_(foreign.device),
+      queue_(foreign.queue),
+      queue_family_(foreign.queue_family) {
+  if (!info_.missing.empty())
+    throw Error(ExitCode::no_device, fmt::format("The device '{}' cannot be used: {}.", info_.name, info_.missing));
+  VkPhysicalDeviceProperties p;
+  vkGetPhysicalDeviceProperties(physical_, &p);
+  is_cpu_ = p.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  limits_ = p.limits;
+  choice_ = fmt::format("Device '{}' ({}, {}), opened elsewhere.", info_.name, info_.type, info_.driver);
+  read_limits();
+  load_pipeline_cache();
+}
+
 Context::~Context() {
   if (is_abandoned(device_)) {
     instance_->leave_open();
@@ -339,7 +359,7 @@ Context::~Context() {
   }
   save_pipeline_cache();
   pipeline_cache_ = {};
-  vkDestroyDevice(device_, nullptr);
+  if (owned_) vkDestroyDevice(device_, nullptr);
 }
 
 Context::AvailableMemory Context::available_memory() const {
@@ -363,7 +383,7 @@ Context::AvailableMemory Context::available_memory() const {
   return {size, "size of its memory heap"};
 }
 
-void Context::open_device() {
+void Context::read_limits() {
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   VkPhysicalDeviceMaintenance3Properties maintenance{.sType =
                                                          VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
@@ -371,6 +391,10 @@ void Context::open_device() {
                                          .pNext = &maintenance};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   max_allocation_ = maintenance.maxMemoryAllocationSize;
+}
+
+void Context::open_device() {
+  read_limits();
   queue_family_ = static_cast<std::uint32_t>(compute_family(physical_));
   const float priority = 1.0f;
   const VkDeviceQueueCreateInfo queue_info{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,

@@ -42,6 +42,14 @@ class Instance;
 /// Every physical device, usable or not. Throws Error(no_device) when there is no Vulkan loader.
 std::vector<DeviceInfo> list_devices(const ContextOptions& options);
 
+/// A device that the program around this one has opened, and will close after its last use here.
+struct ForeignDevice {
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;  ///< opened with the feature robustBufferAccess
+  VkQueue queue = VK_NULL_HANDLE;    ///< of a family with compute; nobody else submits to it meanwhile
+  std::uint32_t queue_family = 0;
+};
+
 /// An open device. Not thread-safe: one thread submits at a time. Several may be open, each used by a thread of its
 /// own.
 class Context {
@@ -49,6 +57,8 @@ class Context {
   /// `selector`: "auto" (discrete > integrated > virtual > CPU), an index, or a part of the name (case-insensitive).
   /// Throws Error(no_device) that says why each device was not taken.
   Context(const std::string& selector, const ContextOptions& options);
+  /// Works on a device without owning it. Throws Error(no_device) that says what it lacks.
+  Context(const ForeignDevice& foreign, const ContextOptions& options);
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
@@ -79,6 +89,7 @@ class Context {
 
  private:
   void open_device();
+  void read_limits();
   void load_pipeline_cache();
   void save_pipeline_cache() const;
 
@@ -91,6 +102,7 @@ class Context {
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint64_t max_allocation_ = 0;
   bool is_cpu_ = false;
+  bool owned_ = true;
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queue_family_ = 0;

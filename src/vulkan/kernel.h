@@ -51,6 +51,7 @@ class BindingSet {
 struct Specialization {
   std::uint32_t id = 0;
   std::uint32_t value = 0;
+  bool operator==(const Specialization&) const = default;
 };
 
 class Kernel {

@@ -23,6 +23,7 @@ class FakeRenderer final : public Renderer {
   FakeRenderer(std::string name, Fault fault) : name_(std::move(name)), fault_(std::move(fault)) {}
   std::string device_name() const override { return name_; }
   std::string driver_name() const override { return "fake"; }
+  void set_view(const View&, const RenderSettings&) override {}
   std::uint32_t render(SampleRange range, Film& film, const Progress& progress, std::vector<RejectedSample>&) override {
     std::uint32_t next = range.begin;
     bool go_on = true;

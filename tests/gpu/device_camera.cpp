@@ -17,9 +17,11 @@ class DeviceCamera : public DeviceTest {
  protected:
   std::vector<gpu::CameraAnswer> rays(const Scene& scene, const std::vector<gpu::CameraCase>& cases) {
     const CompiledScene compiled = compile_scene(scene);
-    const gpu::uint kind = compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable;
-    return run<gpu::CameraAnswer>({kernels::camera_rays, "camera_rays", &compiled, {{gpu::kConstantFilterKind, kind}}},
-                                  cases);
+    const bool box = scene.camera.filter.type == Filter::Type::box;
+    KernelRun kernel{kernels::camera_rays, "camera_rays", &compiled};
+    kernel.constants = {{gpu::kConstantFilterKind, box ? gpu::kFilterBox : gpu::kFilterTable}};
+    kernel.view = view_of(scene);
+    return run<gpu::CameraAnswer>(kernel, cases);
   }
 };
 

@@ -5,6 +5,7 @@
 #include "compile/node_layout.h"
 #include "core/errors.h"
 #include "gpu/device_scene.h"
+#include "gpu/device_view.h"
 #include "validate/statistics.h"
 
 namespace etendue::test {
@@ -14,23 +15,12 @@ namespace {
 const vulkan::ContextOptions kValidation{
     .validation = true, .validation_extra = vulkan::ContextOptions::from_environment().validation_extra};
 
-struct Device {
-  Device()
-      : context("auto", kValidation),
-        commands(context),
-        texels(context, kernel_bindings(TableLoads::texel_buffer), sizeof(gpu::Pass)),
-        storage(context, kernel_bindings(TableLoads::storage_buffer), sizeof(gpu::Pass)) {}
-  vulkan::Context context;
-  vulkan::Commands commands;
-  vulkan::BindingLayout texels, storage;
-};
-
 // Opened once; `reason` tells why there is none.
-Device* device(std::string* reason = nullptr) {
+std::shared_ptr<GpuDevice> device(std::string* reason = nullptr) {
   static std::string failure;
-  static const std::unique_ptr<Device> opened = []() -> std::unique_ptr<Device> {
+  static const std::shared_ptr<GpuDevice> opened = []() -> std::shared_ptr<GpuDevice> {
     try {
-      return std::make_unique<Device>();
+      return std::make_shared<GpuDevice>(std::make_shared<const vulkan::Context>("auto", kValidation));
     } catch (const Error& error) {
       if (error.code() != ExitCode::no_device) throw;
       failure = error.what();
@@ -38,7 +28,7 @@ Device* device(std::string* reason = nullptr) {
     }
   }();
   if (reason != nullptr) *reason = failure;
-  return opened.get();
+  return opened;
 }
 
 }  // namespace
@@ -79,37 +69,39 @@ GpuOptions DeviceTest::renderer_options() {
 }
 
 bool DeviceTest::is_lavapipe() {
-  return device()->context.info().name.find("llvmpipe") != std::string::npos;
+  return device()->context->info().name.find("llvmpipe") != std::string::npos;
 }
 
 void DeviceTest::run_bytes(const KernelRun& run, std::span<const std::byte> inputs, std::span<std::byte> outputs,
                            std::uint32_t lanes) {
-  Device& d = *device();
+  GpuDevice& d = *device();
   static const CompiledScene empty = compile_scene(Scene{});
   const CompiledScene& compiled = run.scene != nullptr ? *run.scene : empty;
-  const vulkan::BindingLayout& layout = run.loads == TableLoads::texel_buffer ? d.texels : d.storage;
-  const DeviceScene scene(d.context, d.commands, compiled, run.loads);
+  const DeviceScene scene(device(), compiled, run.loads);
+  DeviceView view(d);
+  view.set(d, compile_view(SceneFacts(compiled), run.view.value_or(view_of(Scene{})), 0));
   const auto buffer = [&](std::size_t bytes, const char* what) {
-    return vulkan::Buffer(d.context, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, what);
+    return vulkan::Buffer(*d.context, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, what);
   };
   const vulkan::Buffer in = buffer(inputs.size(), "test inputs");
   const vulkan::Buffer out = buffer(outputs.size(), "test outputs");
   d.commands.upload(in, 0, inputs);
   d.commands.fill(out, 0xdeadbeefu);  // a lane that writes nothing shows
-  vulkan::BindingSet set(d.context, layout);
+  vulkan::BindingSet set(*d.context, scene.layout());
   scene.bind(set);
+  view.bind(set);
   set.bind(gpu::kBindingRequests, in);
   set.bind(gpu::kBindingResults, out);
   std::vector<vulkan::Specialization> constants = run.constants;
   if (run.scene != nullptr) {  // without one the kernels keep their defaults, which leave nothing out
-    const std::vector<vulkan::Specialization> scene_values = scene_constants(compiled);
-    constants.insert(constants.end(), scene_values.begin(), scene_values.end());
+    constants.insert(constants.end(), scene.constants().begin(), scene.constants().end());
+    constants.push_back({gpu::kConstantLightTreeDepth, scene.light_tree_depth()});
   }
-  const vulkan::Kernel kernel(d.context, layout, run.spirv, constants, run.name);
+  const vulkan::Kernel kernel(*d.context, scene.layout(), run.spirv, constants, run.name);
   gpu::Pass pass{};
   pass.request_count = lanes;
   const std::uint32_t groups = (lanes + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize;
-  d.commands.dispatch(layout, kernel, set, std::as_bytes(std::span(&pass, 1)), groups, 120.0);
+  d.commands.dispatch(scene.layout(), kernel, set, std::as_bytes(std::span(&pass, 1)), groups, 120.0);
   d.commands.download(out, 0, outputs);
 }
 

@@ -26,6 +26,7 @@ struct KernelRun {
   const CompiledScene* scene = nullptr;  ///< nullptr: an empty scene is bound
   std::vector<vulkan::Specialization> constants;
   TableLoads loads = TableLoads::texel_buffer;  ///< what the kernel was built for
+  std::optional<View> view = {};                ///< nothing: that of an empty scene
 };
 
 /// The scene with the slots of all its primitives appended to the triangle indices, where brute_force.glsl finds them:
@@ -47,7 +48,7 @@ class DeviceTest : public ::testing::Test {
     return outputs;
   }
 
-  /// Options for renderers under test: the same device, the validation layer on.
+  /// Options for renderers under test: a device opened for each, the validation layer on.
   static GpuOptions renderer_options();
   /// True on Mesa's CPU driver, whose float arithmetic is known to be exact where Vulkan leaves freedom.
   static bool is_lavapipe();

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "compile/compiled_scene.h"
+#include "compile/compiled_view.h"
 #include "compile/discrete.h"
 #include "compile/filter_table.h"
 #include "compile/normalization.h"
@@ -171,7 +172,7 @@ TEST(CompileScene, EmptySceneHasBindableBuffers) {
   const CompiledScene c = compile_scene(Scene{});
   EXPECT_FALSE(c.records.empty());
   EXPECT_FALSE(c.shapes.empty());
-  EXPECT_EQ(c.frame.light_shape_count, 0u);
+  EXPECT_EQ(SceneFacts(c).light_shape_count, 0u);
 }
 
 TEST(CompileScene, LightsCarryTheirProbabilities) {
@@ -181,7 +182,7 @@ TEST(CompileScene, LightsCarryTheirProbabilities) {
                   triangle_shape({1, 1, 1}, {1, 1, 1}, {2, 2, 2}, 5.0)};  // the last has no area
   const CompiledScene c = compile_scene(scene);
   ASSERT_EQ(c.light_shapes.size(), 2u);
-  EXPECT_EQ(c.frame.light_shape_count, 2u);
+  EXPECT_EQ(SceneFacts(c).light_shape_count, 2u);
   const double triangle_power = 3.0 * 2.0, sphere_power = std::numbers::pi;
   EXPECT_EQ(c.light_shapes[0].shape, 1u);
   EXPECT_EQ(c.light_shapes[1].shape, 2u);

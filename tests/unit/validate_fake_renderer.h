@@ -34,6 +34,11 @@ class FakeRenderer : public Renderer {
   std::string device_name() const override { return "fake"; }
   std::string driver_name() const override { return "1.0"; }
 
+  void set_view(const View& view, const RenderSettings& settings) override {
+    pixels_ = view.camera.width * view.camera.height;
+    settings_ = settings;
+  }
+
   std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
                        std::vector<RejectedSample>& rejected) override {
     for (std::uint32_t p = 0; p < pixels_; ++p) {
@@ -118,8 +123,8 @@ class FakeRenderer : public Renderer {
 };
 
 inline RendererFactory fake(Defects defects = {}) {
-  return [defects](const Scene& scene, const RenderSettings& settings) {
-    return std::make_unique<FakeRenderer>(scene, settings, defects);
+  return [defects](const SharedScene& scene, const RenderSettings& settings) {
+    return std::make_unique<FakeRenderer>(scene.scene(), settings, defects);
   };
 }
 

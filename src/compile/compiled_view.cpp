@@ -1,0 +1,67 @@
+#include "compile/compiled_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "compile/filter_table.h"
+
+namespace etendue {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// A power of two that brings the camera's axes to where their squares fit a float; 1 for any usual camera. toWorld may
+// scale by whatever a double holds, and only the directions count.
+double camera_unit(const glm::dmat4& world_from_camera, double tan_x, double tan_y) {
+  double largest = 0.0;
+  for (int a = 0; a < 3; ++a) {
+    largest = std::max({largest, std::abs(world_from_camera[0][a]) * tan_x, std::abs(world_from_camera[1][a]) * tan_y,
+                        std::abs(world_from_camera[2][a])});
+  }
+  constexpr int kUsual = 40;
+  const int exponent = std::ilogb(largest);
+  return std::abs(exponent) <= kUsual ? 1.0 : std::ldexp(1.0, exponent);
+}
+
+}  // namespace
+
+CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32_t seed) {
+  const Normalization& n = scene.normalization;
+  const Camera& camera = view.camera;
+  const glm::dmat4& m = camera.world_from_camera;
+  CompiledView out;
+  gpu::Frame& f = out.frame;
+  f.seed = seed;
+  const double tan_x = std::tan(0.5 * camera.fov * kPi / 180.0);
+  const double tan_y = tan_x * camera.height / camera.width;
+  // Beyond this a scene of size 1 is far below what single precision can see, and squares would overflow.
+  const glm::dvec3 farthest(0x1p60);
+  const glm::dvec3 origin = (glm::dvec3(m[3]) - n.center) * n.scale;
+  f.camera_origin = glm::vec3(glm::clamp(origin, -farthest, farthest));
+  const double unit = camera_unit(m, tan_x, tan_y);
+  f.camera_x = glm::vec3(m[0] / unit);
+  f.camera_y = glm::vec3(m[1] / unit);
+  f.camera_z = glm::vec3(m[2] / unit);
+  f.near_clip = static_cast<float>(camera.near_clip * n.scale * unit);
+  f.far_clip = static_cast<float>(camera.far_clip * n.scale * unit);
+  f.tan_x = static_cast<float>(tan_x);
+  f.tan_y = static_cast<float>(tan_y);
+  f.sky_top = glm::vec3(scene.sky.top);
+  f.sky_horizon = glm::vec3(scene.sky.horizon);
+  f.distance_scale = static_cast<float>(n.scale);
+  f.width = camera.width;
+  f.height = camera.height;
+  f.tiles_x = (camera.width + gpu::kTileSize - 1) / gpu::kTileSize;
+  f.max_depth = view.integrator.max_depth;
+  f.rr_depth = view.integrator.rr_depth > 0 ? view.integrator.rr_depth : gpu::kNone;
+  f.film_exponent = view.integrator.type == Integrator::Type::normals ? 0 : scene.film_exponent;
+  f.light_shape_count = scene.light_shape_count;
+  const FilterTable table = make_filter_table(camera.filter);
+  f.filter_weight = static_cast<float>(table.weight);
+  f.filter_zero = table.has_negative_lobes ? static_cast<float>(table.zero) : INFINITY;
+  out.filter_knots = table.knots;
+  return out;
+}
+
+}  // namespace etendue

@@ -1,0 +1,33 @@
+#pragma once
+/// View → the constants of a render, in the layouts of shaders/gpu_types.h.
+
+#include <cstdint>
+#include <vector>
+
+#include "compile/compiled_scene.h"
+#include "scene/view.h"
+
+namespace etendue {
+
+/// What views need to know of a compiled scene.
+struct SceneFacts {
+  Normalization normalization;
+  Sky sky;
+  int film_exponent = 0;  ///< of the path integrator
+  std::uint32_t light_shape_count = 0;
+
+  explicit SceneFacts(const CompiledScene& scene)
+      : normalization(scene.normalization),
+        sky(scene.sky),
+        film_exponent(scene.film_exponent),
+        light_shape_count(static_cast<std::uint32_t>(scene.light_shapes.size())) {}
+};
+
+struct CompiledView {
+  gpu::Frame frame{};
+  std::vector<float> filter_knots;  ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
+};
+
+CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32_t seed);
+
+}  // namespace etendue

@@ -1,0 +1,21 @@
+#pragma once
+/// A view in device memory: the constants of a render and its reconstruction filter.
+
+#include "compile/compiled_view.h"
+#include "gpu/gpu_device.h"
+#include "vulkan/kernel.h"
+
+namespace etendue {
+
+class DeviceView {
+ public:
+  explicit DeviceView(GpuDevice& device);
+  /// Takes the place of the view before; the buffers stay the same.
+  void set(GpuDevice& device, const CompiledView& view);
+  void bind(vulkan::BindingSet& set) const;
+
+ private:
+  vulkan::Buffer frame_, filter_;
+};
+
+}  // namespace etendue

@@ -1,0 +1,31 @@
+#pragma once
+/// Which device renders, and how its work is cut up.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "vulkan/context.h"
+
+namespace etendue {
+
+/// How kernels read the tables of the scene, see shaders/scene.glsl.
+enum class TableLoads { texel_buffer, storage_buffer };
+
+struct GpuOptions {
+  std::string device = "auto";  ///< see vulkan::Context
+  vulkan::ContextOptions context = vulkan::ContextOptions::from_environment();
+  std::shared_ptr<const vulkan::Context> open;  ///< not null: a device that is open already, instead of `device`
+  double pass_seconds = 0.1;        ///< a dispatch is sized to take about this long, so that no watchdog fires
+  std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
+  std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
+  std::optional<TableLoads> loads;  ///< see choose_table_loads; for tests and measurements
+  std::optional<std::uint32_t>
+      mutant;  ///< kernels with a planted error (shaders/mutants.h), for tests of the tests; 0: those kernels, no error
+
+  /// The choice of `loads` that is open: kernels with planted errors read texel buffers only.
+  std::optional<TableLoads> wanted_loads() const { return mutant ? TableLoads::texel_buffer : loads; }
+};
+
+}  // namespace etendue

@@ -1,0 +1,272 @@
+/// What lives how long: the compiled scene outlives devices, views come and go on one renderer, and a device may belong
+/// to the program around.
+
+#include "core/errors.h"
+#include "device_test.h"
+#include "reference/reference_renderer.h"
+#include "render/device_team.h"
+#include "scene/xml_reader.h"
+#include "validate/validate.h"
+
+namespace etendue::test {
+namespace {
+
+class Lifetimes : public DeviceTest {
+ protected:
+  void SetUp() override {
+    DeviceTest::SetUp();
+    compilations_before_ = scene_compilations();
+  }
+  std::uint64_t compilations() const { return scene_compilations() - compilations_before_; }
+
+ private:
+  std::uint64_t compilations_before_ = 0;
+};
+
+Scene cornell() {
+  return read_scene(SCENES_DIR "/cbox-sphere.xml",
+                    {.overrides = {{"camera.width", "40"}, {"camera.height", "30"}}, .strict = true});
+}
+
+Film film_of(Renderer& renderer, const Scene& scene, const View& view, SampleRange range = {0, 3}) {
+  Film film(view.camera.width, view.camera.height, film_exponent(scene, view.integrator.type));
+  std::vector<RejectedSample> rejected;
+  EXPECT_EQ(renderer.render(range, film, {}, rejected), range.end);
+  return film;
+}
+
+// A renderer of its own, made of the scene as if it had always been looked at like that.
+Film fresh_film(Scene scene, const View& view, const RenderSettings& settings, const GpuOptions& options) {
+  scene.camera = view.camera;
+  scene.sampler = view.sampler;
+  scene.integrator = view.integrator;
+  return film_of(*make_gpu_renderer(scene, settings, options), scene, view);
+}
+
+// Views that differ from the scene's own, each in one thing.
+std::vector<std::pair<std::string, View>> other_views(const Scene& scene) {
+  std::vector<std::pair<std::string, View>> views(8, {"", view_of(scene)});
+  const auto change = [&, i = std::size_t{0}](const char* what, const auto& make) mutable {
+    views[i].first = what;
+    make(views[i++].second);
+  };
+  change("larger", [](View& v) { v.camera.width = 71; });
+  change("smaller", [](View& v) { v.camera.height = 9; });
+  change("another camera", [](View& v) { v.camera.world_from_camera[3].x += 0.25; });
+  change("another filter", [](View& v) { v.camera.filter.type = ReconstructionFilter::Type::mitchell; });
+  change("shorter paths", [](View& v) { v.integrator.max_depth = 2; });
+  change("no light sampling", [](View& v) { v.integrator.nee = false; });
+  change("normals", [](View& v) { v.integrator.type = Integrator::Type::normals; });
+  change("Sobol sets", [](View& v) { v.sampler = {Sampler::Type::sobol, 16, 2}; });
+  return views;
+}
+
+TEST_F(Lifetimes, OneRendererTakesEveryViewAndCompilesTheSceneOnce) {
+  const Scene scene = cornell();
+  const View own = view_of(scene);
+  const auto renderer = make_gpu_renderer(scene, {.seed = 1}, renderer_options());
+  const Film first = film_of(*renderer, scene, own);
+  std::vector<Film> films;
+  for (const auto& [what, view] : other_views(scene)) {
+    renderer->set_view(view, {.seed = 2});
+    films.push_back(film_of(*renderer, scene, view));
+  }
+  renderer->set_view(own, {.seed = 1});
+  EXPECT_EQ(film_of(*renderer, scene, own).pixels(), first.pixels()) << "the first view again";
+  renderer->set_view(own, {.seed = 2});
+  const Film reseeded = film_of(*renderer, scene, own);
+  EXPECT_NE(reseeded.pixels(), first.pixels());
+  EXPECT_EQ(compilations(), 1u);
+
+  EXPECT_EQ(reseeded.pixels(), fresh_film(scene, own, {.seed = 2}, renderer_options()).pixels()) << "another seed";
+  std::size_t i = 0;
+  for (const auto& [what, view] : other_views(scene))
+    EXPECT_EQ(films[i++].pixels(), fresh_film(scene, view, {.seed = 2}, renderer_options()).pixels()) << what;
+}
+
+TEST_F(Lifetimes, SamplesAndPathsFollowTheView) {
+  const Scene scene = cornell();
+  const auto renderer = make_gpu_renderer(scene, {.seed = 1}, renderer_options());
+  const std::vector<SampleId> ids = {{5, 0}, {600, 1}, {1199, 2}};
+  renderer->trace_samples(ids);
+  renderer->trace_path(ids[1]);
+  for (const auto& [what, view] : other_views(scene)) {
+    renderer->set_view(view, {.seed = 3});
+    Scene changed = scene;
+    changed.camera = view.camera;
+    changed.sampler = view.sampler;
+    changed.integrator = view.integrator;
+    const auto fresh = make_gpu_renderer(changed, {.seed = 3}, renderer_options());
+    const auto got = renderer->trace_samples(ids), wanted = fresh->trace_samples(ids);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      EXPECT_EQ(got[i].radiance, wanted[i].radiance) << what;
+      EXPECT_EQ(got[i].signature, wanted[i].signature) << what;
+    }
+    EXPECT_EQ(renderer->trace_path(ids[1]).size(), fresh->trace_path(ids[1]).size()) << what;
+  }
+}
+
+TEST_F(Lifetimes, TheReferenceFollowsTheView) {
+  const Scene scene = cornell();
+  const auto renderer = make_reference_renderer(scene, {.seed = 1});
+  for (const auto& [what, view] : other_views(scene)) {
+    renderer->set_view(view, {.seed = 3, .quantity = FilmQuantity::luminance});
+    Scene changed = scene;
+    changed.camera = view.camera;
+    changed.sampler = view.sampler;
+    changed.integrator = view.integrator;
+    const auto fresh = make_reference_renderer(changed, {.seed = 3, .quantity = FilmQuantity::luminance});
+    EXPECT_EQ(film_of(*renderer, scene, view).pixels(), film_of(*fresh, scene, view).pixels()) << what;
+  }
+}
+
+TEST_F(Lifetimes, LightsKeepTheirTreeWhenLightSamplingIsTurnedOn) {
+  Scene scene =
+      read_scene(SCENES_DIR "/thousand-lamps.xml", {.overrides = {{"camera.width", "24"}, {"camera.height", "16"}}});
+  View with_nee = view_of(scene);
+  scene.integrator.nee = false;
+  const auto renderer = make_gpu_renderer(scene, {.seed = 1}, renderer_options());
+  film_of(*renderer, scene, view_of(scene));
+  renderer->set_view(with_nee, {.seed = 1});
+  EXPECT_EQ(film_of(*renderer, scene, with_nee).pixels(),
+            fresh_film(scene, with_nee, {.seed = 1}, renderer_options()).pixels());
+}
+
+TEST_F(Lifetimes, TwoDevicesAndALostOneShareWhatIsCompiled) {
+  const Scene scene = cornell();
+  const SharedScene shared(scene);
+  // The first device is lost at its first pass, as a driver would lose it; then it is opened afresh.
+  int opened = 0;
+  class Lost : public Renderer {
+   public:
+    explicit Lost(std::unique_ptr<Renderer> inner) : inner_(std::move(inner)) {}
+    std::string device_name() const override { return inner_->device_name(); }
+    std::string driver_name() const override { return inner_->driver_name(); }
+    void set_view(const View& view, const RenderSettings& settings) override { inner_->set_view(view, settings); }
+    std::uint32_t render(SampleRange, Film&, const Progress&, std::vector<RejectedSample>&) override {
+      throw DeviceLost("The device was lost.");
+    }
+    std::vector<SampleRecord> trace_samples(std::span<const SampleId>) override { return {}; }
+    std::vector<PathVertex> trace_path(SampleId) override { return {}; }
+
+   private:
+    std::unique_ptr<Renderer> inner_;
+  };
+  const auto open = [&]() -> std::unique_ptr<Renderer> {
+    auto renderer = make_gpu_renderer(shared, {.seed = 1}, renderer_options());
+    if (opened++ == 0) return std::make_unique<Lost>(std::move(renderer));
+    return renderer;
+  };
+  DeviceTeam team({open, open});
+  SampleQueue queue({{0, 16}});
+  Film film(40, 30, film_exponent(scene));
+  team.render(
+      queue, 40, 30, film_exponent(scene), [&](const FinishedSamples& f) { film.merge(*f.film); },
+      [](std::uint64_t) { return true; });
+  EXPECT_GE(opened, 3);
+  EXPECT_EQ(compilations(), 1u);
+  EXPECT_EQ(
+      film.pixels(),
+      film_of(*make_gpu_renderer(scene, {.seed = 1}, renderer_options()), scene, view_of(scene), {0, 16}).pixels());
+}
+
+TEST_F(Lifetimes, ValidationCompilesOnce) {
+  const Scene scene = cornell();
+  ValidateOptions options;
+  options.samples_per_pixel = 16;
+  options.sample_budget = 2000;
+  const Validation v = validate_scene(
+      scene,
+      [](const SharedScene& s, const RenderSettings& settings) {
+        return make_gpu_renderer(s, settings, renderer_options());
+      },
+      [](const SharedScene& s, const RenderSettings& settings) { return make_reference_renderer(s.scene(), settings); },
+      options);
+  EXPECT_TRUE(v.passed()) << validation_text(v);
+  EXPECT_EQ(compilations(), 1u);
+}
+
+TEST_F(Lifetimes, RenderersShareASceneOnTheDevice) {
+  const Scene scene = cornell();
+  const GpuOptions options = renderer_options();
+  const auto on_device = std::make_shared<const DeviceScene>(open_device(options), compile_scene(scene));
+  View small = view_of(scene);
+  small.camera.width = 16;
+  const auto a = make_gpu_renderer(on_device, view_of(scene), {.seed = 1}, options);
+  const auto b = make_gpu_renderer(on_device, small, {.seed = 2}, options);
+  for (int turn = 0; turn < 2; ++turn) {
+    EXPECT_EQ(film_of(*a, scene, view_of(scene)).pixels(),
+              fresh_film(scene, view_of(scene), {.seed = 1}, options).pixels());
+    EXPECT_EQ(film_of(*b, scene, small).pixels(), fresh_film(scene, small, {.seed = 2}, options).pixels());
+  }
+}
+
+TEST_F(Lifetimes, TheFilmStaysOnTheDevice) {
+  const Scene scene = cornell();
+  const auto renderer = make_gpu_renderer(scene, {.seed = 1}, renderer_options());
+  Film film = film_of(*renderer, scene, view_of(scene), {0, 3});
+  const vulkan::MemoryUse before = vulkan::memory_use();
+  vulkan::reset_memory_peak();
+  film.merge(film_of(*renderer, scene, view_of(scene), {3, 6}));
+  EXPECT_EQ(vulkan::memory_use().peak, before.now) << "nothing new was allocated";
+  EXPECT_EQ(
+      film.pixels(),
+      film_of(*make_gpu_renderer(scene, {.seed = 1}, renderer_options()), scene, view_of(scene), {0, 6}).pixels());
+}
+
+TEST_F(Lifetimes, AFilmOfAnotherViewIsRefused) {
+  const Scene scene = cornell();
+  const auto renderer = make_gpu_renderer(scene, {}, renderer_options());
+  std::vector<RejectedSample> rejected;
+  for (Film film :
+       {Film(41, 30, film_exponent(scene)), Film(40, 29, film_exponent(scene)), Film(40, 30, film_exponent(scene) + 1)})
+    EXPECT_THROW(renderer->render({0, 1}, film, {}, rejected), Error);
+}
+
+// A device as another program would open it, without the help of vulkan::Context.
+struct ForeignProgram {
+  ForeignProgram() {
+    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_2};
+    const VkInstanceCreateInfo instance_info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                             .pApplicationInfo = &application};
+    EXPECT_EQ(vkCreateInstance(&instance_info, nullptr, &instance), VK_SUCCESS);
+    std::uint32_t count = 1;
+    vkEnumeratePhysicalDevices(instance, &count, &device.physical);
+    EXPECT_EQ(count, 1u);
+    const float priority = 1.0f;
+    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                        .queueFamilyIndex = 0,
+                                        .queueCount = 1,
+                                        .pQueuePriorities = &priority};
+    const VkPhysicalDeviceFeatures features{.robustBufferAccess = VK_TRUE};
+    const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                  .queueCreateInfoCount = 1,
+                                  .pQueueCreateInfos = &queue,
+                                  .pEnabledFeatures = &features};
+    EXPECT_EQ(vkCreateDevice(device.physical, &info, nullptr, &device.device), VK_SUCCESS);
+    vkGetDeviceQueue(device.device, 0, 0, &device.queue);
+  }
+  ~ForeignProgram() {
+    vkDestroyDevice(device.device, nullptr);
+    vkDestroyInstance(instance, nullptr);
+  }
+  VkInstance instance = VK_NULL_HANDLE;
+  vulkan::ForeignDevice device;
+};
+
+TEST_F(Lifetimes, ADeviceOfTheProgramAroundIsUsedAndLeftOpen) {
+  if (!is_lavapipe()) GTEST_SKIP() << "family 0 may have no compute queue";
+  const Scene scene = cornell();
+  const ForeignProgram program;
+  for (int turn = 0; turn < 2; ++turn) {
+    GpuOptions options = renderer_options();
+    options.open = std::make_shared<const vulkan::Context>(program.device, options.context);
+    const auto renderer = make_gpu_renderer(scene, {.seed = 1}, options);
+    EXPECT_EQ(film_of(*renderer, scene, view_of(scene)).pixels(),
+              fresh_film(scene, view_of(scene), {.seed = 1}, renderer_options()).pixels());
+  }
+  EXPECT_EQ(vkDeviceWaitIdle(program.device.device), VK_SUCCESS);
+}
+
+}  // namespace
+}  // namespace etendue::test
