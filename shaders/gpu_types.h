@@ -18,26 +18,23 @@ using vec4 = glm::vec4;
 using uvec4 = glm::uvec4;
 #endif
 
-// Bindings of set 0. Kernels leave out what they do not use.
+// Descriptor sets by lifetime. Set 0 lives as long as a scene lies on a device: its tables, read by load_<…> of scene.glsl. A device need not bind more
+// than a few buffers to a kernel, so tables share them, each at a place kConstant…At says.
+const uint kSetScene = 0u;
+const uint kBindingRecords = 0u;   // the tree
+const uint kBindingGeometry = 1u;  // what is looked up by triangle and by vertex: triangle indices, vertex normals
+const uint kBindingTables = 2u;    // all others: shapes, lights
+// Set 1 is bound for a dispatch: the view, and a film or requests and their results.
+const uint kSetKernel = 1u;
 const uint kBindingFrame = 0u;
-const uint kBindingRecords = 1u;       // tables are uniform texel buffers, see scene.glsl
-const uint kBindingRays = 2u;
-const uint kBindingShapes = 3u;
-const uint kBindingTriangles = 4u;
-const uint kBindingNormals = 5u;
-const uint kBindingLightShapes = 6u;
-const uint kBindingLightPrimitives = 7u;
-const uint kBindingFilter = 8u;
-const uint kBindingFilm = 9u;
-const uint kBindingProgress = 10u;
-const uint kBindingReport = 11u;
-const uint kBindingRequests = 12u;
-const uint kBindingResults = 13u;
-const uint kBindingVertices = 14u;
-const uint kBindingSetSums = 15u;
-const uint kBindingLightPairs = 16u;
-const uint kBindingLightTrails = 17u;
-const uint kBindingCount = 18u;
+const uint kBindingFilter = 1u;
+const uint kBindingFilm = 2u;
+const uint kBindingProgress = 3u;
+const uint kBindingSetSums = 4u;
+const uint kBindingReport = 5u;
+const uint kBindingProfile = 6u;
+const uint kBindingRequests = 7u;
+const uint kBindingResults = 8u;
 
 // Ids of specialization constants: kConstant<X> is that of the constant k<X> in GLSL, whatever kernel declares it.
 const uint kConstantFilterKind = 0u;
@@ -62,7 +59,13 @@ const uint kConstantLightTreeDepth = 18u;
 const uint kConstantSetBits = 19u;
 const uint kConstantMutant = 20u;  // see mutants.h
 const uint kConstantAnyHit = 21u;
-const uint kConstantFew = 32u;     // the first of kFewFloats for each of kFewPrimitives
+// Texels at which a table begins in its buffer; the first one of a buffer begins at 0.
+const uint kConstantNormalsAt = 22u;
+const uint kConstantLightShapesAt = 23u;
+const uint kConstantLightPrimitivesAt = 24u;
+const uint kConstantLightPairsAt = 25u;
+const uint kConstantLightTrailsAt = 26u;
+const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
 const uint kTileSize = 8u;        // pixels

@@ -18,7 +18,7 @@ float subgroup_share() { return 0.0; }
 
 #include "gpu_types.h"
 
-layout(set = 0, binding = kBindingResults, std430) buffer ProfileBuffer { SlotProfile profiles[]; };
+layout(set = kSetKernel, binding = kBindingProfile, std430) buffer ProfileBuffer { SlotProfile profiles[]; };
 
 const SlotProfile kNoCounts = SlotProfile(uvec4(0u), uvec4(0u), uvec4(0u), vec4(0.0));
 SlotProfile finished_profile = kNoCounts;  // up to the last whole sample

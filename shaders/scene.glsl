@@ -4,28 +4,29 @@
 
 #include "gpu_types.h"
 
-layout(set = 0, binding = kBindingFrame, std140) uniform FrameBlock { Frame frame; };
-// load_<table>(i): 16 bytes of a table. Tables come through texel buffers: one 128-bit load a texel where storage buffers are loaded word by word
+layout(set = kSetKernel, binding = kBindingFrame, std140) uniform FrameBlock { Frame frame; };
+// load_<buffer>(i): 16 bytes of a buffer of tables. Tables come through texel buffers: one 128-bit load a texel where storage buffers are loaded word by word
 // (lavapipe), the texture cache on GPUs, and up to 2^27 texels where a storage buffer may end at 128 MiB. A second build reads storage buffers,
 // for devices whose texel buffers are too short.
 #ifdef ETENDUE_STORAGE_TABLES
 #define TABLE(name, table_binding)                                                                                         \
-  layout(set = 0, binding = table_binding, std430) readonly buffer name##_block { uvec4 name##_quads[]; };                 \
+  layout(set = kSetScene, binding = table_binding, std430) readonly buffer name##_block { uvec4 name##_quads[]; };                 \
   uvec4 load_##name(uint i) { return name##_quads[i]; }
 #else
 #define TABLE(name, table_binding)                                       \
-  layout(set = 0, binding = table_binding) uniform usamplerBuffer name##_texels; \
+  layout(set = kSetScene, binding = table_binding) uniform usamplerBuffer name##_texels; \
   uvec4 load_##name(uint i) { return texelFetch(name##_texels, int(i)); }
 #endif
 TABLE(record, kBindingRecords)
-TABLE(shape, kBindingShapes)
-TABLE(triangle, kBindingTriangles)
-TABLE(normal, kBindingNormals)
-TABLE(light_shape, kBindingLightShapes)
-TABLE(light_primitive, kBindingLightPrimitives)
-TABLE(light_pair, kBindingLightPairs)
-TABLE(light_trail, kBindingLightTrails)
-layout(set = 0, binding = kBindingFilter, std430) readonly buffer FilterBuffer { float filter_knots[]; };
+TABLE(geometry, kBindingGeometry)
+TABLE(table, kBindingTables)
+// Where tables begin, in texels. The triangle indices are the first of the geometry, the shapes of the tables.
+layout(constant_id = kConstantNormalsAt) const uint kNormalsAt = 0u;
+layout(constant_id = kConstantLightShapesAt) const uint kLightShapesAt = 0u;
+layout(constant_id = kConstantLightPrimitivesAt) const uint kLightPrimitivesAt = 0u;
+layout(constant_id = kConstantLightPairsAt) const uint kLightPairsAt = 0u;
+layout(constant_id = kConstantLightTrailsAt) const uint kLightTrailsAt = 0u;
+layout(set = kSetKernel, binding = kBindingFilter) uniform samplerBuffer filter_knots;
 
 // A primitive, or the first three texels of a node.
 Record fetch_record(uint slot) {
@@ -38,41 +39,41 @@ Primitive to_primitive(Record r) {
 Primitive fetch_primitive(uint slot) { return to_primitive(fetch_record(slot)); }
 Shape fetch_shape(uint i) {
   const uint first = kShapeTexels * i;
-  const uvec4 a = load_shape(first);
-  const uvec4 b = load_shape(first + 1u);
-  const uvec4 c = load_shape(first + 2u);
+  const uvec4 a = load_table(first);
+  const uvec4 b = load_table(first + 1u);
+  const uvec4 c = load_table(first + 2u);
   return Shape(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), uintBitsToFloat(b.w), uintBitsToFloat(c.x), uintBitsToFloat(c.y),
                uintBitsToFloat(c.z), c.w);
 }
 LightShape fetch_light_shape(uint i) {
-  const uvec4 a = load_light_shape(kLightShapeTexels * i);
+  const uvec4 a = load_table(kLightShapesAt + kLightShapeTexels * i);
   return LightShape(a.x, a.y, a.z, a.w);
 }
 LightPrimitive fetch_light_primitive(uint i) {
-  const uvec4 a = load_light_primitive(kLightPrimitiveTexels * i);
+  const uvec4 a = load_table(kLightPrimitivesAt + kLightPrimitiveTexels * i);
   return LightPrimitive(a.x, a.y, uintBitsToFloat(a.z), a.w);
 }
-// From the first texel of one of a pair's halves.
+// From the first texel of one of a pair's halves, counted from the first pair.
 LightBounds fetch_light_bounds(uint texel) {
-  const uvec4 a = load_light_pair(texel);
-  const uvec4 b = load_light_pair(texel + 1u);
+  const uvec4 a = load_table(kLightPairsAt + texel);
+  const uvec4 b = load_table(kLightPairsAt + texel + 1u);
   return LightBounds(uintBitsToFloat(a.xyz), uintBitsToFloat(a.w), uintBitsToFloat(b.xyz), uintBitsToFloat(b.w));
 }
 LightPair fetch_light_pair(uint i) {
   const uint left = kLightPairTexels * i;
   const uint right = left + kLightBoundsTexels;
-  const uvec4 e = load_light_pair(right + kLightBoundsTexels);
+  const uvec4 e = load_table(kLightPairsAt + right + kLightBoundsTexels);
   return LightPair(fetch_light_bounds(left), fetch_light_bounds(right), uintBitsToFloat(e.x), uintBitsToFloat(e.y), e.z, e.w);
 }
 LightTrail fetch_light_trail(uint shape, uint primitive) {
-  const uint first = load_light_trail(kLightTrailTexels * shape).x;
-  const uvec4 a = load_light_trail(kLightTrailTexels * (first + primitive));
+  const uint first = load_table(kLightTrailsAt + kLightTrailTexels * shape).x;
+  const uvec4 a = load_table(kLightTrailsAt + kLightTrailTexels * (first + primitive));
   return LightTrail(a.x, uintBitsToFloat(a.y), a.z, a.w);
 }
 // Vertex indices of a triangle in xyz; only for shapes with vertex normals.
-uvec3 fetch_triangle(uint i) { return load_triangle(i).xyz; }
-vec3 fetch_normal(uint i) { return uintBitsToFloat(load_normal(i).xyz); }
+uvec3 fetch_triangle(uint i) { return load_geometry(i).xyz; }
+vec3 fetch_normal(uint i) { return uintBitsToFloat(load_geometry(kNormalsAt + i).xyz); }
 // Offset in pixels at u = i / kFilterSteps.
-float fetch_filter_knot(uint i) { return filter_knots[i]; }
+float fetch_filter_knot(uint i) { return texelFetch(filter_knots, int(i)).x; }
 
 #endif

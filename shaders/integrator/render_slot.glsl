@@ -11,10 +11,10 @@ layout(constant_id = kConstantTurnsPerRound) const uint kTurnsPerRound = 2u;
 layout(constant_id = kConstantIterationsPerRound) const uint kIterationsPerRound = 8u;  // upper bound of all loops' iterations in a round
 
 layout(push_constant) uniform PassBlock { Pass pass; };
-layout(set = 0, binding = kBindingProgress, std430) buffer ProgressBuffer { uint next_path[]; };
+layout(set = kSetKernel, binding = kBindingProgress, std430) buffer ProgressBuffer { uint next_path[]; };
 // Per slot the sum over a set of paths that a dispatch left unfinished, xyz; not bound where numbers are independent.
-layout(set = 0, binding = kBindingSetSums, std430) buffer SetSumBuffer { vec4 set_sums[]; };
-layout(set = 0, binding = kBindingReport, std430) buffer ReportBuffer {
+layout(set = kSetKernel, binding = kBindingSetSums, std430) buffer SetSumBuffer { vec4 set_sums[]; };
+layout(set = kSetKernel, binding = kBindingReport, std430) buffer ReportBuffer {
   ReportHead report;
   RejectedEntry rejected[];
 };

@@ -5,8 +5,8 @@
 #include "path.glsl"
 
 layout(push_constant) uniform PassBlock { Pass pass; };
-layout(set = 0, binding = kBindingRequests, std430) readonly buffer RequestBuffer { SampleRequest requests[]; };
-layout(set = 0, binding = kBindingVertices, std430) writeonly buffer VertexBuffer {
+layout(set = kSetKernel, binding = kBindingRequests, std430) readonly buffer RequestBuffer { SampleRequest requests[]; };
+layout(set = kSetKernel, binding = kBindingResults, std430) writeonly buffer VertexBuffer {
   uint vertex_count;
   uint pad0, pad1, pad2;
   TracedVertex vertices[];

@@ -6,8 +6,8 @@
 #include "signature.glsl"
 
 layout(push_constant) uniform PassBlock { Pass pass; };
-layout(set = 0, binding = kBindingRequests, std430) readonly buffer RequestBuffer { SampleRequest requests[]; };
-layout(set = 0, binding = kBindingResults, std430) writeonly buffer ResultBuffer { SampleResult results[]; };
+layout(set = kSetKernel, binding = kBindingRequests, std430) readonly buffer RequestBuffer { SampleRequest requests[]; };
+layout(set = kSetKernel, binding = kBindingResults, std430) writeonly buffer ResultBuffer { SampleResult results[]; };
 
 void trace_sample(uint i) {
   if (i >= pass.request_count) return;

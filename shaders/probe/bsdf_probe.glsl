@@ -7,8 +7,8 @@
 #include "../scene.glsl"
 
 layout(push_constant) uniform ProbeBlock { BsdfProbePass probe; };
-layout(set = 0, binding = kBindingRequests, std430) readonly buffer QueryBuffer { vec4 queries[]; };
-layout(set = 0, binding = kBindingResults, std430) writeonly buffer ResultBuffer { BsdfProbeResult results[]; };
+layout(set = kSetKernel, binding = kBindingRequests, std430) readonly buffer QueryBuffer { vec4 queries[]; };
+layout(set = kSetKernel, binding = kBindingResults, std430) writeonly buffer ResultBuffer { BsdfProbeResult results[]; };
 
 void probe_bsdf(uint i) {
   if (i >= probe.count) return;

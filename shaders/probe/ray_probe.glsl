@@ -7,8 +7,8 @@
 layout(constant_id = kConstantAnyHit) const bool kAnyHit = false;  // any hit ends the walk, as it does for shadow rays
 
 layout(push_constant) uniform PassBlock { Pass pass; };
-layout(set = 0, binding = kBindingRays, std430) readonly buffer RayBuffer { RayRequest rays[]; };
-layout(set = 0, binding = kBindingResults, std430) writeonly buffer ResultBuffer { RayResult results[]; };
+layout(set = kSetKernel, binding = kBindingRequests, std430) readonly buffer RayBuffer { RayRequest rays[]; };
+layout(set = kSetKernel, binding = kBindingResults, std430) writeonly buffer ResultBuffer { RayResult results[]; };
 
 // One ray a lane. A walk that exceeds the budget says so by its steps.
 void cast_ray(uint i) {

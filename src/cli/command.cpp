@@ -67,7 +67,7 @@ std::vector<std::string> index_list(const std::string& selector) {
 
 std::vector<std::string> all_devices() {
   std::vector<std::string> gpus, cpus;
-  for (const vulkan::DeviceInfo& info : vulkan::list_devices(vulkan::ContextOptions::from_environment())) {
+  for (const vulkan::DeviceInfo& info : vulkan::list_devices(gpu_context_options())) {
     if (info.missing.empty()) (info.type == "CPU" ? cpus : gpus).push_back(std::to_string(info.index));
   }
   return gpus.empty() ? cpus : gpus;

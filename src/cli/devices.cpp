@@ -8,7 +8,7 @@ namespace etendue::cli {
 namespace {
 
 ExitCode list(bool json) {
-  const auto devices = vulkan::list_devices(vulkan::ContextOptions::from_environment());
+  const auto devices = vulkan::list_devices(gpu_context_options());
   auto out = Json::array();
   for (const vulkan::DeviceInfo& d : devices) {
     const std::string api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(d.api_version),

@@ -24,16 +24,14 @@ class GpuBsdfProbe final : public BsdfProbe {
   GpuBsdfProbe(const Bsdf& bsdf, const GpuOptions& options)
       : kernels_(kernel_set(options.mutant)),
         scene_(open_device(options), compile_material(bsdf), TableLoads::texel_buffer),
-        kernel_(context(), scene_.layout(), kernels_.bsdf_samples, kernels_.constants, "bsdf_samples"),
+        kernel_(context(), scene_.request_kernels().pipeline, kernels_.bsdf_samples, kernels_.constants,
+                "bsdf_samples"),
         queries_(context(), kChunk * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "directions"),
         results_(context(), kChunk * sizeof(gpu::BsdfProbeResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "material samples"),
-        set_(context(), scene_.layout()) {
-    for (const vulkan::Binding& b : scene_.layout().bindings()) {
-      if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) set_.bind(b.number, queries_);
-    }
-    scene_.bind(set_);
+        set_(context(), scene_.request_kernels().set) {
+    set_.bind(gpu::kBindingRequests, queries_);
     set_.bind(gpu::kBindingResults, results_);
   }
 
@@ -73,8 +71,8 @@ class GpuBsdfProbe final : public BsdfProbe {
   vulkan::Commands& commands() { return scene_.device().commands; }
   std::vector<gpu::BsdfProbeResult> run(const gpu::BsdfProbePass& pass) {
     const std::uint32_t groups = (pass.count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize;
-    scene_.device().commands.dispatch(scene_.layout(), kernel_, set_, std::as_bytes(std::span(&pass, 1)), groups,
-                                      kDispatchTimeout);
+    commands().dispatch(scene_.request_kernels().pipeline, kernel_, {&scene_.set(), &set_},
+                        std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
     std::vector<gpu::BsdfProbeResult> results(pass.count);
     commands().download(results_, 0, std::as_writable_bytes(std::span(results)));
     return results;

@@ -13,26 +13,46 @@
 namespace etendue {
 namespace {
 
-// Of one layout for all kernels.
-constexpr std::uint32_t kPushConstantBytes = sizeof(gpu::Pass);
-static_assert(sizeof(gpu::BsdfProbePass) == kPushConstantBytes);
+constexpr std::uint32_t kFirst = gpu::kNone;  // of a table that begins its buffer
 
 struct Table {
-  std::uint32_t binding;
   const char* what;
+  std::uint32_t at;  // the constant that says where it begins
   std::span<const std::byte> bytes;
 };
 
-// Everything that is read by load_<table> in shaders/scene.glsl; the rest of the scene is uniform.
-std::array<Table, 8> tables(const CompiledScene& scene) {
-  return {{{gpu::kBindingRecords, "tree", std::as_bytes(std::span(scene.records))},
-           {gpu::kBindingShapes, "shapes", std::as_bytes(std::span(scene.shapes))},
-           {gpu::kBindingTriangles, "triangle indices", std::as_bytes(std::span(scene.triangles))},
-           {gpu::kBindingNormals, "vertex normals", std::as_bytes(std::span(scene.normals))},
-           {gpu::kBindingLightShapes, "emitters", std::as_bytes(std::span(scene.light_shapes))},
-           {gpu::kBindingLightPrimitives, "emitting primitives", std::as_bytes(std::span(scene.light_primitives))},
-           {gpu::kBindingLightPairs, "light tree", std::as_bytes(std::span(scene.light_pairs))},
-           {gpu::kBindingLightTrails, "trails of the light tree", std::as_bytes(std::span(scene.light_trails))}}};
+// The tables of one buffer, one behind the other.
+struct TableGroup {
+  std::uint32_t binding;
+  const char* what;
+  std::vector<Table> tables;
+
+  std::uint64_t bytes() const {
+    std::uint64_t sum = 0;
+    for (const Table& table : tables) sum += table.bytes.size();
+    return sum;
+  }
+};
+
+template <typename T>
+Table table(const char* what, std::uint32_t at, const std::vector<T>& entries) {
+  static_assert(sizeof(T) % sizeof(gpu::uvec4) == 0);
+  return {what, at, std::as_bytes(std::span(entries))};
+}
+
+// Everything that shaders/scene.glsl reads.
+std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
+  return {
+      {{gpu::kBindingRecords, "tree", {table("tree", kFirst, s.records)}},
+       {gpu::kBindingGeometry,
+        "geometry",
+        {table("triangle indices", kFirst, s.triangles), table("vertex normals", gpu::kConstantNormalsAt, s.normals)}},
+       {gpu::kBindingTables,
+        "shapes and lights",
+        {table("shapes", kFirst, s.shapes), table("emitters", gpu::kConstantLightShapesAt, s.light_shapes),
+         table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
+         table("light tree", gpu::kConstantLightPairsAt, s.light_pairs),
+         table("trails of the light tree", gpu::kConstantLightTrailsAt, s.light_trails)}}}};
 }
 
 // Bit i for the material kBsdf… = i.
@@ -60,51 +80,54 @@ LightRounds::LightRounds(const CompiledScene& scene) {
 
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
                               std::optional<TableLoads> wanted) {
-  Table longest{};
-  for (const Table& table : tables(scene)) {
-    if (table.bytes.size() >= longest.bytes.size()) longest = table;
-  }
-  const std::uint64_t texels = longest.bytes.size() / sizeof(gpu::uvec4);
+  const auto groups = table_groups(scene);
+  const TableGroup& longest = *std::ranges::max_element(groups, {}, &TableGroup::bytes);
+  const std::uint64_t texels = longest.bytes() / sizeof(gpu::uvec4);
+  const std::string unbound = kernel_requirements(TableLoads::storage_buffer).missing(context.limits());
   const bool fits_texels = texels <= context.limits().maxTexelBufferElements;
-  const bool fits_storage = longest.bytes.size() <= context.limits().maxStorageBufferRange;
+  const bool fits_storage = longest.bytes() <= context.limits().maxStorageBufferRange && unbound.empty();
   if (fits_texels && wanted != TableLoads::storage_buffer) return TableLoads::texel_buffer;
   if (fits_storage && wanted != TableLoads::texel_buffer) return TableLoads::storage_buffer;
-  throw Error(ExitCode::device_lost,
-              fmt::format("The table '{}' of the scene has {} bytes, but '{}' reads at most {} texels of 16 bytes "
-                          "(maxTexelBufferElements) or {} bytes (maxStorageBufferRange); use a smaller mesh or another "
-                          "--device.",
-                          longest.what, longest.bytes.size(), context.info().name,
-                          context.limits().maxTexelBufferElements, context.limits().maxStorageBufferRange));
-}
-
-std::vector<vulkan::Binding> kernel_bindings(TableLoads loads) {
-  std::vector<vulkan::Binding> bindings;
-  for (std::uint32_t i = 0; i < gpu::kBindingCount; ++i) bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
-  bindings[gpu::kBindingFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-  if (loads == TableLoads::texel_buffer) {
-    for (const Table& table : tables({})) bindings[table.binding].type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-  }
-  return bindings;
+  throw Error(
+      ExitCode::device_lost,
+      fmt::format("The table '{}' of the scene has {} bytes, but '{}' reads at most {} texels of 16 bytes "
+                  "(maxTexelBufferElements) or {} bytes (maxStorageBufferRange){}; use a smaller mesh or "
+                  "another --device.",
+                  longest.what, longest.bytes(), context.info().name, context.limits().maxTexelBufferElements,
+                  context.limits().maxStorageBufferRange, unbound.empty() ? "" : ", and for the latter " + unbound));
 }
 
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene) {
   std::vector<DeviceNeed> needs;
-  for (const Table& table : tables(scene)) needs.push_back({table.what, table.bytes.size()});
+  for (const TableGroup& group : table_groups(scene)) needs.push_back({group.what, group.bytes()});
   return needs;
+}
+
+std::vector<vulkan::Specialization> table_places(const CompiledScene& scene) {
+  std::vector<vulkan::Specialization> places;
+  for (const TableGroup& group : table_groups(scene)) {
+    std::size_t texels = 0;
+    for (const Table& table : group.tables) {
+      if (table.at != kFirst) places.push_back({table.at, static_cast<std::uint32_t>(texels)});
+      texels += table.bytes.size() / sizeof(gpu::uvec4);
+    }
+  }
+  return places;
 }
 
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) {
   const LightRounds light_rounds(scene);
-  std::vector<vulkan::Specialization> constants = {{gpu::kConstantStackSize, std::max(1u, scene.tree_depth)},
-                                                   {gpu::kConstantHasSpheres, scene.has_spheres ? 1u : 0u},
-                                                   {gpu::kConstantFewTriangles, scene.few_triangles},
-                                                   {gpu::kConstantFewSpheres, scene.few_spheres},
-                                                   {gpu::kConstantLightShapeRounds, light_rounds.shapes},
-                                                   {gpu::kConstantLightPrimitiveRounds, light_rounds.primitives},
-                                                   {gpu::kConstantBsdfsUsed, bsdfs_used(scene)},
-                                                   {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
-                                                   {gpu::kConstantSphereLights, has_sphere_lights(scene) ? 1u : 0u},
-                                                   {gpu::kConstantTreeRoot, scene.tree_root}};
+  std::vector<vulkan::Specialization> constants = table_places(scene);
+  constants.insert(constants.end(), {{gpu::kConstantStackSize, std::max(1u, scene.tree_depth)},
+                                     {gpu::kConstantHasSpheres, scene.has_spheres ? 1u : 0u},
+                                     {gpu::kConstantFewTriangles, scene.few_triangles},
+                                     {gpu::kConstantFewSpheres, scene.few_spheres},
+                                     {gpu::kConstantLightShapeRounds, light_rounds.shapes},
+                                     {gpu::kConstantLightPrimitiveRounds, light_rounds.primitives},
+                                     {gpu::kConstantBsdfsUsed, bsdfs_used(scene)},
+                                     {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
+                                     {gpu::kConstantSphereLights, has_sphere_lights(scene) ? 1u : 0u},
+                                     {gpu::kConstantTreeRoot, scene.tree_root}});
   for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) {
     for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
       const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];
@@ -123,28 +146,29 @@ DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene&
       has_tree_(scene.tree_root != gpu::kNone),
       light_tree_depth_(scene.light_tree_depth),
       constants_(scene_constants(scene)),
-      layout_(*device_->context, kernel_bindings(loads_), kPushConstantBytes) {
+      set_layout_(*device_->context, scene_bindings(loads_)),
+      film_kernels_(*device_->context, set_layout_, film_bindings()),
+      request_kernels_(*device_->context, set_layout_, request_bindings()),
+      set_(*device_->context, set_layout_) {
   std::vector<DeviceNeed> needs = scene_needs(scene);
   needs.insert(needs.end(), planned.begin(), planned.end());
   check_needs(needs, limits_of(*device_->context));
   const bool texels = loads_ == TableLoads::texel_buffer;
   const VkBufferUsageFlags usage =
       texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-  for (const Table& table : tables(scene)) {
-    vulkan::Buffer buffer(*device_->context, table.bytes.size(), usage, vulkan::Buffer::Memory::device, table.what);
-    device_->commands.upload(buffer, 0, table.bytes);
-    vulkan::TexelView view;
-    if (texels) view = vulkan::make_texel_view(*device_->context, buffer, VK_FORMAT_R32G32B32A32_UINT);
-    entries_.push_back({table.binding, std::move(buffer), std::move(view)});
-  }
-}
-
-void DeviceScene::bind(vulkan::BindingSet& set) const {
-  for (const Entry& entry : entries_) {
-    if (entry.view) {
-      set.bind(entry.binding, entry.view);
+  for (const TableGroup& group : table_groups(scene)) {
+    Entry& entry = entries_.emplace_back();
+    entry.buffer = {*device_->context, group.bytes(), usage, vulkan::Buffer::Memory::device, group.what};
+    std::uint64_t at = 0;
+    for (const Table& table : group.tables) {
+      device_->commands.upload(entry.buffer, at, table.bytes);
+      at += table.bytes.size();
+    }
+    if (texels) {
+      entry.view = vulkan::make_texel_view(*device_->context, entry.buffer, VK_FORMAT_R32G32B32A32_UINT);
+      set_.bind(group.binding, entry.view);
     } else {
-      set.bind(entry.binding, entry.buffer);
+      set_.bind(group.binding, entry.buffer);
     }
   }
 }

@@ -6,7 +6,7 @@
 #include "compile/compiled_view.h"
 #include "gpu/device_limits.h"
 #include "gpu/gpu_device.h"
-#include "vulkan/kernel.h"
+#include "gpu/kernel_bindings.h"
 
 namespace etendue {
 
@@ -15,17 +15,17 @@ namespace etendue {
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
                               std::optional<TableLoads> wanted = {});
 
-/// Bindings of every kernel, as shaders/gpu_types.h numbers them.
-std::vector<vulkan::Binding> kernel_bindings(TableLoads loads = TableLoads::texel_buffer);
-
 /// Rounds of the two bisections that choose a light: ceil(log2) of what there is to choose from.
 struct LightRounds {
   std::uint32_t shapes = 0, primitives = 0;
   explicit LightRounds(const CompiledScene& scene);
 };
 
-/// Specialization constants of every kernel that traces rays: tree, lights, and the few primitives outside the tree.
-/// All but that of the light tree's depth: whether the tree is used is up to the view.
+/// Where tables begin in the buffers that they share: specialization constants of every kernel.
+std::vector<vulkan::Specialization> table_places(const CompiledScene& scene);
+
+/// Specialization constants of every kernel that traces rays: those places, tree, lights, and the few primitives
+/// outside the tree. All but that of the light tree's depth: whether the tree is used is up to the view.
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene);
 
 /// What a scene takes on a device.
@@ -40,6 +40,9 @@ class DeviceScene {
   DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene, std::optional<TableLoads> wanted = {},
               std::span<const DeviceNeed> planned = {});
 
+  DeviceScene(const DeviceScene&) = delete;
+  DeviceScene& operator=(const DeviceScene&) = delete;
+
   GpuDevice& device() const { return *device_; }
   const std::shared_ptr<GpuDevice>& device_pointer() const { return device_; }
   TableLoads loads() const { return loads_; }
@@ -49,15 +52,16 @@ class DeviceScene {
   std::uint32_t light_tree_depth() const { return light_tree_depth_; }
   /// See scene_constants.
   const std::vector<vulkan::Specialization>& constants() const { return constants_; }
-  /// Of every kernel that reads this scene.
-  const vulkan::BindingLayout& layout() const { return layout_; }
-  void bind(vulkan::BindingSet& set) const;
+  /// Layouts of the kernels that read this scene, and its set 0, bound for them.
+  const vulkan::SetLayout& set_layout() const { return set_layout_; }
+  const KernelBindings& film_kernels() const { return film_kernels_; }
+  const KernelBindings& request_kernels() const { return request_kernels_; }
+  const vulkan::BindingSet& set() const { return set_; }
 
  private:
   struct Entry {
-    std::uint32_t binding;
     vulkan::Buffer buffer;
-    vulkan::TexelView view;  // of a table
+    vulkan::TexelView view;  // none for storage buffers
   };
   std::shared_ptr<GpuDevice> device_;
   TableLoads loads_;
@@ -66,8 +70,10 @@ class DeviceScene {
   bool has_tree_;
   std::uint32_t light_tree_depth_;
   std::vector<vulkan::Specialization> constants_;
-  vulkan::BindingLayout layout_;
+  vulkan::SetLayout set_layout_;
+  KernelBindings film_kernels_, request_kernels_;
   std::vector<Entry> entries_;
+  vulkan::BindingSet set_;
 };
 
 }  // namespace etendue

@@ -16,6 +16,7 @@ class DeviceView {
 
  private:
   vulkan::Buffer frame_, filter_;
+  vulkan::TexelView filter_view_;
 };
 
 }  // namespace etendue

@@ -13,9 +13,12 @@ namespace etendue {
 /// How kernels read the tables of the scene, see shaders/scene.glsl.
 enum class TableLoads { texel_buffer, storage_buffer };
 
+/// From the environment, and with what our kernels ask of a device.
+vulkan::ContextOptions gpu_context_options();
+
 struct GpuOptions {
   std::string device = "auto";  ///< see vulkan::Context
-  vulkan::ContextOptions context = vulkan::ContextOptions::from_environment();
+  vulkan::ContextOptions context = gpu_context_options();
   std::shared_ptr<const vulkan::Context> open;  ///< not null: a device that is open already, instead of `device`
   double pass_seconds = 0.1;        ///< a dispatch is sized to take about this long, so that no watchdog fires
   std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract

@@ -114,35 +114,46 @@ class GpuRenderer final : public Renderer {
   vulkan::Commands& commands() { return scene_->device().commands; }
   std::vector<vulkan::Specialization> view_constants(const View& view, const RenderSettings& settings,
                                                      bool tabulated_filter) const;
-  vulkan::Kernel make_kernel(std::span<const std::uint32_t> spirv, const char* name) {
+  vulkan::Kernel make_kernel(const KernelBindings& layout, std::span<const std::uint32_t> spirv, const char* name) {
     const Timer timer;
-    vulkan::Kernel kernel(context(), scene_->layout(), spirv, constants_, name);
+    vulkan::Kernel kernel(context(), layout.pipeline, spirv, constants_, name);
     timings_.pipeline += timer.seconds();
     return kernel;
   }
-  // A set with scene and view bound and a placeholder everywhere else.
-  vulkan::BindingSet make_set() {
-    vulkan::BindingSet set(context(), scene_->layout());
-    for (const std::uint32_t b :
-         {gpu::kBindingRays, gpu::kBindingFilm, gpu::kBindingProgress, gpu::kBindingSetSums, gpu::kBindingReport,
-          gpu::kBindingRequests, gpu::kBindingResults, gpu::kBindingVertices}) {
-      set.bind(b, unused_);
-    }
-    scene_->bind(set);
+  vulkan::BindingSet make_film_set(const KernelBindings& layout, const FilmBand& band) const {
+    vulkan::BindingSet set(context(), layout.set);
     view_.bind(set);
+    set.bind(gpu::kBindingSetSums, unused_);  // unless the band has them
+    set.bind(gpu::kBindingReport, report_);
+    band.bind(set);
     return set;
   }
-  double dispatch(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, const gpu::Pass& pass,
-                  std::uint32_t groups) {
-    return commands().dispatch(scene_->layout(), kernel, set, std::as_bytes(std::span(&pass, 1)), groups,
-                               kDispatchTimeout);
+  vulkan::BindingSet make_request_set(const vulkan::Buffer& requests, const vulkan::Buffer& results) const {
+    vulkan::BindingSet set(context(), scene_->request_kernels().set);
+    view_.bind(set);
+    set.bind(gpu::kBindingRequests, requests);
+    set.bind(gpu::kBindingResults, results);
+    return set;
+  }
+  // A kernel with what is bound to it.
+  struct Work {
+    const KernelBindings& layout;
+    const vulkan::Kernel& kernel;
+    const vulkan::BindingSet& set;
+  };
+  double dispatch(const Work& work, const gpu::Pass& pass, std::uint32_t groups) {
+    return commands().dispatch(work.layout.pipeline, work.kernel, {&scene_->set(), &work.set},
+                               std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
   }
   void check_film(const Film& film) const;
   void prepare_film(const SlotLayout& slots, SampleRange range);
-  void run_pass(const vulkan::Kernel& kernel, const FilmBand& band, const vulkan::BindingSet& set,
-                const SlotLayout& slots, std::uint32_t samples, std::uint32_t sample_end);
-  void run_groups(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, gpu::Pass pass, std::uint32_t groups,
-                  std::uint32_t samples);
+  void forget_film() {
+    film_sets_.clear();
+    film_.reset();
+  }
+  void run_pass(const Work& work, const FilmBand& band, const SlotLayout& slots, std::uint32_t samples,
+                std::uint32_t sample_end);
+  void run_groups(const Work& work, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples);
   gpu::ReportHead take_report();
   void prepare_sizer();
 
@@ -170,16 +181,13 @@ class GpuRenderer::SampleTracer {
  public:
   SampleTracer(GpuRenderer& renderer, std::size_t capacity)
       : renderer_(renderer),
-        kernel_(renderer.make_kernel(renderer.kernels_.trace_samples, "trace_samples")),
+        kernel_(
+            renderer.make_kernel(renderer.scene_->request_kernels(), renderer.kernels_.trace_samples, "trace_samples")),
         requests_(renderer.context(), capacity * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                   vulkan::Buffer::Memory::device, "sample requests"),
         results_(renderer.context(), capacity * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "sample results"),
-        set_(renderer.make_set()) {
-    set_.bind(gpu::kBindingRequests, requests_);
-    set_.bind(gpu::kBindingResults, results_);
-  }
-
+        set_(renderer.make_request_set(requests_, results_)) {}
   std::vector<gpu::SampleResult> trace(std::span<const SampleId> ids, std::uint32_t budget) const {
     std::vector<gpu::SampleRequest> asked;
     for (const SampleId& id : ids) asked.push_back({id.pixel, id.sample, 0, 0});
@@ -187,7 +195,8 @@ class GpuRenderer::SampleTracer {
     gpu::Pass pass{};
     pass.request_count = static_cast<gpu::uint>(ids.size());
     pass.step_budget = budget;
-    renderer_.dispatch(kernel_, set_, pass, (pass.request_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
+    renderer_.dispatch({renderer_.scene_->request_kernels(), kernel_, set_}, pass,
+                       (pass.request_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
     std::vector<gpu::SampleResult> out(ids.size());
     renderer_.commands().download(results_, 0, std::as_writable_bytes(std::span(out)));
     return out;
@@ -204,8 +213,7 @@ class GpuRenderer::SampleTracer {
 void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
   const CompiledView compiled = compile_view(scene_->facts(), view, settings.seed);
   if (film_ && (compiled.frame.width != frame_.width || compiled.frame.height != frame_.height)) {
-    film_sets_.clear();
-    film_.reset();
+    forget_film();
     const DeviceNeed film = most_film_need(context(), view.camera);
     check_needs(std::span(&film, 1), limits_of(context()));
   }
@@ -247,14 +255,9 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
 // The film's place on the device is kept from render to render.
 void GpuRenderer::prepare_film(const SlotLayout& slots, SampleRange range) {
   if (!film_ || !film_->fits(slots, set_bits_)) {
-    film_sets_.clear();
-    film_.reset();  // before the next one takes memory
+    forget_film();  // before the next one takes memory
     film_.emplace(scene_->device_pointer(), slots, set_bits_);
-    for (const FilmBand& band : film_->bands()) {
-      film_sets_.push_back(make_set());
-      band.bind(film_sets_.back());
-      film_sets_.back().bind(gpu::kBindingReport, report_);
-    }
+    for (const FilmBand& band : film_->bands()) film_sets_.push_back(make_film_set(scene_->film_kernels(), band));
   }
   film_->begin(range);
 }
@@ -282,11 +285,10 @@ gpu::ReportHead GpuRenderer::take_report() {
 }
 
 // Dispatches one run of groups until every lane has reached pass.path_end.
-void GpuRenderer::run_groups(const vulkan::Kernel& kernel, const vulkan::BindingSet& set, gpu::Pass pass,
-                             std::uint32_t groups, std::uint32_t samples) {
+void GpuRenderer::run_groups(const Work& work, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples) {
   pass.step_budget = step_budget_;
   for (;;) {
-    const double seconds = dispatch(kernel, set, pass, groups);
+    const double seconds = dispatch(work, pass, groups);
     const gpu::ReportHead head = take_report();
     if (first_dispatch_done_) {
       ++timings_.dispatches;
@@ -307,8 +309,8 @@ void GpuRenderer::run_groups(const vulkan::Kernel& kernel, const vulkan::Binding
   }
 }
 
-void GpuRenderer::run_pass(const vulkan::Kernel& kernel, const FilmBand& band, const vulkan::BindingSet& set,
-                           const SlotLayout& slots, std::uint32_t samples, std::uint32_t sample_end) {
+void GpuRenderer::run_pass(const Work& work, const FilmBand& band, const SlotLayout& slots, std::uint32_t samples,
+                           std::uint32_t sample_end) {
   gpu::Pass pass{};
   pass.slot_base = band.first_group() * gpu::kWorkgroupSize;
   pass.path_end = sample_end << set_bits_;
@@ -318,7 +320,7 @@ void GpuRenderer::run_pass(const vulkan::Kernel& kernel, const FilmBand& band, c
     const std::uint32_t groups =
         std::min({sizer_->groups(band.group_count() - done, samples), context().limits().maxComputeWorkGroupCount[0]});
     pass.first_group = band.first_group() + done;
-    run_groups(kernel, set, pass, groups, samples);
+    run_groups(work, pass, groups, samples);
     done += groups;
   }
 }
@@ -345,26 +347,32 @@ void add_profile(RenderProfile& profile, const gpu::SlotProfile& slot, std::uint
 }
 
 RenderProfile GpuRenderer::profile(std::uint32_t samples) {
+  const std::string missing = kernel_requirements(scene_->loads(), true).missing(context().limits());
+  if (!missing.empty())
+    throw Error(ExitCode::no_device, fmt::format("The device '{}' cannot count: {}; leave out --stats and --heat-map.",
+                                                 context().info().name, missing));
   const GpuTimings of_renders = timings_;
+  const KernelBindings layout(context(), scene_->set_layout(), film_bindings(true));
   const bool ballots = context().info().subgroup_ballot;
-  const vulkan::Kernel kernel = make_kernel(ballots ? kernels_.profile_subgroups : kernels_.profile, "render_profile");
+  const vulkan::Kernel kernel =
+      make_kernel(layout, ballots ? kernels_.profile_subgroups : kernels_.profile, "render_profile");
   prepare_sizer();
   const SlotLayout slots(frame_.width, frame_.height, samples, 1);  // one slot a pixel
   RenderProfile out{.width = frame_.width, .height = frame_.height, .samples = samples << set_bits_};
   out.visits.resize(slots.pixels());
   glm::dvec4 shares(0.0);
-  prepare_film(slots, {0, samples});
-  for (std::size_t b = 0; b < film_->bands().size(); ++b) {
-    const FilmBand& band = film_->bands()[b];
+  forget_film();
+  DeviceFilm film(scene_->device_pointer(), slots, set_bits_);
+  film.begin({0, samples});
+  for (const FilmBand& band : film.bands()) {
     std::vector<gpu::SlotProfile> counts(std::size_t{band.group_count()} * gpu::kWorkgroupSize);
     const vulkan::Buffer buffer(context(), counts.size() * sizeof(gpu::SlotProfile), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                 vulkan::Buffer::Memory::device, "profile");
     commands().fill(buffer, 0);
-    vulkan::BindingSet& set = film_sets_[b];
-    set.bind(gpu::kBindingResults, buffer);
-    run_pass(kernel, band, set, slots, samples, samples);
+    vulkan::BindingSet set = make_film_set(layout, band);
+    set.bind(gpu::kBindingProfile, buffer);
+    run_pass({layout, kernel, set}, band, slots, samples, samples);
     commands().download(buffer, 0, std::as_writable_bytes(std::span(counts)));
-    set.bind(gpu::kBindingResults, unused_);
     for (std::size_t i = 0; i < counts.size(); ++i) {
       const std::uint32_t pixel = slots.pixel(band.first_group() + i / gpu::kWorkgroupSize,
                                               static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
@@ -381,7 +389,7 @@ RenderProfile GpuRenderer::profile(std::uint32_t samples) {
 std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress,
                                   std::vector<RejectedSample>& rejected) {
   check_film(film);
-  if (!render_kernel_.get()) render_kernel_ = make_kernel(kernels_.render, "render");
+  if (!render_kernel_.get()) render_kernel_ = make_kernel(scene_->film_kernels(), kernels_.render, "render");
   prepare_sizer();
   rejected_.clear();
   const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context()));
@@ -396,7 +404,7 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
         std::min<std::uint64_t>(sizer_->samples(slots.groups() * gpu::kWorkgroupSize), left_a_slot));
     const std::uint32_t end = done + static_cast<std::uint32_t>(std::min(std::uint64_t{samples} * slots.layers, left));
     for (std::size_t i = 0; i < film_sets_.size(); ++i)
-      run_pass(render_kernel_, film_->bands()[i], film_sets_[i], slots, samples, end);
+      run_pass({scene_->film_kernels(), render_kernel_, film_sets_[i]}, film_->bands()[i], slots, samples, end);
     ++timings_.passes;
     done = end;
     if (progress) go_on = progress((done - range.begin) * pixels, range.count() * pixels);
@@ -430,7 +438,7 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
 }
 
 std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
-  if (!path_kernel_.get()) path_kernel_ = make_kernel(kernels_.trace_path, "trace_path");
+  if (!path_kernel_.get()) path_kernel_ = make_kernel(scene_->request_kernels(), kernels_.trace_path, "trace_path");
   const vulkan::Buffer request(context(), sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                vulkan::Buffer::Memory::device, "sample request");
   constexpr std::size_t kBytes = 16 + gpu::kMaxTracedVertices * sizeof(gpu::TracedVertex);
@@ -438,12 +446,10 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
                                 "path vertices");
   const gpu::SampleRequest asked{id.pixel, id.sample, 0, 0};
   commands().upload(request, 0, std::as_bytes(std::span(&asked, 1)));
-  vulkan::BindingSet set = make_set();
-  set.bind(gpu::kBindingRequests, request);
-  set.bind(gpu::kBindingVertices, vertices);
+  const vulkan::BindingSet set = make_request_set(request, vertices);
   gpu::Pass pass{};
   pass.step_budget = step_budget_;
-  dispatch(path_kernel_, set, pass, 1);
+  dispatch({scene_->request_kernels(), path_kernel_, set}, pass, 1);
   std::vector<std::byte> bytes(kBytes);
   commands().download(vertices, 0, bytes);
   std::uint32_t count = 0;

@@ -27,7 +27,7 @@ class GpuRayCaster final : public RayCaster {
     placement_ = {compiled->normalization.center, compiled->normalization.scale};
     scene_ = std::make_unique<DeviceScene>(device_, *compiled, options.wanted_loads());
     kernels_ = kernel_set(options.mutant, scene_->loads());
-    set_.emplace(*device_->context, scene_->layout());
+    set_.emplace(*device_->context, scene_->request_kernels().set);
     constants_ = scene_->constants();
     constants_.insert(constants_.end(), kernels_.constants.begin(), kernels_.constants.end());
     closest_ = make_kernel(RayQuery::closest);
@@ -66,7 +66,8 @@ class GpuRayCaster final : public RayCaster {
     pass.request_count = count_;
     pass.step_budget = kMostSteps;
     const vulkan::Kernel& kernel = query == RayQuery::any ? any_ : closest_;
-    return device_->commands.dispatch(scene_->layout(), kernel, *set_, std::as_bytes(std::span(&pass, 1)),
+    return device_->commands.dispatch(scene_->request_kernels().pipeline, kernel, {&scene_->set(), &*set_},
+                                      std::as_bytes(std::span(&pass, 1)),
                                       (count_ + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, kDispatchTimeout);
   }
 
@@ -86,17 +87,13 @@ class GpuRayCaster final : public RayCaster {
   vulkan::Kernel make_kernel(RayQuery query) {
     std::vector<vulkan::Specialization> constants = constants_;
     constants.push_back({gpu::kConstantAnyHit, query == RayQuery::any ? 1u : 0u});
-    return {*device_->context, scene_->layout(), kernels_.trace_rays, constants, "trace_rays"};
+    return {*device_->context, scene_->request_kernels().pipeline, kernels_.trace_rays, constants, "trace_rays"};
   }
-  // New buffers; the one of the rays also stands where kernels of other kinds have theirs.
   void bind(std::size_t ray_bytes, std::size_t result_bytes) {
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     rays_ = vulkan::Buffer(*device_->context, ray_bytes, kUsage, vulkan::Buffer::Memory::device, "rays");
     results_ = vulkan::Buffer(*device_->context, result_bytes, kUsage, vulkan::Buffer::Memory::device, "hits");
-    for (const vulkan::Binding& b : scene_->layout().bindings()) {
-      if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) set_->bind(b.number, rays_);
-    }
-    scene_->bind(*set_);
+    set_->bind(gpu::kBindingRequests, rays_);
     set_->bind(gpu::kBindingResults, results_);
   }
 

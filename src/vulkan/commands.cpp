@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -75,15 +76,17 @@ void Commands::submit_and_wait(const char* action, double timeout_seconds) {
   check(vkResetFences(context_->device(), 1, &fence), "reset a fence");
 }
 
-double Commands::dispatch(const BindingLayout& layout, const Kernel& kernel, const BindingSet& set,
-                          std::span<const std::byte> push_constants, std::uint32_t groups, double timeout_seconds) {
+double Commands::dispatch(const PipelineLayout& layout, const Kernel& kernel,
+                          std::initializer_list<const BindingSet*> sets, std::span<const std::byte> push_constants,
+                          std::uint32_t groups, double timeout_seconds) {
   begin();
   vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.get());
-  const VkDescriptorSet descriptor_set = set.get();
-  vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, layout.pipeline_layout(), 0, 1, &descriptor_set, 0,
-                          nullptr);
+  std::vector<VkDescriptorSet> handles;
+  for (const BindingSet* set : sets) handles.push_back(set->get());
+  vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, layout.get(), 0,
+                          static_cast<std::uint32_t>(handles.size()), handles.data(), 0, nullptr);
   if (!push_constants.empty()) {
-    vkCmdPushConstants(buffer_, layout.pipeline_layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+    vkCmdPushConstants(buffer_, layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        static_cast<std::uint32_t>(push_constants.size()), push_constants.data());
   }
   vkCmdDispatch(buffer_, groups, 1, 1);

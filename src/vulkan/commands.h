@@ -12,9 +12,10 @@ class Commands {
  public:
   explicit Commands(const Context& context);
 
-  /// Runs `kernel` over `groups` workgroups and waits; returns the seconds from submission to completion. Throws
-  /// DeviceLost, or DeviceHung when the device does not finish within `timeout_seconds`; it is abandoned then.
-  double dispatch(const BindingLayout& layout, const Kernel& kernel, const BindingSet& set,
+  /// Runs `kernel` over `groups` workgroups and waits; returns the seconds from submission to completion. `sets` are
+  /// its sets 0, 1, …. Throws DeviceLost, or DeviceHung when the device does not finish within `timeout_seconds`; it is
+  /// abandoned then.
+  double dispatch(const PipelineLayout& layout, const Kernel& kernel, std::initializer_list<const BindingSet*> sets,
                   std::span<const std::byte> push_constants, std::uint32_t groups, double timeout_seconds);
 
   /// Copies host bytes into a buffer at `offset`, in chunks through a staging buffer.

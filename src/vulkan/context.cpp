@@ -93,21 +93,17 @@ bool has_extension(VkPhysicalDevice device, const char* name) {
                              [&](const VkExtensionProperties& e) { return std::string_view(e.extensionName) == name; });
 }
 
-std::string missing_features(VkPhysicalDevice device, const VkPhysicalDeviceProperties& p) {
+std::string missing_features(VkPhysicalDevice device, const VkPhysicalDeviceProperties& p,
+                             const Requirements& requirements) {
   if (p.apiVersion < VK_API_VERSION_1_2) {
     return fmt::format("it speaks Vulkan {}.{}, 1.2 is needed", VK_API_VERSION_MAJOR(p.apiVersion),
                        VK_API_VERSION_MINOR(p.apiVersion));
   }
   if (compute_family(device) < 0) return "it has no compute queue";
-  if (p.limits.maxComputeWorkGroupInvocations < 64) return "its workgroups hold fewer than 64 invocations";
-  if (p.limits.maxPerStageDescriptorStorageBuffers < 12) {
-    return fmt::format("it binds {} storage buffers to a kernel, 12 are needed",
-                       p.limits.maxPerStageDescriptorStorageBuffers);
-  }
-  return "";
+  return requirements.missing(p.limits);
 }
 
-DeviceInfo describe(VkPhysicalDevice device, std::uint32_t index) {
+DeviceInfo describe(VkPhysicalDevice device, std::uint32_t index, const Requirements& requirements) {
   VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
   VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
                                               .pNext = &driver};
@@ -119,7 +115,7 @@ DeviceInfo describe(VkPhysicalDevice device, std::uint32_t index) {
   info.name = basic.deviceName;
   info.type = type_name(basic.deviceType);
   info.api_version = basic.apiVersion;
-  info.missing = missing_features(device, basic);
+  info.missing = missing_features(device, basic, requirements);
   if (basic.apiVersion >= VK_API_VERSION_1_2) {
     vkGetPhysicalDeviceProperties2(device, &properties);
     info.driver = fmt::format("{} ({})", driver.driverName, driver.driverInfo);
@@ -154,6 +150,38 @@ std::filesystem::path pipeline_cache_path(VkPhysicalDevice device) {
 }
 
 }  // namespace
+
+std::string Requirements::missing(const VkPhysicalDeviceLimits& limits) const {
+  struct Limit {
+    const char* name;
+    const char* what;
+    std::uint32_t has, needed;
+  };
+  const std::uint32_t lanes = std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
+  const std::uint32_t resources = storage_buffers + sampled_images + uniform_buffers;
+  for (const Limit& limit : {
+           Limit{"maxBoundDescriptorSets", "descriptor sets", limits.maxBoundDescriptorSets, sets},
+           Limit{"maxPerStageDescriptorStorageBuffers", "storage buffers", limits.maxPerStageDescriptorStorageBuffers,
+                 storage_buffers},
+           Limit{"maxDescriptorSetStorageBuffers", "storage buffers in all sets", limits.maxDescriptorSetStorageBuffers,
+                 storage_buffers},
+           Limit{"maxPerStageDescriptorSampledImages", "texel buffers", limits.maxPerStageDescriptorSampledImages,
+                 sampled_images},
+           Limit{"maxDescriptorSetSampledImages", "texel buffers in all sets", limits.maxDescriptorSetSampledImages,
+                 sampled_images},
+           Limit{"maxPerStageDescriptorUniformBuffers", "uniform buffers", limits.maxPerStageDescriptorUniformBuffers,
+                 uniform_buffers},
+           Limit{"maxPerStageResources", "buffers of all kinds", limits.maxPerStageResources, resources},
+           Limit{"maxPushConstantsSize", "bytes of push constants", limits.maxPushConstantsSize, push_constant_bytes},
+           Limit{"maxUniformBufferRange", "bytes of a uniform buffer", limits.maxUniformBufferRange, uniform_bytes},
+           Limit{"maxComputeWorkGroupInvocations", "lanes of a workgroup", lanes, workgroup_lanes},
+       }) {
+    if (limit.has < limit.needed)
+      return fmt::format("it gives a kernel {} {} ({}), {} are needed", limit.has, limit.what, limit.name,
+                         limit.needed);
+  }
+  return "";
+}
 
 /// The Vulkan instance with its debug messenger.
 class Instance {
@@ -280,7 +308,7 @@ std::vector<DeviceInfo> list_devices(const ContextOptions& options) {
   const auto instance = shared_instance(options);
   std::vector<DeviceInfo> infos;
   for (const VkPhysicalDevice device : instance->physical_devices()) {
-    infos.push_back(describe(device, static_cast<std::uint32_t>(infos.size())));
+    infos.push_back(describe(device, static_cast<std::uint32_t>(infos.size()), options.requirements));
   }
   return infos;
 }
@@ -294,7 +322,7 @@ Context::Context(const std::string& selector, const ContextOptions& options)
   const auto [end, error] = std::from_chars(selector.data(), selector.data() + selector.size(), wanted_index);
   const bool by_index = error == std::errc{} && end == selector.data() + selector.size();
   for (std::uint32_t i = 0; i < devices.size(); ++i) {
-    const DeviceInfo info = describe(devices[i], i);
+    const DeviceInfo info = describe(devices[i], i, options.requirements);
     VkPhysicalDeviceProperties p;
     vkGetPhysicalDeviceProperties(devices[i], &p);
     const bool asked = selector == "auto" ||
@@ -335,7 +363,7 @@ Context::Context(const std::string& selector, const ContextOptions& options)
 Context::Context(const ForeignDevice& foreign, const ContextOptions& options)
     : options_(options),
       instance_(shared_instance(options)),
-      info_(describe(foreign.physical, 0)),
+      info_(describe(foreign.physical, 0, options.requirements)),
       physical_(foreign.physical),
       owned_(false),
       device_(foreign.device),

@@ -23,7 +23,21 @@ struct DeviceInfo {
   std::string missing;           ///< why it cannot be used; empty when it can
 };
 
-/// Options of the Vulkan instance.
+/// What the kernels of a program ask of a device, apart from Vulkan 1.2 and a compute queue.
+struct Requirements {
+  std::uint32_t sets = 0;             ///< descriptor sets bound at a time
+  std::uint32_t storage_buffers = 0;  ///< bound to one kernel
+  std::uint32_t sampled_images = 0;   ///< likewise; texel buffers are among them
+  std::uint32_t uniform_buffers = 0;  ///< likewise
+  std::uint32_t push_constant_bytes = 0;
+  std::uint32_t uniform_bytes = 0;  ///< of the largest uniform buffer
+  std::uint32_t workgroup_lanes = 0;
+
+  /// The first thing that `limits` do not allow, in words; empty when they allow everything.
+  std::string missing(const VkPhysicalDeviceLimits& limits) const;
+};
+
+/// Options of the Vulkan instance, and what is asked of its devices.
 struct ContextOptions {
   /// Loads the Khronos validation layer (an error when it is not installed). Every message is counted and logged.
   bool validation = false;
@@ -33,6 +47,7 @@ struct ContextOptions {
   double max_wait_seconds = 300.0;
   /// Kernels are kept compiled in a file of the user's cache folder.
   bool pipeline_cache = true;
+  Requirements requirements;
   /// True when the environment variable ETENDUE_VALIDATION is "1", or "2" for the extra kinds.
   static ContextOptions from_environment();
 };

@@ -9,9 +9,7 @@
 
 namespace etendue::vulkan {
 
-BindingLayout::BindingLayout(const Context& context, std::span<const Binding> bindings,
-                             std::uint32_t push_constant_bytes)
-    : bindings_(bindings.begin(), bindings.end()), push_constant_bytes_(push_constant_bytes) {
+SetLayout::SetLayout(const Context& context, std::vector<Binding> bindings) : bindings_(std::move(bindings)) {
   std::vector<VkDescriptorSetLayoutBinding> entries;
   for (const Binding& b : bindings_) {
     entries.push_back({.binding = b.number,
@@ -19,26 +17,30 @@ BindingLayout::BindingLayout(const Context& context, std::span<const Binding> bi
                        .descriptorCount = 1,
                        .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT});
   }
-  const VkDescriptorSetLayoutCreateInfo set_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                                 .bindingCount = static_cast<std::uint32_t>(entries.size()),
-                                                 .pBindings = entries.data()};
-  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-  check(vkCreateDescriptorSetLayout(context.device(), &set_info, nullptr, &set_layout), "create the descriptor layout");
-  set_layout_ = {context.device(), set_layout};
-
-  const VkPushConstantRange range{.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .offset = 0, .size = push_constant_bytes};
-  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                        .setLayoutCount = 1,
-                                        .pSetLayouts = &set_layout,
-                                        .pushConstantRangeCount = push_constant_bytes > 0 ? 1u : 0u,
-                                        .pPushConstantRanges = &range};
-  VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
-  check(vkCreatePipelineLayout(context.device(), &info, nullptr, &pipeline_layout), "create the pipeline layout");
-  pipeline_layout_ = {context.device(), pipeline_layout};
+  const VkDescriptorSetLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                             .bindingCount = static_cast<std::uint32_t>(entries.size()),
+                                             .pBindings = entries.data()};
+  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+  check(vkCreateDescriptorSetLayout(context.device(), &info, nullptr, &layout), "create a descriptor layout");
+  layout_ = {context.device(), layout};
 }
 
-BindingSet::BindingSet(const Context& context, const BindingLayout& layout)
-    : device_(context.device()), layout_(&layout) {
+PipelineLayout::PipelineLayout(const Context& context, std::initializer_list<const SetLayout*> sets,
+                               std::uint32_t push_constant_bytes) {
+  std::vector<VkDescriptorSetLayout> layouts;
+  for (const SetLayout* set : sets) layouts.push_back(set->get());
+  const VkPushConstantRange range{.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .offset = 0, .size = push_constant_bytes};
+  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                        .setLayoutCount = static_cast<std::uint32_t>(layouts.size()),
+                                        .pSetLayouts = layouts.data(),
+                                        .pushConstantRangeCount = push_constant_bytes > 0 ? 1u : 0u,
+                                        .pPushConstantRanges = &range};
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  check(vkCreatePipelineLayout(context.device(), &info, nullptr, &layout), "create the pipeline layout");
+  layout_ = {context.device(), layout};
+}
+
+BindingSet::BindingSet(const Context& context, const SetLayout& layout) : device_(context.device()), layout_(&layout) {
   std::map<VkDescriptorType, std::uint32_t> counts;
   for (const Binding& b : layout.bindings()) ++counts[b.type];
   std::vector<VkDescriptorPoolSize> sizes;
@@ -51,7 +53,7 @@ BindingSet::BindingSet(const Context& context, const BindingLayout& layout)
   VkDescriptorPool pool = VK_NULL_HANDLE;
   check(vkCreateDescriptorPool(device_, &pool_info, nullptr, &pool), "create a descriptor pool");
   pool_ = {device_, pool};
-  const VkDescriptorSetLayout set_layout = layout.set_layout();
+  const VkDescriptorSetLayout set_layout = layout.get();
   const VkDescriptorSetAllocateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                          .descriptorPool = pool,
                                          .descriptorSetCount = 1,
@@ -82,7 +84,7 @@ void BindingSet::bind(std::uint32_t binding, const TexelView& view) {
   write(binding, nullptr, &handle);
 }
 
-Kernel::Kernel(const Context& context, const BindingLayout& layout, std::span<const std::uint32_t> spirv,
+Kernel::Kernel(const Context& context, const PipelineLayout& layout, std::span<const std::uint32_t> spirv,
                std::span<const Specialization> constants, const char* name) {
   const VkShaderModuleCreateInfo module_info{
       .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = spirv.size_bytes(), .pCode = spirv.data()};
@@ -107,7 +109,7 @@ Kernel::Kernel(const Context& context, const BindingLayout& layout, std::span<co
                                                    .module = raw_module,
                                                    .pName = "main",
                                                    .pSpecializationInfo = &specialization},
-                                         .layout = layout.pipeline_layout()};
+                                         .layout = layout.get()};
   VkPipeline pipeline = VK_NULL_HANDLE;
   check(vkCreateComputePipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline),
         fmt::format("compile the kernel '{}'", name));

@@ -1,7 +1,8 @@
 #pragma once
-/// Compute pipelines over one shared descriptor layout.
+/// Compute pipelines and what is bound to them.
 
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -9,32 +10,40 @@
 
 namespace etendue::vulkan {
 
-/// One binding of set 0.
+/// One binding of a descriptor set.
 struct Binding {
   std::uint32_t number = 0;
   VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  bool operator==(const Binding&) const = default;
 };
 
-/// Descriptor set layout and pipeline layout shared by all kernels of a renderer.
-class BindingLayout {
+/// What a descriptor set can hold.
+class SetLayout {
  public:
-  BindingLayout(const Context& context, std::span<const Binding> bindings, std::uint32_t push_constant_bytes);
-  VkDescriptorSetLayout set_layout() const { return set_layout_.get(); }
-  VkPipelineLayout pipeline_layout() const { return pipeline_layout_.get(); }
-  std::uint32_t push_constant_bytes() const { return push_constant_bytes_; }
+  SetLayout(const Context& context, std::vector<Binding> bindings);
+  VkDescriptorSetLayout get() const { return layout_.get(); }
   const std::vector<Binding>& bindings() const { return bindings_; }
 
  private:
   std::vector<Binding> bindings_;
-  std::uint32_t push_constant_bytes_;
-  Handle<VkDescriptorSetLayout, &vkDestroyDescriptorSetLayout> set_layout_;
-  Handle<VkPipelineLayout, &vkDestroyPipelineLayout> pipeline_layout_;
+  Handle<VkDescriptorSetLayout, &vkDestroyDescriptorSetLayout> layout_;
 };
 
-/// Buffers bound to a layout.
+/// The sets 0, 1, … of a kernel, and its push constants.
+class PipelineLayout {
+ public:
+  PipelineLayout(const Context& context, std::initializer_list<const SetLayout*> sets,
+                 std::uint32_t push_constant_bytes);
+  VkPipelineLayout get() const { return layout_.get(); }
+
+ private:
+  Handle<VkPipelineLayout, &vkDestroyPipelineLayout> layout_;
+};
+
+/// Buffers bound to a set's layout, which must outlive it.
 class BindingSet {
  public:
-  BindingSet(const Context& context, const BindingLayout& layout);
+  BindingSet(const Context& context, const SetLayout& layout);
   void bind(std::uint32_t binding, const Buffer& buffer);
   void bind(std::uint32_t binding, const TexelView& view);
   VkDescriptorSet get() const { return set_; }
@@ -42,7 +51,7 @@ class BindingSet {
  private:
   void write(std::uint32_t binding, const VkDescriptorBufferInfo* buffer, const VkBufferView* view);
   VkDevice device_;
-  const BindingLayout* layout_;
+  const SetLayout* layout_;
   Handle<VkDescriptorPool, &vkDestroyDescriptorPool> pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
@@ -57,7 +66,7 @@ struct Specialization {
 class Kernel {
  public:
   Kernel() = default;
-  Kernel(const Context& context, const BindingLayout& layout, std::span<const std::uint32_t> spirv,
+  Kernel(const Context& context, const PipelineLayout& layout, std::span<const std::uint32_t> spirv,
          std::span<const Specialization> constants, const char* name);
   VkPipeline get() const { return pipeline_.get(); }
 

@@ -111,6 +111,22 @@ TEST_F(DeviceFaults, LimitsAreNamedBeforeAnythingIsUploaded) {
   }
 }
 
+// What every Vulkan device can bind suffices, and 8 storage buffers where tables are too long for texel buffers.
+TEST_F(DeviceFaults, FewBindingsSuffice) {
+  const auto with = [&](const char* buffers, const char* images, const char* texels) {
+    ProcessOptions options = fault("limits", 0);
+    options.environment["ETENDUE_FAULT_BUFFERS"] = buffers;
+    options.environment["ETENDUE_FAULT_IMAGES"] = images;
+    options.environment["ETENDUE_FAULT_TEXELS"] = texels;
+    return run({"render", kScene, "--size", "40x30", "--spp", "1", "--film", "-o", "x.exr"}, options);
+  };
+  EXPECT_EQ(with("4", "16", "65536").code, 0) << with("4", "16", "65536").err;
+  EXPECT_EQ(with("8", "16", "20").code, 0) << with("8", "16", "20").err;
+  expect_error(with("3", "16", "65536"), 4, "gives a kernel 3 storage buffers (maxPerStageDescriptorStorageBuffers)");
+  expect_error(with("8", "2", "65536"), 4, "gives a kernel 2 texel buffers (maxPerStageDescriptorSampledImages)");
+  expect_error(with("4", "16", "20"), 5, "and for the latter it gives a kernel 4 storage buffers");
+}
+
 TEST_F(DeviceFaults, ADispatchThatNeverEndsEndsTheProcess) {
   prepare();
   for (const char* device : {"0", "0,0"}) {

@@ -5,7 +5,8 @@
 /// - ETENDUE_FAULT=memory: an allocation returns VK_ERROR_OUT_OF_DEVICE_MEMORY.
 /// - ETENDUE_FAULT=limits: the device says it can take less: ETENDUE_FAULT_TEXELS, ETENDUE_FAULT_RANGE,
 /// ETENDUE_FAULT_HEAP and ETENDUE_FAULT_ALLOCATION lower maxTexelBufferElements, maxStorageBufferRange, the size of its
-/// memory heaps and maxMemoryAllocationSize.
+/// memory heaps and maxMemoryAllocationSize; ETENDUE_FAULT_BUFFERS and ETENDUE_FAULT_IMAGES the storage buffers and
+/// sampled images that a kernel can be given.
 /// - ETENDUE_FAULT_AFTER=N: the first N dispatches or allocations of the process are good.
 /// - ETENDUE_FAULT_TIMES=N: faults in all; unlimited by default.
 
@@ -93,6 +94,10 @@ void lower_limits(VkPhysicalDeviceLimits& limits) {
   std::uint64_t texels = limits.maxTexelBufferElements, range = limits.maxStorageBufferRange;
   lower(texels, "ETENDUE_FAULT_TEXELS");
   lower(range, "ETENDUE_FAULT_RANGE");
+  lower(limits.maxPerStageDescriptorStorageBuffers, "ETENDUE_FAULT_BUFFERS");
+  lower(limits.maxDescriptorSetStorageBuffers, "ETENDUE_FAULT_BUFFERS");
+  lower(limits.maxPerStageDescriptorSampledImages, "ETENDUE_FAULT_IMAGES");
+  lower(limits.maxDescriptorSetSampledImages, "ETENDUE_FAULT_IMAGES");
   limits.maxTexelBufferElements = static_cast<std::uint32_t>(texels);
   limits.maxStorageBufferRange = static_cast<std::uint32_t>(range);
 }

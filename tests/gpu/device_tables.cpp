@@ -39,12 +39,18 @@ CompiledScene numbered_scene() {
   scene.light_pairs = numbered<gpu::LightPair>(5);
   scene.light_trails = numbered<gpu::LightTrail>(6, kEntries * (1 + kTrails));
   for (std::uint32_t i = 0; i < kEntries; ++i) scene.light_trails[i].turns = kEntries + kTrails * i;
+  // The host follows these two: they must name a material and a primitive that are there.
+  for (std::uint32_t i = 0; i < kEntries; ++i) {
+    scene.shapes[i].bsdf = i % 3;
+    scene.light_primitives[i].slot = i * gpu::kPrimitiveSlots;
+  }
   scene.triangles = numbered<gpu::uvec4>(7);
   scene.normals = numbered<gpu::vec4>(8);
   return scene;
 }
 
-gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uint32_t trail) {
+gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uint32_t trail,
+                           const std::vector<float>& knots) {
   gpu::TablesAnswer a{};
   std::memcpy(static_cast<void*>(&a.primitive), &scene.records[std::size_t{i} * gpu::kRecordTexels],
               sizeof a.primitive);
@@ -57,6 +63,7 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   a.light_trail = scene.light_trails[scene.light_trails[i].turns + trail];
   a.triangle = gpu::uvec4(glm::uvec3(scene.triangles[i]), 0u);
   a.normal = gpu::vec4(glm::vec3(scene.normals[i]), 0.0f);
+  a.filter_knot.x = knots[i];
   return a;
 }
 
@@ -64,14 +71,18 @@ TEST_F(DeviceTables, EveryFieldComesBack) {
   const CompiledScene scene = numbered_scene();
   std::vector<gpu::uvec4> inputs;
   for (std::uint32_t i = 0; i < kEntries; ++i) inputs.emplace_back(i, i % kTrails, 0, 0);
+  View view = view_of(Scene{});
+  view.camera.filter.type = ReconstructionFilter::Type::mitchell;
+  const std::vector<float> knots = compile_view(SceneFacts(scene), view, 0).filter_knots;
   for (const TableLoads loads : {TableLoads::texel_buffer, TableLoads::storage_buffer}) {
     SCOPED_TRACE(loads == TableLoads::texel_buffer ? "texel buffers" : "storage buffers");
     KernelRun kernel{loads == TableLoads::texel_buffer ? kernels::tables : kernels::tables_storage, "tables", &scene};
     kernel.loads = loads;
+    kernel.view = view;
     const auto answers = run<gpu::TablesAnswer>(kernel, inputs);
     for (std::uint32_t i = 0; i < kEntries; ++i) {
       std::array<std::uint32_t, sizeof(gpu::TablesAnswer) / 4> got, wanted;
-      const gpu::TablesAnswer answer = expected(scene, i, inputs[i].y);
+      const gpu::TablesAnswer answer = expected(scene, i, inputs[i].y, knots);
       std::memcpy(got.data(), &answers[i], sizeof got);
       std::memcpy(wanted.data(), &answer, sizeof wanted);
       EXPECT_EQ(got, wanted) << "entry " << i;

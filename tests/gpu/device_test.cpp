@@ -12,8 +12,11 @@ namespace etendue::test {
 namespace {
 
 // ETENDUE_VALIDATION=2 adds synchronization and GPU-assisted validation.
-const vulkan::ContextOptions kValidation{
-    .validation = true, .validation_extra = vulkan::ContextOptions::from_environment().validation_extra};
+const vulkan::ContextOptions kValidation = [] {
+  vulkan::ContextOptions options = gpu_context_options();
+  options.validation = true;
+  return options;
+}();
 
 // Opened once; `reason` tells why there is none.
 std::shared_ptr<GpuDevice> device(std::string* reason = nullptr) {
@@ -87,8 +90,7 @@ void DeviceTest::run_bytes(const KernelRun& run, std::span<const std::byte> inpu
   const vulkan::Buffer out = buffer(outputs.size(), "test outputs");
   d.commands.upload(in, 0, inputs);
   d.commands.fill(out, 0xdeadbeefu);  // a lane that writes nothing shows
-  vulkan::BindingSet set(*d.context, scene.layout());
-  scene.bind(set);
+  vulkan::BindingSet set(*d.context, scene.request_kernels().set);
   view.bind(set);
   set.bind(gpu::kBindingRequests, in);
   set.bind(gpu::kBindingResults, out);
@@ -97,11 +99,12 @@ void DeviceTest::run_bytes(const KernelRun& run, std::span<const std::byte> inpu
     constants.insert(constants.end(), scene.constants().begin(), scene.constants().end());
     constants.push_back({gpu::kConstantLightTreeDepth, scene.light_tree_depth()});
   }
-  const vulkan::Kernel kernel(*d.context, scene.layout(), run.spirv, constants, run.name);
+  const vulkan::Kernel kernel(*d.context, scene.request_kernels().pipeline, run.spirv, constants, run.name);
   gpu::Pass pass{};
   pass.request_count = lanes;
   const std::uint32_t groups = (lanes + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize;
-  d.commands.dispatch(scene.layout(), kernel, set, std::as_bytes(std::span(&pass, 1)), groups, 120.0);
+  d.commands.dispatch(scene.request_kernels().pipeline, kernel, {&scene.set(), &set},
+                      std::as_bytes(std::span(&pass, 1)), groups, 120.0);
   d.commands.download(out, 0, outputs);
 }
 

@@ -5,7 +5,7 @@
 #include "device_test.h"
 #include "reference/reference_renderer.h"
 #include "render/device_team.h"
-#include "scene/xml_reader.h"
+#include "formats/read_scene.h"
 #include "validate/validate.h"
 
 namespace etendue::test {
@@ -46,7 +46,7 @@ Film fresh_film(Scene scene, const View& view, const RenderSettings& settings, c
 // Views that differ from the scene's own, each in one thing.
 std::vector<std::pair<std::string, View>> other_views(const Scene& scene) {
   std::vector<std::pair<std::string, View>> views(8, {"", view_of(scene)});
-  const auto change = [&, i = std::size_t{0}](const char* what, const auto& make) mutable {
+  auto change = [&, i = std::size_t{0}](const char* what, const auto& make) mutable {
     views[i].first = what;
     make(views[i++].second);
   };

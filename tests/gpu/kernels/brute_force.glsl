@@ -7,12 +7,12 @@
 #include "intersect.glsl"
 #include "test_types.h"
 
-uint listed_count() { return uint(textureSize(triangle_texels)); }
+uint listed_count() { return uint(textureSize(geometry_texels)); }
 
 // Tests the i-th listed primitive.
 bool intersect_listed(RayFrame rf, uint i, inout Hit hit) {
-  const uvec4 entry = load_triangle(i);
-  if (entry.w != kListed) return false;  // a triangle's vertices, or the one texel of an empty table
+  const uvec4 entry = load_geometry(i);
+  if (entry.w != kListed) return false;  // a triangle's vertices, a normal, or the one texel of an empty buffer
   return intersect_primitive(rf, fetch_record(entry.x), entry.x, hit);
 }
 

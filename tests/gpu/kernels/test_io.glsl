@@ -8,8 +8,8 @@ layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform PassBlock { Pass pass; };
 
 #define TEST_BUFFERS(Input, Output)                                                                         \
-  layout(set = 0, binding = kBindingRequests, std430) readonly buffer InputBuffer { Input inputs[]; };     \
-  layout(set = 0, binding = kBindingResults, std430) writeonly buffer OutputBuffer { Output outputs[]; };
+  layout(set = kSetKernel, binding = kBindingRequests, std430) readonly buffer InputBuffer { Input inputs[]; };     \
+  layout(set = kSetKernel, binding = kBindingResults, std430) writeonly buffer OutputBuffer { Output outputs[]; };
 
 uint lane() { return gl_GlobalInvocationID.x; }
 bool lane_has_work() { return lane() < pass.request_count; }

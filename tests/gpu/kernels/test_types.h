@@ -206,10 +206,11 @@ struct TablesAnswer {
   LightTrail light_trail;
   uvec4 triangle;
   vec4 normal;
+  vec4 filter_knot;  // x
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 400);
+static_assert(sizeof(TablesAnswer) == 352);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);
 static_assert(sizeof(FrameCase) == 32 && sizeof(FrameAnswer) == 64);

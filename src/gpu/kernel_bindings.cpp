@@ -1,0 +1,62 @@
+#include "gpu/kernel_bindings.h"
+
+#include <algorithm>
+
+#include "gpu_types.h"
+
+namespace etendue {
+namespace {
+
+constexpr VkDescriptorType kUniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+constexpr VkDescriptorType kTexels = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+constexpr VkDescriptorType kStorage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+
+std::uint32_t count(const std::vector<vulkan::Binding>& bindings, VkDescriptorType type) {
+  return static_cast<std::uint32_t>(std::ranges::count(bindings, type, &vulkan::Binding::type));
+}
+
+}  // namespace
+
+std::vector<vulkan::Binding> scene_bindings(TableLoads loads) {
+  const VkDescriptorType type = loads == TableLoads::texel_buffer ? kTexels : kStorage;
+  return {{gpu::kBindingRecords, type}, {gpu::kBindingGeometry, type}, {gpu::kBindingTables, type}};
+}
+
+std::vector<vulkan::Binding> film_bindings(bool counted) {
+  std::vector<vulkan::Binding> bindings = {{gpu::kBindingFrame, kUniform},   {gpu::kBindingFilter, kTexels},
+                                           {gpu::kBindingFilm, kStorage},    {gpu::kBindingProgress, kStorage},
+                                           {gpu::kBindingSetSums, kStorage}, {gpu::kBindingReport, kStorage}};
+  if (counted) bindings.push_back({gpu::kBindingProfile, kStorage});
+  return bindings;
+}
+
+std::vector<vulkan::Binding> request_bindings() {
+  return {{gpu::kBindingFrame, kUniform},
+          {gpu::kBindingFilter, kTexels},
+          {gpu::kBindingRequests, kStorage},
+          {gpu::kBindingResults, kStorage}};
+}
+
+std::uint32_t push_constant_bytes() {
+  static_assert(sizeof(gpu::BsdfProbePass) == sizeof(gpu::Pass));
+  return sizeof(gpu::Pass);
+}
+
+vulkan::Requirements kernel_requirements(TableLoads loads, bool counted) {
+  vulkan::Requirements needed{.sets = 2,
+                              .push_constant_bytes = push_constant_bytes(),
+                              .uniform_bytes = sizeof(gpu::Frame),
+                              .workgroup_lanes = gpu::kWorkgroupSize};
+  const auto scene = scene_bindings(loads);
+  for (const auto& kernel : {film_bindings(counted), request_bindings()}) {
+    const auto most = [&](std::uint32_t& value, VkDescriptorType type) {
+      value = std::max(value, count(scene, type) + count(kernel, type));
+    };
+    most(needed.storage_buffers, kStorage);
+    most(needed.sampled_images, kTexels);  // so Vulkan counts texel buffers
+    most(needed.uniform_buffers, kUniform);
+  }
+  return needed;
+}
+
+}  // namespace etendue

@@ -1,0 +1,34 @@
+#pragma once
+/// What kernels are bound to: set 0 holds a scene, set 1 a view and the work of a dispatch. The numbers are those of
+/// shaders/gpu_types.h; what a device must be able to bind is counted here and nowhere else.
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/gpu_options.h"
+#include "vulkan/kernel.h"
+
+namespace etendue {
+
+/// Buffers of the scene's tables.
+std::vector<vulkan::Binding> scene_bindings(TableLoads loads);
+/// Set 1 of the render kernel; `counted`: of its builds that count, see shaders/profile.glsl.
+std::vector<vulkan::Binding> film_bindings(bool counted = false);
+/// Set 1 of all other kernels: requests and results.
+std::vector<vulkan::Binding> request_bindings();
+
+/// Bytes of push constants, of every kernel.
+std::uint32_t push_constant_bytes();
+
+/// What a device must be able to do for the kernels that read tables in this way; `counted`: for those that count, too.
+vulkan::Requirements kernel_requirements(TableLoads loads, bool counted = false);
+
+/// Set 1 of one kind of kernels, and their pipelines' layout.
+struct KernelBindings {
+  KernelBindings(const vulkan::Context& context, const vulkan::SetLayout& scene, std::vector<vulkan::Binding> bindings)
+      : set(context, std::move(bindings)), pipeline(context, {&scene, &set}, push_constant_bytes()) {}
+  vulkan::SetLayout set;
+  vulkan::PipelineLayout pipeline;
+};
+
+}  // namespace etendue
