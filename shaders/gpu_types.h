@@ -23,7 +23,7 @@ using uvec4 = glm::uvec4;
 const uint kSetScene = 0u;
 const uint kBindingRecords = 0u;   // the tree
 const uint kBindingGeometry = 1u;  // what is looked up by triangle and by vertex: triangle indices, vertex normals
-const uint kBindingTables = 2u;    // all others: shapes, lights
+const uint kBindingTables = 2u;    // all others: instances, materials, lights
 // Set 1 is bound for a dispatch: the view, and a film or requests and their results.
 const uint kSetKernel = 1u;
 const uint kBindingFrame = 0u;
@@ -49,7 +49,7 @@ const uint kConstantStackSize = 8u;
 const uint kConstantHasSpheres = 9u;
 const uint kConstantFewTriangles = 10u;
 const uint kConstantFewSpheres = 11u;
-const uint kConstantLightShapeRounds = 12u;
+const uint kConstantLightInstanceRounds = 12u;
 const uint kConstantLightPrimitiveRounds = 13u;
 const uint kConstantBsdfsUsed = 14u;
 const uint kConstantVertexNormals = 15u;
@@ -61,10 +61,14 @@ const uint kConstantMutant = 20u;  // see mutants.h
 const uint kConstantAnyHit = 21u;
 // Texels at which a table begins in its buffer; the first one of a buffer begins at 0.
 const uint kConstantNormalsAt = 22u;
-const uint kConstantLightShapesAt = 23u;
+const uint kConstantLightInstancesAt = 23u;
 const uint kConstantLightPrimitivesAt = 24u;
 const uint kConstantLightPairsAt = 25u;
 const uint kConstantLightTrailsAt = 26u;
+const uint kConstantMaterialsAt = 27u;
+// What the scene's materials have in common, see bsdf.glsl.
+const uint kConstantMaterialFlagsSome = 28u;
+const uint kConstantMaterialFlagsAll = 29u;
 const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -74,6 +78,11 @@ const uint kNone = 0xffffffffu;
 const uint kBsdfDiffuse = 0u;
 const uint kBsdfMirror = 1u;
 const uint kBsdfDielectric = 2u;
+
+// A material's header: its type, kBsdf*, and what holds for it at every point.
+const uint kMaterialTypeMask = 0xffu;
+const uint kMaterialDelta = 0x100u;     // nothing but delta lobes: sampling a light finds nothing
+const uint kMaterialOneSided = 0x200u;  // black seen from behind
 
 // Lobes as folded into the path signature.
 const uint kLobeNone = 0u;
@@ -92,7 +101,7 @@ const uint kPrimitiveTriangle = 0u;
 const uint kPrimitiveSphere = 1u;
 
 // The tree: nodes and primitives lie among each other in one array of texels of 16 bytes, so that a traversal step is one fetch whatever it finds.
-// A slot is the place of one of them. A primitive takes three texels, a Record; its a.w has kRecordNode clear because shapes number fewer than 2^31.
+// A slot is the place of one of them. A primitive takes three texels, a Record; its a.w has kRecordNode clear because instances number fewer than 2^31.
 // Nodes of either width store their children's boxes in 8 bits, rounded outward: along axis k the plane q lies at origin[k] + q · scale[k]. A missing
 // child has an empty box. Host: src/compile/node_layout.h; kernels: node4.glsl, node8.glsl.
 #ifndef ETENDUE_BVH_WIDTH
@@ -134,43 +143,49 @@ const uint kFewFloats = 9u;
 // p0 and its radius in p1.x.
 struct Primitive {
   vec3 p0;
-  uint shape;      // index into shapes
+  uint instance;   // index into instances
   vec3 p1;
   uint primitive;  // triangle index within the mesh; 0 for a sphere
   vec3 p2;
   uint kind;       // kPrimitive*
 };
 
-// Material and emitter of a <mesh>.
-struct Shape {
-  vec3 albedo;
-  uint bsdf;           // kBsdf*
-  vec3 radiance;       // 0 when the shape does not emit
-  float light_prob;    // discrete probability of choosing this shape as a light; 0 when it does not emit
-  float int_ior;
-  float ext_ior;
-  float light_area;    // total area in normalised coordinates
-  uint first_triangle; // into the triangle indices; kNone when the shape has no vertex normals
+// What is known of a surface but its geometry.
+struct Instance {
+  vec3 radiance;        // 0 when it does not emit
+  float light_prob;     // discrete probability of choosing this instance as a light; 0 when it does not emit
+  uint material;        // index into materials
+  uint first_triangle;  // into the triangle indices; kNone when there are no vertex normals
+  float light_area;     // total area in normalised coordinates
+  uint pad0;
 };
-const uint kShapeTexels = 3u;
+const uint kInstanceTexels = 2u;
 
-// A shape that emits: chosen when `threshold <= word`, the last one that satisfies it.
-struct LightShape {
+// A material as it is stored; what the parameters are is up to its type. shaders/bsdf/bsdf.glsl makes a Material of it.
+struct MaterialRecord {
+  vec3 params;  // diffuse: albedo; dielectric: interior and exterior index of refraction
+  uint header;  // kMaterial*
+};
+const uint kMaterialTexels = 1u;
+
+// An instance that emits: chosen when `threshold <= word`, the last one that satisfies it.
+struct LightInstance {
   uint threshold;
-  uint shape;
+  uint instance;
   uint first_primitive;  // into the light primitives
   uint primitive_count;
 };
-const uint kLightShapeTexels = 1u;
+const uint kLightInstanceTexels = 1u;
 
-// A primitive of an emitting shape.
+// A primitive that emits, with its geometry: lights know nothing of the tree.
 struct LightPrimitive {
+  Primitive primitive;
   uint threshold;
-  uint slot;   // of its record
-  float prob;  // probability within its shape
+  float prob;  // probability within its instance
   uint pad0;
+  uint pad1;
 };
-const uint kLightPrimitiveTexels = 1u;
+const uint kLightPrimitiveTexels = 4u;
 
 // What a group of lights can do at most.
 struct LightBounds {
@@ -185,7 +200,7 @@ struct LightPair {
   LightBounds left_bounds, right_bounds;
   float left_power;  // shares of all lights
   float right_power;
-  uint left;         // a pair, or kLightLeaf | slot
+  uint left;         // a pair, or kLightLeaf | index of a light primitive
   uint right;
 };
 const uint kLightPairTexels = 5u;
@@ -222,7 +237,7 @@ struct Frame {
   uint max_depth;
   uint rr_depth;          // kNone: no roulette
   int film_exponent;
-  uint light_shape_count;
+  uint light_instance_count;
   float filter_zero;      // |x| in pixels beyond which the filter is negative; infinite when it never is
   uint pad0;
   uint pad1;
@@ -286,7 +301,7 @@ struct RayRequest {
 };
 struct RayResult {
   float t;
-  uint shape;      // kNone: no hit
+  uint instance;   // kNone: no hit
   uint primitive;
   uint steps;
 };
@@ -313,9 +328,9 @@ struct BsdfProbeResult {
 const uint kMaxTracedVertices = 256u;
 struct TracedVertex {
   vec3 radiance;
-  uint shape;
+  uint instance;
   uint primitive;
-  uint light_shape;
+  uint light_instance;
   uint light_primitive;
   uint light_contributed;
   uint lobe;
@@ -328,8 +343,9 @@ struct TracedVertex {
 constexpr uint kTexelBytes = sizeof(uvec4);
 static_assert(sizeof(Record) == kRecordTexels * kTexelBytes);
 static_assert(sizeof(Primitive) == kRecordTexels * kTexelBytes);
-static_assert(sizeof(Shape) == kShapeTexels * kTexelBytes);
-static_assert(sizeof(LightShape) == kLightShapeTexels * kTexelBytes);
+static_assert(sizeof(Instance) == kInstanceTexels * kTexelBytes);
+static_assert(sizeof(MaterialRecord) == kMaterialTexels * kTexelBytes);
+static_assert(sizeof(LightInstance) == kLightInstanceTexels * kTexelBytes);
 static_assert(sizeof(LightPrimitive) == kLightPrimitiveTexels * kTexelBytes);
 static_assert(sizeof(LightBounds) == kLightBoundsTexels * kTexelBytes);
 static_assert(sizeof(LightPair) == kLightPairTexels * kTexelBytes);

@@ -22,9 +22,10 @@ FOR_EACH_FEW(FEW_VALUES_OF)
 #define FEW_VALUES(i) \
   vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), vec3(kFew##i##_3, kFew##i##_4, kFew##i##_5), vec3(kFew##i##_6, kFew##i##_7, kFew##i##_8)
 
-struct Hit {
+// The nearest primitive so far, while primitives are being tested.
+struct Nearest {
   float t;
-  uint slot;  // of the primitive; kNone for no hit
+  uint slot;  // of its record; kNone for none
 };
 
 bool is_sphere(Primitive prim) { return kHasSpheres && prim.kind == kPrimitiveSphere; }
@@ -81,18 +82,18 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
   return discriminant >= 0.0 && t > ray.t_min && t < t_max;
 }
 
-void shorten(inout Hit hit, bool found, float t, uint slot) {
-  hit.t = found ? t : hit.t;
-  hit.slot = found ? slot : hit.slot;
+void shorten(inout Nearest nearest, bool found, float t, uint slot) {
+  nearest.t = found ? t : nearest.t;
+  nearest.slot = found ? slot : nearest.slot;
 }
 
-// Tests a primitive record and shortens `hit` when it is nearer.
-bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
+// Tests a primitive record and takes it when it is nearer.
+bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Nearest nearest) {
   const Primitive prim = to_primitive(record);
   float t;
-  bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, hit.t, t);
-  if (is_sphere(prim)) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, hit.t, t);
-  shorten(hit, found, t, slot);
+  bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, nearest.t, t);
+  if (is_sphere(prim)) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, nearest.t, t);
+  shorten(nearest, found, t, slot);
   return found;
 }
 
@@ -100,17 +101,17 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Hit hit) {
 // projected once, and no lane waits for another.
 #define TEST_FEW(i)                                                                                                  \
   if (i < kFewTriangles) {                                                                                           \
-    const bool found = intersect_triangle(rf, FEW_VALUES(i), hit.t, t);                                              \
-    shorten(hit, found, t, i * kPrimitiveSlots);                                                                     \
+    const bool found = intersect_triangle(rf, FEW_VALUES(i), nearest.t, t);                                          \
+    shorten(nearest, found, t, i * kPrimitiveSlots);                                                                 \
   } else if (i < kFewTriangles + kFewSpheres) {                                                                      \
-    const bool found = intersect_sphere(rf.ray, vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), kFew##i##_3, hit.t, t); \
-    shorten(hit, found, t, i * kPrimitiveSlots);                                                                     \
+    const bool found = intersect_sphere(rf.ray, vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), kFew##i##_3, nearest.t, t); \
+    shorten(nearest, found, t, i * kPrimitiveSlots);                                                                 \
   }
-Hit intersect_few_primitives(RayFrame rf) {
-  Hit hit = Hit(rf.ray.t_max, kNone);
+Nearest intersect_few_primitives(RayFrame rf) {
+  Nearest nearest = Nearest(rf.ray.t_max, kNone);
   float t;
   FOR_EACH_FEW(TEST_FEW)
-  return hit;
+  return nearest;
 }
 
 #endif

@@ -23,7 +23,7 @@ uvec4 child_keys(Walk walk, Record node) {
   const vec3 scale = uintBitsToFloat(uvec3(node.a.w << 23u, (node.a.w << 15u) & 0x7f800000u, (node.a.w << 7u) & 0x7f800000u) & 0x7f800000u);
   const GridRay g = make_grid_ray(uintBitsToFloat(node.a.xyz), scale, walk.rf.ray.o, walk.inv_d);
   ivec4 near, far;
-  test_slabs(g, mix(node.c.xyz, node.b.xyz, g.forward), mix(node.b.xyz, node.c.xyz, g.forward), walk.hit.t, near, far);
+  test_slabs(g, mix(node.c.xyz, node.b.xyz, g.forward), mix(node.b.xyz, node.c.xyz, g.forward), walk.nearest.t, near, far);
   const uint count = (node.a.w >> kNode4CountShift) & 7u;
   const uvec4 keys = (uvec4(near) & 0xfffffffcu) | uvec4(0u, 1u, 2u, 3u);
   // Children 2 and 3 may be missing; their boxes are empty, but a flat node could still let a ray through.

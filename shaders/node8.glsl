@@ -38,8 +38,8 @@ ChildKeys child_keys(Walk walk, Record node, uvec4 planes_z) {
   const uvec4 y = g.forward.y ? node.c : node.c.zwxy;
   const uvec4 z = g.forward.z ? planes_z : planes_z.zwxy;
   ivec4 near_low, far_low, near_high, far_high;
-  test_slabs(g, uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), walk.hit.t, near_low, far_low);
-  test_slabs(g, uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), walk.hit.t, near_high, far_high);
+  test_slabs(g, uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), walk.nearest.t, near_low, far_low);
+  test_slabs(g, uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), walk.nearest.t, near_high, far_high);
   const uint last = (node.a.w >> kNode8CountShift) & 7u;
   const uvec4 low = (uvec4(near_low) & 0xfffffff8u) | uvec4(0u, 1u, 2u, 3u);
   const uvec4 high = (uvec4(near_high) & 0xfffffff8u) | uvec4(4u, 5u, 6u, 7u);

@@ -20,9 +20,10 @@ layout(set = kSetKernel, binding = kBindingFrame, std140) uniform FrameBlock { F
 TABLE(record, kBindingRecords)
 TABLE(geometry, kBindingGeometry)
 TABLE(table, kBindingTables)
-// Where tables begin, in texels. The triangle indices are the first of the geometry, the shapes of the tables.
+// Where tables begin, in texels. The triangle indices are the first of the geometry, the instances of the tables.
 layout(constant_id = kConstantNormalsAt) const uint kNormalsAt = 0u;
-layout(constant_id = kConstantLightShapesAt) const uint kLightShapesAt = 0u;
+layout(constant_id = kConstantMaterialsAt) const uint kMaterialsAt = 0u;
+layout(constant_id = kConstantLightInstancesAt) const uint kLightInstancesAt = 0u;
 layout(constant_id = kConstantLightPrimitivesAt) const uint kLightPrimitivesAt = 0u;
 layout(constant_id = kConstantLightPairsAt) const uint kLightPairsAt = 0u;
 layout(constant_id = kConstantLightTrailsAt) const uint kLightTrailsAt = 0u;
@@ -36,23 +37,27 @@ Record fetch_record(uint slot) {
 Primitive to_primitive(Record r) {
   return Primitive(uintBitsToFloat(r.a.xyz), r.a.w, uintBitsToFloat(r.b.xyz), r.b.w, uintBitsToFloat(r.c.xyz), r.c.w);
 }
-Primitive fetch_primitive(uint slot) { return to_primitive(fetch_record(slot)); }
-Shape fetch_shape(uint i) {
-  const uint first = kShapeTexels * i;
+Instance fetch_instance(uint i) {
+  const uint first = kInstanceTexels * i;
   const uvec4 a = load_table(first);
   const uvec4 b = load_table(first + 1u);
-  const uvec4 c = load_table(first + 2u);
-  return Shape(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), uintBitsToFloat(b.w), uintBitsToFloat(c.x), uintBitsToFloat(c.y),
-               uintBitsToFloat(c.z), c.w);
+  return Instance(uintBitsToFloat(a.xyz), uintBitsToFloat(a.w), b.x, b.y, uintBitsToFloat(b.z), b.w);
 }
-LightShape fetch_light_shape(uint i) {
-  const uvec4 a = load_table(kLightShapesAt + kLightShapeTexels * i);
-  return LightShape(a.x, a.y, a.z, a.w);
+MaterialRecord fetch_material(uint i) {
+  const uvec4 a = load_table(kMaterialsAt + kMaterialTexels * i);
+  return MaterialRecord(uintBitsToFloat(a.xyz), a.w);
+}
+LightInstance fetch_light_instance(uint i) {
+  const uvec4 a = load_table(kLightInstancesAt + kLightInstanceTexels * i);
+  return LightInstance(a.x, a.y, a.z, a.w);
 }
 LightPrimitive fetch_light_primitive(uint i) {
-  const uvec4 a = load_table(kLightPrimitivesAt + kLightPrimitiveTexels * i);
-  return LightPrimitive(a.x, a.y, uintBitsToFloat(a.z), a.w);
+  const uint first = kLightPrimitivesAt + kLightPrimitiveTexels * i;
+  const Record r = Record(load_table(first), load_table(first + 1u), load_table(first + 2u));
+  const uvec4 a = load_table(first + kRecordTexels);
+  return LightPrimitive(to_primitive(r), a.x, uintBitsToFloat(a.y), a.z, a.w);
 }
+uint fetch_light_primitive_threshold(uint i) { return load_table(kLightPrimitivesAt + kLightPrimitiveTexels * i + kRecordTexels).x; }
 // From the first texel of one of a pair's halves, counted from the first pair.
 LightBounds fetch_light_bounds(uint texel) {
   const uvec4 a = load_table(kLightPairsAt + texel);
@@ -65,12 +70,12 @@ LightPair fetch_light_pair(uint i) {
   const uvec4 e = load_table(kLightPairsAt + right + kLightBoundsTexels);
   return LightPair(fetch_light_bounds(left), fetch_light_bounds(right), uintBitsToFloat(e.x), uintBitsToFloat(e.y), e.z, e.w);
 }
-LightTrail fetch_light_trail(uint shape, uint primitive) {
-  const uint first = load_table(kLightTrailsAt + kLightTrailTexels * shape).x;
+LightTrail fetch_light_trail(uint instance, uint primitive) {
+  const uint first = load_table(kLightTrailsAt + kLightTrailTexels * instance).x;
   const uvec4 a = load_table(kLightTrailsAt + kLightTrailTexels * (first + primitive));
   return LightTrail(a.x, uintBitsToFloat(a.y), a.z, a.w);
 }
-// Vertex indices of a triangle in xyz; only for shapes with vertex normals.
+// Vertex indices of a triangle in xyz; only for instances with vertex normals.
 uvec3 fetch_triangle(uint i) { return load_geometry(i).xyz; }
 vec3 fetch_normal(uint i) { return uintBitsToFloat(load_geometry(kNormalsAt + i).xyz); }
 // Offset in pixels at u = i / kFilterSteps.

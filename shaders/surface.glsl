@@ -6,11 +6,32 @@
 
 layout(constant_id = kConstantVertexNormals) const bool kVertexNormals = true;  // of any mesh
 
+// What a ray met: identity, distance and, on a triangle, the barycentric weights of its vertices. The primitive comes along because whoever found
+// the hit has it at hand.
+struct Hit {
+  uint instance;   // kNone: nothing
+  uint primitive;  // triangle within the mesh; 0 on a sphere
+  float t;
+  vec3 weights;
+  Primitive geometry;
+};
+
+// The weights are found once more: carried along from the test they would cost every step of a walk.
+Hit make_hit(Ray ray, float t, bool found, Primitive prim) {
+  Hit hit;
+  hit.instance = found ? prim.instance : kNone;
+  hit.primitive = prim.primitive;
+  hit.t = t;
+  hit.weights = triangle_weights(make_ray_frame(ray), prim.p0 - ray.o, prim.p1 - ray.o, prim.p2 - ray.o);
+  hit.geometry = prim;
+  return hit;
+}
+
 struct Surface {
   vec3 p;
   float error;         // see surface_error
   vec3 ng;
-  uint shape;
+  uint instance;
   ShadingFrame frame;  // frame.n is the shading normal
   uint primitive;      // within its mesh
 };
@@ -31,9 +52,9 @@ vec3 triangle_normal(Primitive tri) {
 }
 
 // Interpolated vertex normal; ng where the mesh has none or they cancel.
-vec3 shading_normal(Shape shape, uint primitive, vec3 weights, vec3 ng) {
-  if (!kVertexNormals || shape.first_triangle == kNone) return ng;
-  const uvec3 v = fetch_triangle(shape.first_triangle + primitive);
+vec3 shading_normal(Instance instance, uint primitive, vec3 weights, vec3 ng) {
+  if (!kVertexNormals || instance.first_triangle == kNone) return ng;
+  const uvec3 v = fetch_triangle(instance.first_triangle + primitive);
   const vec3 n = weights.x * fetch_normal(v.x) + weights.y * fetch_normal(v.y) + weights.z * fetch_normal(v.z);
   const float len = length(n);
   return len > 0.0 ? n * (1.0 / len) : ng;
@@ -46,12 +67,11 @@ vec3 inner_weights(vec3 weights) {
   return b * (1.0 / (b.x + b.y + b.z));
 }
 
-Surface make_surface(Ray ray, Hit hit, out Shape shape) {
-  const Primitive prim = fetch_primitive(hit.slot);
-  shape = fetch_shape(prim.shape);
+Surface make_surface(Ray ray, Hit hit, Instance instance) {
+  const Primitive prim = hit.geometry;
   Surface s;
-  s.shape = prim.shape;
-  s.primitive = prim.primitive;
+  s.instance = hit.instance;
+  s.primitive = hit.primitive;
   s.error = surface_error(prim);
   vec3 ns;
   if (is_sphere(prim)) {
@@ -60,11 +80,9 @@ Surface make_surface(Ray ray, Hit hit, out Shape shape) {
     ns = s.ng;
   } else {
     s.ng = triangle_normal(prim);
-    // Found once more: carried along from the test they would cost every step of the walk.
-    const vec3 weights = triangle_weights(make_ray_frame(ray), prim.p0 - ray.o, prim.p1 - ray.o, prim.p2 - ray.o);
-    const vec3 b = inner_weights(weights);
+    const vec3 b = inner_weights(hit.weights);
     s.p = b.x * prim.p0 + b.y * prim.p1 + b.z * prim.p2;
-    ns = shading_normal(shape, prim.primitive, weights, s.ng);
+    ns = shading_normal(instance, hit.primitive, hit.weights, s.ng);
   }
   s.frame = make_frame(ns);
   return s;

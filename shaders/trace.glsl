@@ -1,4 +1,5 @@
-// Tree traversal: one resumable walk for closest and any hit.
+// Rays through the scene: one resumable walk for closest and any hit. begin_walk, advance_walk, walk_done and walk_hit are all that others may use;
+// addresses within the tree stay in here.
 #ifndef TRACE_GLSL
 #define TRACE_GLSL
 
@@ -6,6 +7,7 @@
 
 #include "intersect.glsl"
 #include "profile.glsl"
+#include "surface.glsl"
 
 layout(constant_id = kConstantStackSize) const uint kStackSize = 16u;  // levels of the tree, so that the stack cannot overflow
 layout(constant_id = kConstantTreeRoot) const uint kTreeRoot = 0u;   // slot of the root; kNone for a scene without a tree
@@ -18,7 +20,7 @@ const uint kBeforeTree = 0xfffffffeu;
 struct Walk {
   RayFrame rf;
   vec3 inv_d;
-  Hit hit;
+  Nearest nearest;
   uint current;
   bool any_hit;
 };
@@ -44,7 +46,7 @@ Walk begin_walk(Ray ray, bool any_hit) {
   Walk walk;
   walk.rf = make_ray_frame(ray);
   walk.inv_d = safe_inverse(ray.d);
-  walk.hit = Hit(ray.t_max, kNone);
+  walk.nearest = Nearest(ray.t_max, kNone);
   // A ray that is no ray would meet every box of the tree, or none, as the driver's min and max please: it misses.
   walk.current = is_finite(ray.o + ray.d) ? (kHasFew ? kBeforeTree : kTreeRoot) : kNone;
   walk.any_hit = any_hit;
@@ -52,12 +54,23 @@ Walk begin_walk(Ray ray, bool any_hit) {
   return walk;
 }
 
+// True once the walk has ended.
+bool walk_done(Walk walk) { return walk.current == kNone; }
+// Whether anything was met: all that is known of a walk for any hit.
+bool walk_found(Walk walk) { return walk.nearest.slot != kNone; }
+
+// What a walk for the closest hit found.
+Hit walk_hit(Walk walk) {
+  const Primitive prim = to_primitive(fetch_record(walk_found(walk) ? walk.nearest.slot : 0u));
+  return make_hit(walk.rf.ray, walk.nearest.t, walk_found(walk), prim);
+}
+
 // The step before the tree, for walks that have not taken it: the primitives that most rays would meet there anyhow.
 void test_few_primitives(inout Walk walk) {
   if (!kHasFew || walk.current != kBeforeTree) return;
   PROFILE(profile_step(0u, kFewTriangles + kFewSpheres));
-  walk.hit = intersect_few_primitives(walk.rf);
-  walk.current = walk.any_hit && walk.hit.slot != kNone ? kNone : kTreeRoot;
+  walk.nearest = intersect_few_primitives(walk.rf);
+  walk.current = walk.any_hit && walk_found(walk) ? kNone : kTreeRoot;
 }
 
 // Visits one record: a node sends the walk to its nearest child and stacks the others, a primitive is intersected.
@@ -69,7 +82,7 @@ void walk_step(inout Walk walk) {
 
   const NodeVisit visit = visit_node(walk, record);
   const uint hits = node ? visit.hits : 0u;
-  const bool found = !node && intersect_primitive(walk.rf, record, walk.current, walk.hit);
+  const bool found = !node && intersect_primitive(walk.rf, record, walk.current, walk.nearest);
 
   const bool push = hits > 1u;
   const bool pop = hits == 0u;
@@ -90,18 +103,27 @@ void walk_step(inout Walk walk) {
   walk.current = (pop && left == 0u) || (found && walk.any_hit) ? kNone : next;
 }
 
+// Takes up to `steps` records, after the few primitives if they have not been tested.
+void advance_walk(inout Walk walk, uint steps) {
+  test_few_primitives(walk);
+  for (uint i = 0u; i < steps; ++i) {
+    if (walk_done(walk)) break;
+    walk_step(walk);
+  }
+}
+
 // Walks to the end, or until `steps` exceeds the budget: some drivers end long loops silently. The few primitives together are one step.
-Hit trace(Ray ray, bool any_hit, uint step_budget, inout uint steps) {
+Walk trace(Ray ray, bool any_hit, uint step_budget, inout uint steps) {
   Walk walk = begin_walk(ray, any_hit);
   test_few_primitives(walk);
   if (kHasFew) ++steps;
   // The exit is tested at the top as well: a loop that can only leave at its bottom loses lanes on some drivers.
-  while (walk.current != kNone) {
+  while (!walk_done(walk)) {
     if (steps > step_budget) break;
     ++steps;
     walk_step(walk);
   }
-  return walk.hit;
+  return walk;
 }
 
 #endif

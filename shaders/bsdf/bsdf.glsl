@@ -8,7 +8,15 @@
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
-#include "../gpu_types.h"
+#include "../scene.glsl"
+
+// A material at a point, its parameters evaluated there: all that sample, eval and pdf know of it.
+struct Material {
+  uint header;  // kMaterial*
+  vec3 albedo;
+  float int_ior;
+  float ext_ior;
+};
 
 struct BsdfSample {
   vec3 wi;
@@ -30,22 +38,30 @@ bool is_delta(uint lobe) { return lobe == kLobeDeltaReflection || lobe == kLobeD
 // surface has should not be there.
 layout(constant_id = kConstantBsdfsUsed) const uint kBsdfsUsed = 0xffffffffu;
 
-bool bsdf_is(Shape m, uint bsdf) {
+bool bsdf_is(Material m, uint bsdf) {
   const uint bit = 1u << bsdf;
-  return (kBsdfsUsed & bit) != 0u && (kBsdfsUsed == bit || m.bsdf == bsdf);
+  return (kBsdfsUsed & bit) != 0u && (kBsdfsUsed == bit || (m.header & kMaterialTypeMask) == bsdf);
 }
 
-// True when the material has only delta lobes, so that light sampling cannot contribute.
-bool bsdf_is_delta(Shape m) { return !bsdf_is(m, kBsdfDiffuse); }
+// The flags that some material of the scene has, and those that all have: where the two agree, nobody asks the material.
+layout(constant_id = kConstantMaterialFlagsSome) const uint kMaterialFlagsSome = 0xffffffffu;
+layout(constant_id = kConstantMaterialFlagsAll) const uint kMaterialFlagsAll = 0u;
 
-// True when the material is black seen from behind.
-bool bsdf_is_one_sided(Shape m) { return !bsdf_is(m, kBsdfDielectric); }
+bool material_has(Material m, uint flag) {
+  return (kMaterialFlagsSome & flag) != 0u && ((kMaterialFlagsAll & flag) != 0u || (m.header & flag) != 0u);
+}
 
-vec3 bsdf_eval(Shape m, vec3 wo, vec3 wi) { return bsdf_is(m, kBsdfDiffuse) ? diffuse_eval(m, wo, wi) : vec3(0.0); }
+// The material of an instance, evaluated once per hit.
+Material evaluate_material(Instance instance) {
+  const MaterialRecord r = fetch_material(instance.material);
+  return Material(r.header, r.params, r.params.x, r.params.y);
+}
 
-float bsdf_pdf(Shape m, vec3 wo, vec3 wi) { return bsdf_is(m, kBsdfDiffuse) ? diffuse_pdf(wo, wi) : 0.0; }
+vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) { return bsdf_is(m, kBsdfDiffuse) ? diffuse_eval(m, wo, wi) : vec3(0.0); }
 
-BsdfSample bsdf_sample(Shape m, vec3 wo, float u_lobe, vec2 u) {
+float bsdf_pdf(Material m, vec3 wo, vec3 wi) { return bsdf_is(m, kBsdfDiffuse) ? diffuse_pdf(wo, wi) : 0.0; }
+
+BsdfSample bsdf_sample(Material m, vec3 wo, float u_lobe, vec2 u) {
   if (bsdf_is(m, kBsdfDiffuse)) return diffuse_sample(m, wo, u);
   if (bsdf_is(m, kBsdfMirror)) return mirror_sample(wo);
   if (bsdf_is(m, kBsdfDielectric)) return dielectric_sample(m, wo, u_lobe);

@@ -2,7 +2,7 @@
 #include "../fresnel.glsl"
 #include "../mutants.h"
 
-BsdfSample dielectric_sample(Shape m, vec3 wo, float u_lobe) {
+BsdfSample dielectric_sample(Material m, vec3 wo, float u_lobe) {
   if (wo.z == 0.0) return kNoBsdfSample;
   const bool outside = wo.z > 0.0;
   const float n_o = outside ? m.ext_ior : m.int_ior;

@@ -2,7 +2,7 @@
 #include "../mutants.h"
 #include "../warp.glsl"
 
-vec3 diffuse_eval(Shape m, vec3 wo, vec3 wi) {
+vec3 diffuse_eval(Material m, vec3 wo, vec3 wi) {
   MUTATE(kMutantCosineDropped, return wo.z > 0.0 && wi.z > 0.0 ? m.albedo * kInvPi : vec3(0.0));
   MUTATE(kMutantBlackSideLit, return m.albedo * (kInvPi * abs(wi.z)));
   return wo.z > 0.0 && wi.z > 0.0 ? m.albedo * (kInvPi * wi.z) : vec3(0.0);
@@ -10,7 +10,7 @@ vec3 diffuse_eval(Shape m, vec3 wo, vec3 wi) {
 
 float diffuse_pdf(vec3 wo, vec3 wi) { return wo.z > 0.0 && wi.z > 0.0 ? kInvPi * wi.z : 0.0; }
 
-BsdfSample diffuse_sample(Shape m, vec3 wo, vec2 u) {
+BsdfSample diffuse_sample(Material m, vec3 wo, vec2 u) {
   const vec3 wi = square_to_cosine_hemisphere(u);
   const float pdf = diffuse_pdf(wo, wi);
   if (pdf == 0.0) return kNoBsdfSample;

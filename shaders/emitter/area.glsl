@@ -2,9 +2,9 @@
 #include "../mutants.h"
 
 // Radiance toward w (pointing away from the surface).
-vec3 area_radiance(Shape shape, vec3 ng, vec3 w) {
-  MUTATE(kMutantEmitterTwoSided, return shape.radiance);
-  return dot(w, ng) > 0.0 ? shape.radiance : vec3(0.0);
+vec3 area_radiance(Instance instance, vec3 ng, vec3 w) {
+  MUTATE(kMutantEmitterTwoSided, return instance.radiance);
+  return dot(w, ng) > 0.0 ? instance.radiance : vec3(0.0);
 }
 
 // 1 − cos of the half angle of the cone that a sphere fills, seen from outside; 0 when p is not outside.
@@ -15,7 +15,15 @@ float sphere_one_minus_cos(vec3 p, vec3 center, float radius) {
   return d2 > radius * radius ? sin2 / (1.0 + sqrt(max(0.0, 1.0 - sin2))) : 0.0;
 }
 
-LightSample area_sample_triangle(vec3 p, Primitive tri, Shape shape, float prob, vec2 u) {
+// How a primitive came to be chosen: the probability of its instance, its own within it, and the area over which the weights of multiple importance
+// sampling spread the first.
+struct LightChoice {
+  float instance_prob;
+  float primitive_prob;
+  float mis_area;
+};
+
+LightSample area_sample_triangle(vec3 p, Primitive tri, LightChoice choice, vec2 u) {
   const vec3 b = square_to_triangle(u);
   LightSample ls;
   ls.p = b.x * tri.p0 + b.y * tri.p1 + b.z * tri.p2;
@@ -32,14 +40,14 @@ LightSample area_sample_triangle(vec3 p, Primitive tri, Shape shape, float prob,
   MUTATE(kMutantEmitterTwoSided, cos_light = abs(cos_light));
   const bool facing = cos_light > 0.0 && d2 > 0.0;
   // prob/area turned into solid angle: dω = cos θ dA / d².
-  ls.pdf_w = facing ? shape.light_prob * prob * d2 / (0.5 * twice_area * cos_light) : 0.0;
-  ls.mis_pdf = facing ? shape.light_prob * d2 / (shape.light_area * cos_light) : 0.0;
-  MUTATE(kMutantTriangleChoiceForgotten, ls.pdf_w /= prob);
+  ls.pdf_w = facing ? choice.instance_prob * choice.primitive_prob * d2 / (0.5 * twice_area * cos_light) : 0.0;
+  ls.mis_pdf = facing ? choice.instance_prob * d2 / (choice.mis_area * cos_light) : 0.0;
+  MUTATE(kMutantTriangleChoiceForgotten, ls.pdf_w /= choice.primitive_prob);
   MUTATE(kMutantDistanceNotSquared, ls.pdf_w /= sqrt(d2));
   return ls;
 }
 
-LightSample area_sample_sphere(vec3 p, Primitive sphere, Shape shape, vec2 u) {
+LightSample area_sample_sphere(vec3 p, Primitive sphere, LightChoice choice, vec2 u) {
   const vec3 center = sphere.p0;
   const float radius = sphere.p1.x;
   const float one_minus_cos = sphere_one_minus_cos(p, center, radius);
@@ -53,35 +61,34 @@ LightSample area_sample_sphere(vec3 p, Primitive sphere, Shape shape, vec2 u) {
   const float t = distance * local.z - sqrt(max(0.0, radius * radius - distance * distance * sin2));
   ls.ng = normalize(p + t * ls.wi - center);
   ls.p = center + radius * ls.ng;
-  ls.pdf_w = one_minus_cos > 0.0 ? shape.light_prob / (2.0 * kPi * one_minus_cos) : 0.0;
+  ls.pdf_w = one_minus_cos > 0.0 ? choice.instance_prob / (2.0 * kPi * one_minus_cos) : 0.0;
   ls.mis_pdf = ls.pdf_w;
   return ls;
 }
 
-LightSample area_sample(vec3 p, uint shape_index, Shape shape, LightPrimitive choice, vec2 u) {
-  const Primitive prim = fetch_primitive(choice.slot);
+LightSample area_sample(vec3 p, Primitive prim, vec3 radiance, LightChoice choice, vec2 u) {
   LightSample ls;
   if (kSphereLights && prim.kind == kPrimitiveSphere) {
-    ls = area_sample_sphere(p, prim, shape, u);
+    ls = area_sample_sphere(p, prim, choice, u);
   } else {
-    ls = area_sample_triangle(p, prim, shape, choice.prob, u);
+    ls = area_sample_triangle(p, prim, choice, u);
   }
   ls.error = surface_error(prim);
-  MUTATE(kMutantLightChoiceForgotten, ls.pdf_w /= shape.light_prob);
+  MUTATE(kMutantLightChoiceForgotten, ls.pdf_w /= choice.instance_prob);
   MUTATE(kMutantLightPdfScaled, ls.pdf_w *= 1.02);
-  ls.radiance = shape.radiance;
-  ls.shape = shape_index;
+  ls.radiance = radiance;
+  ls.instance = prim.instance;
   ls.primitive = prim.primitive;
   return ls;
 }
 
-float area_pdf(vec3 p, vec3 wi, Surface s, Shape shape, uint slot) {
+// `prob` is that of the choice, `area` what it is spread over.
+float area_pdf(vec3 p, vec3 wi, Surface s, Primitive prim, float prob, float area) {
   if (kSphereLights) {
-    const Primitive prim = fetch_primitive(slot);
     const float one_minus_cos = sphere_one_minus_cos(p, prim.p0, prim.p1.x);
-    if (prim.kind == kPrimitiveSphere) return one_minus_cos > 0.0 ? shape.light_prob / (2.0 * kPi * one_minus_cos) : 0.0;
+    if (prim.kind == kPrimitiveSphere) return one_minus_cos > 0.0 ? prob / (2.0 * kPi * one_minus_cos) : 0.0;
   }
   const vec3 v = s.p - p;
   const float cos_light = -dot(wi, s.ng);
-  return cos_light > 0.0 ? shape.light_prob * dot(v, v) / (shape.light_area * cos_light) : 0.0;
+  return cos_light > 0.0 ? prob * dot(v, v) / (area * cos_light) : 0.0;
 }

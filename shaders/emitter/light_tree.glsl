@@ -44,7 +44,7 @@ float fresh_number(uint level, uvec2 words) {
   return to_unit(level == 0u ? words.x : level == kLevelsPerWord ? words.y : x);
 }
 
-// Chooses a primitive and returns its record; `prob` is 0 when nothing can contribute.
+// Chooses a primitive and returns its index among the light primitives; `prob` is 0 when nothing can contribute.
 uint choose_light(vec3 p, vec3 n, uvec2 words, out float prob) {
   uint at = 0u;
   float u = 0.0;

@@ -37,8 +37,8 @@ struct Path {
 // Decisions taken at the end of a segment; kNone where nothing was decided. Folded into signatures or written out by the kernels that
 // want them, optimised away in the others.
 struct Decisions {
-  uint shape, primitive;
-  uint light_shape, light_primitive, light_contributed;
+  uint instance, primitive;
+  uint light_instance, light_primitive, light_contributed;
   uint lobe, survived;
 };
 
@@ -66,27 +66,27 @@ float power_heuristic(float own, float other) {
 }
 
 // Step 2: emission met by chance.
-vec3 gather_emission(Path path, Surface s, Shape shape, uint slot) {
-  const vec3 le = area_radiance(shape, s.ng, -path.ray.d);
+vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim) {
+  const vec3 le = area_radiance(instance, s.ng, -path.ray.d);
   MUTATE(kMutantEmissionTwice, return path.beta * le);
-  if (path.full_emission || shape.light_prob == 0.0) return path.beta * le;
+  if (path.full_emission || instance.light_prob == 0.0) return path.beta * le;
   if (!kMis) return vec3(0.0);
   // ray.o is offset from the vertex by its error bound, which is far below the distance to the light.
-  MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.n, path.ray.d, s, shape, slot) / path.bsdf_pdf));
-  return path.beta * le * power_heuristic(path.bsdf_pdf, light_pdf(path.ray.o, path.n, path.ray.d, s, shape, slot));
+  MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim) / path.bsdf_pdf));
+  return path.beta * le * power_heuristic(path.bsdf_pdf, light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim));
 }
 
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
-void sample_direct_light(inout Path path, Surface s, Shape shape, vec3 wo, inout Decisions decisions) {
+void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo, inout Decisions decisions) {
   const LightSample light = sample_light(s.p, s.frame.n, random_words(frame.seed, path.pixel, path.sample_index, block_light(path.segment - 1u)));
-  decisions.light_shape = light.shape;
-  decisions.light_primitive = light.shape != kNone ? light.primitive : kNone;
-  decisions.light_contributed = light.shape != kNone ? 0u : kNone;
+  decisions.light_instance = light.instance;
+  decisions.light_primitive = light.instance != kNone ? light.primitive : kNone;
+  decisions.light_contributed = light.instance != kNone ? 0u : kNone;
   const vec3 wi = to_local(s.frame, light.wi);
-  const vec3 reflected = bsdf_eval(shape, wo, wi) * light.radiance;
+  const vec3 reflected = bsdf_eval(material, wo, wi) * light.radiance;
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0 && consistent_side(s, light.wi);
   path.shadow_ray = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
-  const float w_light = kMis ? power_heuristic(light.mis_pdf, bsdf_pdf(shape, wo, wi)) : 1.0;
+  const float w_light = kMis ? power_heuristic(light.mis_pdf, bsdf_pdf(material, wo, wi)) : 1.0;
   path.shadow_value = path.beta * reflected * (w_light / light.pdf_w);
 }
 
@@ -106,9 +106,9 @@ bool survive_roulette(inout Path path, float u) {
 }
 
 // Step 5 and 6: the next direction. Leaves path.alive false when the path ends here.
-void scatter(inout Path path, Surface s, Shape shape, vec3 wo, inout Decisions decisions) {
+void scatter(inout Path path, Surface s, Material material, vec3 wo, inout Decisions decisions) {
   const uvec4 words = random_words(frame.seed, path.pixel, path.sample_index, block_bsdf(path.segment - 1u));
-  const BsdfSample bs = bsdf_sample(shape, wo, to_unit(words.x), to_unit(words.yz));
+  const BsdfSample bs = bsdf_sample(material, wo, to_unit(words.x), to_unit(words.yz));
   const vec3 wi = to_world(s.frame, bs.wi);
   // A transmitted direction changes sides of both normals together; a mismatch means light would leak through.
   if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0 || !consistent_side(s, wi)) {
@@ -136,39 +136,39 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   decisions = Decisions(kNone, kNone, kNone, kNone, kNone, kNone, kNone);
   path.alive = false;
   path.shadow_pending = false;
-  if (hit.slot == kNone) {
+  if (hit.instance == kNone) {
     if (kIntegrator == kIntegratorPath) path.radiance += path.beta * sky_radiance(path.ray.d);
     if (!is_finite(path.ray.o + path.ray.d)) path.radiance = vec3(kInfinity);  // the film rejects the sample and counts it
     return;
   }
-  Shape shape;
-  const Surface s = make_surface(path.ray, hit, shape);
-  decisions.shape = s.shape;
+  const Instance instance = fetch_instance(hit.instance);
+  const Surface s = make_surface(path.ray, hit, instance);
+  decisions.instance = s.instance;
   decisions.primitive = s.primitive;
   if (kIntegrator == kIntegratorNormals) {
     path.radiance += path.beta * (0.5 * s.frame.n + 0.5);
     return;
   }
-  path.radiance += gather_emission(path, s, shape, hit.slot);
+  path.radiance += gather_emission(path, s, instance, hit.geometry);
   uint max_depth = frame.max_depth;
   MUTATE(kMutantDepthOffByOne, ++max_depth);
   if (path.segment >= max_depth) return;
+  const Material material = evaluate_material(instance);
   const vec3 wo = to_local(s.frame, -path.ray.d);
-  if (!consistent_side(s, -path.ray.d) || (bsdf_is_one_sided(shape) && wo.z <= 0.0)) {
+  if (!consistent_side(s, -path.ray.d) || (material_has(material, kMaterialOneSided) && wo.z <= 0.0)) {
     decisions.lobe = kLobeNone;
     return;
   }
-  if (kNee && !bsdf_is_delta(shape)) sample_direct_light(path, s, shape, wo, decisions);
-  scatter(path, s, shape, wo, decisions);
+  if (kNee && !material_has(material, kMaterialDelta)) sample_direct_light(path, s, material, wo, decisions);
+  scatter(path, s, material, wo, decisions);
 }
 
 // One whole segment, for the kernels that look at single paths. `steps` counts traversal rounds; beyond the budget the result is void.
 void path_segment(inout Path path, uint step_budget, inout uint steps, out Decisions decisions) {
-  const Hit hit = trace(path.ray, false, step_budget, steps);
-  arrive(path, hit, decisions);
+  arrive(path, walk_hit(trace(path.ray, false, step_budget, steps)), decisions);
   steps += (2u * kLightTreeDepth + 7u) / 8u;  // this lane's share of the loops that all lanes of a SIMD group go through together
   if (!path.shadow_pending) return;
-  const bool occluded = trace(path.shadow_ray, true, step_budget, steps).slot != kNone;
+  const bool occluded = walk_found(trace(path.shadow_ray, true, step_budget, steps));
   decisions.light_contributed = occluded ? 0u : 1u;
   settle_light(path, occluded);
 }

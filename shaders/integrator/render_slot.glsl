@@ -85,22 +85,18 @@ void render_slot(uint group, uint lane) {
     if (iterations > pass.step_budget) break;
     iterations += kIterationsPerRound;
     for (uint turn = 0u; turn < kTurnsPerRound; ++turn) {
-      test_few_primitives(walk);
-      for (uint i = 0u; i < kStepsPerTurn; ++i) {
-        if (walk.current == kNone) break;
-        walk_step(walk);
-      }
-      if (walk.current == kNone && path.shadow_pending) {
+      advance_walk(walk, kStepsPerTurn);
+      if (walk_done(walk) && path.shadow_pending) {
         PROFILE(profile_arrival(true, false));
-        settle_light(path, walk.hit.slot != kNone);
+        settle_light(path, walk_found(walk));
         if (path.alive) walk = begin_walk(path.ray, false);
       }
     }
-    if (walk.current != kNone) continue;
+    if (!walk_done(walk)) continue;
     if (path.alive) {
       PROFILE(profile_arrival(false, path.segment == 1u));
       Decisions decisions;
-      arrive(path, walk.hit, decisions);
+      arrive(path, walk_hit(walk), decisions);
     }
     if (!path.alive && !path.shadow_pending) {
       finish_path(path, set_sum, sums, first_rejected);

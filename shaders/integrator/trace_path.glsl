@@ -20,7 +20,7 @@ void trace_requested_path() {
     if (steps > pass.step_budget || count >= kMaxTracedVertices) break;
     Decisions d;
     path_segment(path, pass.step_budget, steps, d);
-    vertices[count++] = TracedVertex(path_value(path), d.shape, d.primitive, d.light_shape, d.light_primitive, d.light_contributed, d.lobe,
+    vertices[count++] = TracedVertex(path_value(path), d.instance, d.primitive, d.light_instance, d.light_primitive, d.light_contributed, d.lobe,
                                      d.survived, 0u, 0u);
   }
   vertex_count = count;

@@ -1,4 +1,4 @@
-// One material on its own, the first of the bound shapes: samples, or values at given directions.
+// One material on its own, that of the first instance: samples, or values at given directions.
 #ifndef BSDF_PROBE_GLSL
 #define BSDF_PROBE_GLSL
 
@@ -12,7 +12,7 @@ layout(set = kSetKernel, binding = kBindingResults, std430) writeonly buffer Res
 
 void probe_bsdf(uint i) {
   if (i >= probe.count) return;
-  const Shape material = fetch_shape(0u);
+  const Material material = evaluate_material(fetch_instance(0u));
   if (probe.evaluate != 0u) {
     const vec3 wi = queries[i].xyz;
     results[i] = BsdfProbeResult(wi, bsdf_pdf(material, probe.wo, wi), bsdf_eval(material, probe.wo, wi), kLobeNone);

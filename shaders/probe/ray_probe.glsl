@@ -15,9 +15,8 @@ void cast_ray(uint i) {
   if (i >= pass.request_count) return;
   const RayRequest request = rays[i];
   uint steps = 0u;
-  const Hit hit = trace(Ray(request.o, request.t_min, request.d, request.t_max), kAnyHit, pass.step_budget, steps);
-  const Primitive prim = fetch_primitive(hit.slot == kNone ? 0u : hit.slot);
-  results[i] = RayResult(hit.t, hit.slot == kNone ? kNone : prim.shape, prim.primitive, steps);
+  const Hit hit = walk_hit(trace(Ray(request.o, request.t_min, request.d, request.t_max), kAnyHit, pass.step_budget, steps));
+  results[i] = RayResult(hit.t, hit.instance, hit.primitive, steps);
 }
 
 #endif

@@ -8,9 +8,11 @@
 #include <type_traits>
 
 #include <fmt/core.h>
+
 #include "core/errors.h"
 #include "core/json.h"
 #include "image/files.h"
+#include "scene/placed.h"
 
 namespace etendue {
 namespace {
@@ -48,19 +50,20 @@ glm::dvec3 mirrored(const glm::dvec3& v, bool mirror) {
   return mirror ? glm::dvec3(-v.x, v.y, v.z) : v;
 }
 
-void write_ply(const TriangleMesh& mesh, bool mirror, const std::string& path) {
-  const bool normals = !mesh.normals.empty();
+void write_ply(const PlacedMesh& mesh, bool mirror, const std::string& path) {
+  const bool normals = mesh.has_normals();
+  const std::size_t vertices = mesh.mesh().positions.size();
   Bytes out;
   out.text(fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty "
       "float z\n{}element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      mesh.positions.size(), normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-      mesh.triangles.size()));
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    out.vector(mirrored(mesh.positions[i], mirror));
-    if (normals) out.vector(mirrored(mesh.normals[i], mirror));
+      vertices, normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "", mesh.triangle_count()));
+  for (std::uint32_t i = 0; i < vertices; ++i) {
+    out.vector(mirrored(mesh.position(i), mirror));
+    if (normals) out.vector(mirrored(mesh.normal(i), mirror));
   }
-  for (const glm::uvec3& t : mesh.triangles) {
+  for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
+    const glm::uvec3 t = mesh.indices(i);
     out.put(std::uint8_t{3});
     out.put(mirror ? glm::uvec3(t.x, t.z, t.y) : t);  // a mirror turns windings around
   }
@@ -113,13 +116,14 @@ Json camera_json(const Scene& scene) {
           {"world_from_camera", rows}};
 }
 
-Json shape_json(const Shape& shape, bool mirror, const std::string& ply) {
-  Json out = {{"name", shape.name}, {"bsdf", bsdf_json(shape.bsdf)}, {"radiance", nullptr}};
-  if (shape.emitter) out["radiance"] = json(shape.emitter->radiance);
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    out["sphere"] = {{"center", json(mirrored(sphere->center, mirror))}, {"radius", sphere->radius}};
+Json instance_json(const Scene& scene, const Instance& instance, bool mirror, const std::string& ply) {
+  Json out = {{"name", instance.name}, {"bsdf", bsdf_json(scene.bsdf_of(instance))}, {"radiance", nullptr}};
+  if (const AreaEmitter* emitter = scene.emitter_of(instance)) out["radiance"] = json(emitter->radiance);
+  if (const auto* sphere = std::get_if<Sphere>(&scene.shape_of(instance))) {
+    const Sphere placed = placed_sphere(*sphere, instance);
+    out["sphere"] = {{"center", json(mirrored(placed.center, mirror))}, {"radius", placed.radius}};
   } else {
-    const auto& mesh = std::get<TriangleMesh>(shape.geometry);
+    const auto& mesh = std::get<TriangleMesh>(scene.shape_of(instance));
     out["mesh"] = {{"file", ply}, {"triangles", mesh.triangles.size()}, {"normals", !mesh.normals.empty()}};
   }
   return out;
@@ -148,11 +152,12 @@ void export_scene(const Scene& scene, const std::string& folder) {
               {"samples", scene.sampler.sample_count},
               {"sky", {{"top", json(scene.sky.top)}, {"horizon", json(scene.sky.horizon)}}},
               {"shapes", Json::array()}};
-  for (std::size_t k = 0; k < scene.shapes.size(); ++k) {
+  for (std::size_t k = 0; k < scene.instances.size(); ++k) {
+    const Instance& instance = scene.instances[k];
     const std::string ply = fmt::format("shape-{}.ply", k);
-    if (const auto* mesh = std::get_if<TriangleMesh>(&scene.shapes[k].geometry))
-      write_ply(*mesh, mirror, (std::filesystem::path(folder) / ply).string());
-    out["shapes"].push_back(shape_json(scene.shapes[k], mirror, ply));
+    if (const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance)))
+      write_ply(PlacedMesh(*mesh, instance), mirror, (std::filesystem::path(folder) / ply).string());
+    out["shapes"].push_back(instance_json(scene, instance, mirror, ply));
   }
   const std::string text = out.dump(1) + "\n";
   write_file_atomically((std::filesystem::path(folder) / "scene.json").string(), std::as_bytes(std::span(text)));
@@ -162,15 +167,16 @@ void export_rays(const Scene& scene, const Placement& placement, const std::vect
                  const std::vector<std::vector<CastHit>>& hits, const std::string& path) {
   Bytes triangles, spheres;
   const auto place = [&](const glm::dvec3& p) { return (p - placement.center) * placement.scale; };
-  for (const Shape& shape : scene.shapes) {
-    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-      spheres.vector(place(sphere->center));
-      spheres.put(static_cast<float>(sphere->radius * placement.scale));
+  for (const Instance& instance : scene.instances) {
+    if (const auto* sphere = std::get_if<Sphere>(&scene.shape_of(instance))) {
+      const Sphere placed = placed_sphere(*sphere, instance);
+      spheres.vector(place(placed.center));
+      spheres.put(static_cast<float>(placed.radius * placement.scale));
       continue;
     }
-    const auto& mesh = std::get<TriangleMesh>(shape.geometry);
-    for (const glm::uvec3& t : mesh.triangles) {
-      for (int k = 0; k < 3; ++k) triangles.vector(place(mesh.positions[t[k]]));
+    const PlacedMesh mesh(std::get<TriangleMesh>(scene.shape_of(instance)), instance);
+    for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
+      for (const glm::dvec3& p : mesh.triangle(i)) triangles.vector(place(p));
     }
   }
   Bytes out;
@@ -188,7 +194,7 @@ void export_rays(const Scene& scene, const Placement& placement, const std::vect
     out.put(std::uint64_t{sets[i].rays.size()});
     out.append(std::as_bytes(std::span(sets[i].rays)));
     for (const CastHit& hit : hits[i])
-      out.put(hit.shape == CastHit::kNone ? std::numeric_limits<float>::infinity() : any ? 0.0f : hit.t);
+      out.put(hit.instance == CastHit::kNone ? std::numeric_limits<float>::infinity() : any ? 0.0f : hit.t);
   }
   write_file_atomically(path, out.get());
 }

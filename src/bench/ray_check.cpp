@@ -21,7 +21,7 @@ double distance_error(double found, double expected) {
 }
 
 bool is_hit(const CastHit& hit) {
-  return hit.shape != CastHit::kNone;
+  return hit.instance != CastHit::kNone;
 }
 
 bool same(const CastHit& found, const CastHit& expected, RayQuery query) {

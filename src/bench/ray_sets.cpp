@@ -1,11 +1,15 @@
 #include "bench/ray_sets.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <random>
+#include <variant>
+
+#include "scene/placed.h"
 
 namespace etendue {
 namespace {
@@ -47,9 +51,22 @@ struct Point {
 // The scene's primitives in normalised coordinates, rounded like those of the device.
 class PlacedScene {
  public:
-  PlacedScene(const Scene& scene, const Placement& placement) : scene_(scene), placement_(placement) {}
+  // A shape of the scene, in world space.
+  using PlacedShape = std::variant<PlacedMesh, Sphere>;
+
+  PlacedScene(const Scene& scene, const Placement& placement) : scene_(scene), placement_(placement) {
+    for (const Instance& instance : scene.instances) {
+      const Shape& shape = scene.shape_of(instance);
+      if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+        shapes_.emplace_back(PlacedMesh(*mesh, instance));
+      } else {
+        shapes_.emplace_back(placed_sphere(std::get<Sphere>(shape), instance));
+      }
+    }
+  }
 
   const Scene& scene() const { return scene_; }
+  const PlacedShape& shape(std::size_t instance) const { return shapes_[instance]; }
   dvec3 place(const dvec3& p) const { return dvec3(glm::vec3((p - placement_.center) * placement_.scale)); }
 
   struct Triangle {
@@ -59,9 +76,9 @@ class PlacedScene {
       return kErrors * std::max({largest_coordinate(p0), largest_coordinate(p1), largest_coordinate(p2)});
     }
   };
-  Triangle triangle(const TriangleMesh& mesh, std::size_t i) const {
-    const glm::uvec3 t = mesh.triangles[i];
-    return {place(mesh.positions[t.x]), place(mesh.positions[t.y]), place(mesh.positions[t.z])};
+  Triangle triangle(const PlacedMesh& mesh, std::size_t i) const {
+    const std::array<dvec3, 3> p = mesh.triangle(i);
+    return {place(p[0]), place(p[1]), place(p[2])};
   }
   struct Ball {
     dvec3 center;
@@ -75,12 +92,12 @@ class PlacedScene {
   // Where `ray` meets the primitive it was found to hit; nothing when it runs in the primitive's plane.
   std::optional<Point> hit_point(const CastRay& ray, const CastHit& hit) const {
     const dvec3 o(ray.o), d(ray.d);
-    const Geometry& geometry = scene_.shapes[hit.shape].geometry;
-    if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+    const PlacedShape& shape = shapes_[hit.instance];
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) {
       const Ball b = ball(*sphere);
       return b.point(glm::normalize(o + static_cast<double>(hit.t) * d - b.center));
     }
-    const Triangle tri = triangle(std::get<TriangleMesh>(geometry), hit.primitive);
+    const Triangle tri = triangle(std::get<PlacedMesh>(shape), hit.primitive);
     const dvec3 n = tri.normal();
     const double along = glm::dot(d, n);
     if (along == 0.0) return std::nullopt;
@@ -91,23 +108,25 @@ class PlacedScene {
   static constexpr double kErrors = 8.0 / 8388608.0;
   const Scene& scene_;
   Placement placement_;
+  std::vector<PlacedShape> shapes_;  // by instance
 };
 
 // Points of the emitters, uniform by area; where nothing emits, points in the box of the scene.
 class Targets {
  public:
   explicit Targets(const PlacedScene& placed) : placed_(placed) {
-    for (const Shape& shape : placed.scene().shapes) {
-      if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+    for (std::size_t k = 0; k < placed.scene().instances.size(); ++k) {
+      const bool emits = placed.scene().instances[k].emitter.has_value();
+      if (const auto* sphere = std::get_if<Sphere>(&placed.shape(k))) {
         const auto b = placed.ball(*sphere);
         extend(b.center - b.radius), extend(b.center + b.radius);
-        if (shape.emitter) add(shape, 0, 4.0 * kPi * b.radius * b.radius);
+        if (emits) add(k, 0, 4.0 * kPi * b.radius * b.radius);
         continue;
       }
-      const auto& mesh = std::get<TriangleMesh>(shape.geometry);
-      for (const dvec3& p : mesh.positions) extend(placed.place(p));
-      for (std::size_t i = 0; shape.emitter && i < mesh.triangles.size(); ++i)
-        add(shape, i, 0.5 * glm::length(placed.triangle(mesh, i).normal()));
+      const auto& mesh = std::get<PlacedMesh>(placed.shape(k));
+      for (std::uint32_t i = 0; i < mesh.mesh().positions.size(); ++i) extend(placed.place(mesh.position(i)));
+      for (std::size_t i = 0; emits && i < mesh.triangle_count(); ++i)
+        add(k, i, 0.5 * glm::length(placed.triangle(mesh, i).normal()));
     }
   }
 
@@ -119,9 +138,9 @@ class Targets {
     const double area = random.unit() * areas_.back();
     const auto found = std::ranges::upper_bound(areas_, area);
     const Entry& entry = entries_[static_cast<std::size_t>(std::min(found, areas_.end() - 1) - areas_.begin())];
-    if (const auto* sphere = std::get_if<Sphere>(&entry.shape->geometry))
-      return placed_.ball(*sphere).point(random.direction());
-    const auto tri = placed_.triangle(std::get<TriangleMesh>(entry.shape->geometry), entry.primitive);
+    const PlacedScene::PlacedShape& shape = placed_.shape(entry.instance);
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) return placed_.ball(*sphere).point(random.direction());
+    const auto tri = placed_.triangle(std::get<PlacedMesh>(shape), entry.primitive);
     const double root = std::sqrt(random.unit()), v = random.unit();
     return {tri.p0 + (1.0 - v) * root * (tri.p1 - tri.p0) + v * root * (tri.p2 - tri.p0), glm::normalize(tri.normal()),
             tri.error()};
@@ -129,16 +148,16 @@ class Targets {
 
  private:
   struct Entry {
-    const Shape* shape;
+    std::size_t instance;
     std::size_t primitive;
   };
   void extend(const dvec3& p) {
     lower_ = glm::min(lower_, p);
     upper_ = glm::max(upper_, p);
   }
-  void add(const Shape& shape, std::size_t primitive, double area) {
+  void add(std::size_t instance, std::size_t primitive, double area) {
     if (!(area > 0.0)) return;
-    entries_.push_back({&shape, primitive});
+    entries_.push_back({instance, primitive});
     areas_.push_back((areas_.empty() ? 0.0 : areas_.back()) + area);
   }
 
@@ -215,7 +234,7 @@ std::vector<RaySet> make_ray_sets(const Scene& scene, RayCaster& caster, const R
   std::vector<CastRay> diffuse, shadows;
   Random random(options.seed);
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (hits[i].shape == CastHit::kNone) continue;
+    if (hits[i].instance == CastHit::kNone) continue;
     const auto point = placed.hit_point(primary[i], hits[i]);
     if (!point) continue;
     diffuse.push_back(bounce(*point, dvec3(primary[i].d), random));

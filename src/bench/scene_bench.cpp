@@ -85,7 +85,7 @@ void SceneBench::open_caster() {
     hits_.push_back(caster_->hits());
     RayRates rates{.kind = set.kind, .shuffled = set.shuffled, .count = set.rays.size()};
     for (const CastHit& hit : hits_.back()) {
-      rates.hits += hit.shape != CastHit::kNone;
+      rates.hits += hit.instance != CastHit::kNone;
       rates.steps += static_cast<double>(hit.steps) / static_cast<double>(set.rays.size());
     }
     if (judge) rates.check = check_rays(set, hits_.back(), *judge, options_.checked_rays);
@@ -154,10 +154,9 @@ SceneReport SceneBench::report() const {
                   .integrator = integrator_text(scene_.integrator),
                   .width = scene_.camera.width,
                   .height = scene_.camera.height};
-  for (const Shape& shape : scene_.shapes) {
-    const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
-    out.triangles += mesh != nullptr ? mesh->triangles.size() : 0;
-    out.spheres += mesh != nullptr ? 0 : 1;
+  for (const Instance& instance : scene_.instances) {
+    const Shape& shape = scene_.shape_of(instance);
+    (std::holds_alternative<Sphere>(shape) ? out.spheres : out.triangles) += primitive_count(shape);
   }
   std::vector<StartUp> all = cold_;
   all.insert(all.end(), warm_.begin(), warm_.end());

@@ -34,7 +34,7 @@ struct LightTally {
 struct Tally {
   std::uint64_t paths = 0;
   std::uint64_t light_samples = 0;
-  std::map<std::uint32_t, LightTally> lights;  ///< by shape
+  std::map<std::uint32_t, LightTally> lights;  ///< by instance
 };
 
 const char* lobe_name(const PathVertex& vertex) {
@@ -52,8 +52,8 @@ const char* lobe_name(const PathVertex& vertex) {
   }
 }
 
-std::string place(std::uint32_t shape, std::uint32_t primitive, const char* none) {
-  return shape == kNone ? none : fmt::format("shape {}, {}", shape, primitive);
+std::string place(std::uint32_t instance, std::uint32_t primitive, const char* none) {
+  return instance == kNone ? none : fmt::format("instance {}, {}", instance, primitive);
 }
 
 const char* yes_no(std::uint32_t decision) {
@@ -65,9 +65,9 @@ Json number_or_null(std::uint32_t value) {
 }
 
 Json to_json(const PathVertex& v) {
-  return {{"shape", number_or_null(v.shape)},
+  return {{"instance", number_or_null(v.instance)},
           {"primitive", number_or_null(v.primitive)},
-          {"lightShape", number_or_null(v.light_shape)},
+          {"lightInstance", number_or_null(v.light_instance)},
           {"lightPrimitive", number_or_null(v.light_primitive)},
           {"lightReached", number_or_null(v.light_contributed)},
           {"lobe", lobe_name(v)},
@@ -107,12 +107,12 @@ void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Option
   }
   print_result("{} on {}, seed {}: pixel ({}, {}), sample {}\n", options.scene_file, renderer.device_name(),
                options.seed, x, y, id.sample);
-  print_result("{:>7}  {:<13} {:<13} {:<8} {:<13} {:<8}  radiance gathered so far\n", "segment", "meets", "light",
+  print_result("{:>7}  {:<16} {:<16} {:<8} {:<13} {:<8}  radiance gathered so far\n", "segment", "meets", "light",
                "reached", "lobe", "survives");
   for (std::size_t i = 0; i < path.size(); ++i) {
     const PathVertex& v = path[i];
-    print_result("{:>7}  {:<13} {:<13} {:<8} {:<13} {:<8}  {:.5g} {:.5g} {:.5g}\n", i + 1,
-                 place(v.shape, v.primitive, "nothing"), place(v.light_shape, v.light_primitive, "-"),
+    print_result("{:>7}  {:<16} {:<16} {:<8} {:<13} {:<8}  {:.5g} {:.5g} {:.5g}\n", i + 1,
+                 place(v.instance, v.primitive, "nothing"), place(v.light_instance, v.light_primitive, "-"),
                  yes_no(v.light_contributed), lobe_name(v), yes_no(v.survived), v.radiance.x, v.radiance.y,
                  v.radiance.z);
   }
@@ -124,16 +124,16 @@ Tally count_lights(Renderer& renderer, const Scene& scene, std::uint64_t paths) 
   constexpr double kGolden = 0.6180339887498949;
   const double pixels = static_cast<double>(std::uint64_t{scene.camera.width} * scene.camera.height);
   Tally tally{.paths = paths, .light_samples = 0, .lights = {}};
-  for (std::uint32_t i = 0; i < scene.shapes.size(); ++i) {
-    if (scene.shapes[i].emitter) tally.lights[i] = {};
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (scene.instances[i].emitter) tally.lights[i] = {};
   }
   for (std::uint64_t i = 0; i < paths; ++i) {
     const double fraction = std::fmod(0.5 + static_cast<double>(i) * kGolden, 1.0);
     const SampleId id{static_cast<std::uint32_t>(fraction * pixels), static_cast<std::uint32_t>(i)};
     for (const PathVertex& vertex : renderer.trace_path(id)) {
-      if (vertex.light_shape == kNone) continue;
+      if (vertex.light_instance == kNone) continue;
       ++tally.light_samples;
-      LightTally& light = tally.lights[vertex.light_shape];
+      LightTally& light = tally.lights[vertex.light_instance];
       ++light.chosen;
       light.reached += vertex.light_contributed == 1 ? 1 : 0;
     }
@@ -149,8 +149,8 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
   const Tally tally = count_lights(renderer, scene, options.lights);
   if (options.json) {
     auto lights = Json::array();
-    for (const auto& [shape, light] : tally.lights) {
-      lights.push_back({{"shape", shape},
+    for (const auto& [instance, light] : tally.lights) {
+      lights.push_back({{"instance", instance},
                         {"chosen", light.chosen},
                         {"share", share(light.chosen, tally.light_samples)},
                         {"reached", light.reached}});
@@ -166,9 +166,9 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
   }
   print_result("{} on {}, seed {}: {} light samples of {} paths\n", options.scene_file, renderer.device_name(),
                options.seed, tally.light_samples, tally.paths);
-  print_result("{:<10} {:>10} {:>8} {:>10}\n", "light", "chosen", "share", "unhidden");
-  for (const auto& [shape, light] : tally.lights) {
-    print_result("shape {:<4} {:>10} {:>6.2f} % {:>8.2f} %\n", shape, light.chosen,
+  print_result("{:<13} {:>10} {:>8} {:>10}\n", "light", "chosen", "share", "unhidden");
+  for (const auto& [instance, light] : tally.lights) {
+    print_result("instance {:<4} {:>10} {:>6.2f} % {:>8.2f} %\n", instance, light.chosen,
                  100.0 * share(light.chosen, tally.light_samples), 100.0 * share(light.reached, light.chosen));
   }
 }

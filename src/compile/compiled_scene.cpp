@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
@@ -16,6 +17,8 @@
 #include "compile/reinsertion.h"
 #include "compile/wide_bvh.h"
 #include "core/errors.h"
+#include "scene/invariants.h"
+#include "scene/placed.h"
 
 namespace etendue {
 namespace {
@@ -26,46 +29,44 @@ double luminance(const glm::dvec3& rgb) {
   return glm::dot(rgb, glm::dvec3(0.212671, 0.715160, 0.072169));
 }
 
-gpu::Shape flatten_material(const Shape& shape) {
-  gpu::Shape out{};
-  out.first_triangle = gpu::kNone;
-  if (const auto* diffuse = std::get_if<DiffuseBsdf>(&shape.bsdf)) {
-    out.bsdf = gpu::kBsdfDiffuse;
-    out.albedo = glm::vec3(diffuse->albedo);
-  } else if (std::holds_alternative<MirrorBsdf>(shape.bsdf)) {
-    out.bsdf = gpu::kBsdfMirror;
-  } else {
-    const auto& dielectric = std::get<DielectricBsdf>(shape.bsdf);
-    out.bsdf = gpu::kBsdfDielectric;
-    out.int_ior = static_cast<float>(dielectric.int_ior);
-    out.ext_ior = static_cast<float>(dielectric.ext_ior);
-  }
-  if (shape.emitter) out.radiance = glm::vec3(shape.emitter->radiance);
-  return out;
+gpu::MaterialRecord flatten(const DiffuseBsdf& bsdf) {
+  return {glm::vec3(bsdf.albedo), gpu::kBsdfDiffuse | gpu::kMaterialOneSided};
+}
+gpu::MaterialRecord flatten(const MirrorBsdf&) {
+  return {glm::vec3(0.0f), gpu::kBsdfMirror | gpu::kMaterialDelta | gpu::kMaterialOneSided};
+}
+gpu::MaterialRecord flatten(const DielectricBsdf& bsdf) {
+  return {glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0), gpu::kBsdfDielectric | gpu::kMaterialDelta};
 }
 
-// Area of primitive i of the shape, in world units.
-double primitive_area(const Shape& shape, std::size_t i) {
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) return 4.0 * kPi * sphere->radius * sphere->radius;
-  const auto& mesh = std::get<TriangleMesh>(shape.geometry);
-  const glm::uvec3 t = mesh.triangles[i];
-  const glm::dvec3& p0 = mesh.positions[t.x];
-  return 0.5 * glm::length(glm::cross(mesh.positions[t.y] - p0, mesh.positions[t.z] - p0));
-}
+// A shape where its instance puts it: one of the two, as the shape is.
+struct Placed {
+  Placed(const Scene& scene, const Instance& instance) {
+    const Shape& shape = scene.shape_of(instance);
+    if (const auto* s = std::get_if<Sphere>(&shape)) sphere = placed_sphere(*s, instance);
+    if (const auto* m = std::get_if<TriangleMesh>(&shape)) mesh.emplace(*m, instance);
+  }
+  std::size_t primitive_count() const { return mesh ? mesh->triangle_count() : 1; }
+  // Of primitive i, in world units.
+  double area(std::size_t i) const {
+    return mesh ? triangle_area(mesh->triangle(i)) : 4.0 * kPi * sphere->radius * sphere->radius;
+  }
+
+  std::optional<Sphere> sphere;
+  std::optional<PlacedMesh> mesh;
+};
 
 // Of radiance 1. Power 0 for a triangle whose normal is made of rounding errors.
-LightLeaf light_leaf(const Shape& shape, std::size_t i) {
+LightLeaf light_leaf(const Placed& placed, std::size_t i) {
   LightLeaf leaf;
-  leaf.area = primitive_area(shape, i);
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+  leaf.area = placed.area(i);
+  if (placed.sphere) {
     leaf.power = leaf.area / 4.0;  // what it shows to each side
-    leaf.lower = sphere->center - sphere->radius;
-    leaf.upper = sphere->center + sphere->radius;
+    leaf.lower = placed.sphere->center - placed.sphere->radius;
+    leaf.upper = placed.sphere->center + placed.sphere->radius;
     return leaf;
   }
-  const auto& mesh = std::get<TriangleMesh>(shape.geometry);
-  const glm::uvec3 t = mesh.triangles[i];
-  const glm::dvec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
+  const auto [p0, p1, p2] = placed.mesh->triangle(i);
   leaf.lower = glm::min(p0, glm::min(p1, p2));
   leaf.upper = glm::max(p0, glm::max(p1, p2));
   constexpr double kLeastShare = 1e-14;  // of the longest edge squared, for twice the area
@@ -74,11 +75,6 @@ LightLeaf light_leaf(const Shape& shape, std::size_t i) {
   leaf.power = leaf.area;
   leaf.normal = glm::cross(p1 - p0, p2 - p0) / (2.0 * leaf.area);
   return leaf;
-}
-
-std::size_t primitive_count(const Shape& shape) {
-  const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
-  return mesh != nullptr ? mesh->triangles.size() : 1;
 }
 
 Box primitive_box(const gpu::Primitive& p) {
@@ -102,7 +98,8 @@ class Compiler {
 
   CompiledScene compile() {
     check_size();
-    flatten_shapes();
+    flatten_materials();
+    flatten_instances();
     build_tree();
     make_lights();
     if (wants_light_tree(scene_)) make_light_tree();
@@ -116,7 +113,7 @@ class Compiler {
   // The tree refuses what it cannot address; here it costs neither time nor memory.
   void check_size() const {
     std::size_t primitives = 0;
-    for (const Shape& shape : scene_.shapes) primitives += primitive_count(shape);
+    for (const Instance& instance : scene_.instances) primitives += primitive_count(scene_.shape_of(instance));
     if (primitives < kMaxPrimitives) return;
     throw Error(ExitCode::scene_error,
                 fmt::format("The scene {} has {} primitives; kernels address fewer than {}. Use coarser meshes or "
@@ -124,45 +121,57 @@ class Compiler {
                             scene_.name, primitives, kMaxPrimitives));
   }
 
-  void flatten_shapes() {
-    for (const Shape& shape : scene_.shapes) {
-      gpu::Shape flat = flatten_material(shape);
+  void flatten_materials() {
+    for (const Material& material : scene_.materials)
+      out_.materials.push_back(std::visit([](const auto& bsdf) { return flatten(bsdf); }, material.bsdf));
+    if (out_.materials.empty()) out_.materials.push_back({});
+  }
+
+  void flatten_instances() {
+    for (const Instance& instance : scene_.instances) {
+      const AreaEmitter* emitter = scene_.emitter_of(instance);
+      gpu::Instance flat{};
+      flat.radiance = emitter != nullptr ? glm::vec3(emitter->radiance) : glm::vec3(0.0f);
+      flat.material = instance.material;
+      flat.first_triangle = gpu::kNone;
       first_primitive_.push_back(flat_primitives_.size());
-      const auto index = static_cast<gpu::uint>(out_.shapes.size());
-      if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-        gpu::Primitive p{};
-        p.p0 = normalization_.point(sphere->center);
-        p.p1.x = static_cast<float>(sphere->radius * normalization_.scale);
-        p.shape = index;
-        p.kind = gpu::kPrimitiveSphere;
-        out_.has_spheres = true;
-        flat_primitives_.push_back(p);
-      } else {
-        flatten_mesh(std::get<TriangleMesh>(shape.geometry), index, flat);
-      }
-      out_.shapes.push_back(flat);
+      flatten_shape(Placed(scene_, instance), static_cast<gpu::uint>(out_.instances.size()), flat);
+      out_.instances.push_back(flat);
     }
     if (flat_primitives_.empty())
       flat_primitives_.push_back({});  // a point-sized triangle: bindings are never empty, nothing is hit
-    if (out_.shapes.empty()) out_.shapes.push_back({});
+    if (out_.instances.empty()) out_.instances.push_back({});
   }
 
-  void flatten_mesh(const TriangleMesh& mesh, gpu::uint shape_index, gpu::Shape& flat) {
-    gpu::uint triangle = 0;
-    for (const glm::uvec3& t : mesh.triangles) {
+  void flatten_shape(const Placed& placed, gpu::uint index, gpu::Instance& flat) {
+    if (placed.mesh) return flatten_mesh(*placed.mesh, index, flat);
+    gpu::Primitive p{};
+    p.p0 = normalization_.point(placed.sphere->center);
+    p.p1.x = static_cast<float>(placed.sphere->radius * normalization_.scale);
+    p.instance = index;
+    p.kind = gpu::kPrimitiveSphere;
+    out_.has_spheres = true;
+    flat_primitives_.push_back(p);
+  }
+
+  void flatten_mesh(const PlacedMesh& mesh, gpu::uint index, gpu::Instance& flat) {
+    for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
+      const auto [p0, p1, p2] = mesh.triangle(i);
       gpu::Primitive p{};
-      p.p0 = normalization_.point(mesh.positions[t.x]);
-      p.p1 = normalization_.point(mesh.positions[t.y]);
-      p.p2 = normalization_.point(mesh.positions[t.z]);
-      p.shape = shape_index;
-      p.primitive = triangle++;
+      p.p0 = normalization_.point(p0);
+      p.p1 = normalization_.point(p1);
+      p.p2 = normalization_.point(p2);
+      p.instance = index;
+      p.primitive = static_cast<gpu::uint>(i);
       flat_primitives_.push_back(p);
     }
-    if (mesh.normals.empty()) return;
+    if (!mesh.has_normals()) return;
     flat.first_triangle = static_cast<gpu::uint>(out_.triangles.size());
     const auto first_normal = static_cast<gpu::uint>(out_.normals.size());
-    for (const glm::uvec3& t : mesh.triangles) out_.triangles.emplace_back(t + first_normal, 0u);
-    for (const glm::dvec3& n : mesh.normals) out_.normals.emplace_back(glm::vec3(n), 0.0f);
+    for (std::size_t i = 0; i < mesh.triangle_count(); ++i)
+      out_.triangles.emplace_back(mesh.indices(i) + first_normal, 0u);
+    for (std::uint32_t i = 0; i < mesh.mesh().normals.size(); ++i)
+      out_.normals.emplace_back(glm::vec3(mesh.normal(i)), 0.0f);
   }
 
   // The primitives outside the tree: triangles, then spheres, each in the order of the scene.
@@ -189,77 +198,80 @@ class Compiler {
     out_.records = std::move(tree.texels);
     out_.tree_root = tree.root;
     out_.tree_depth = tree.depth;
-    slot_of_ = std::move(tree.slot_of);
   }
 
   void make_lights() {
     std::vector<double> weights;
     std::vector<double> areas;
-    for (const Shape& shape : scene_.shapes) {
+    for (const Instance& instance : scene_.instances) {
+      const AreaEmitter* emitter = scene_.emitter_of(instance);
       double area = 0.0;
-      for (std::size_t i = 0; shape.emitter && i < primitive_count(shape); ++i) area += primitive_area(shape, i);
+      if (emitter != nullptr) {
+        const Placed placed(scene_, instance);
+        for (std::size_t i = 0; i < placed.primitive_count(); ++i) area += placed.area(i);
+      }
       areas.push_back(area);
-      weights.push_back(shape.emitter ? luminance(shape.emitter->radiance) * area : 0.0);
+      weights.push_back(emitter != nullptr ? luminance(emitter->radiance) * area : 0.0);
     }
     const std::vector<std::uint64_t> thresholds = integer_thresholds(weights);
     for (std::size_t i = 0; i < weights.size() && !thresholds.empty(); ++i) {
       if (!(weights[i] > 0.0)) continue;
-      gpu::Shape& flat = out_.shapes[i];
+      gpu::Instance& flat = out_.instances[i];
       flat.light_prob = static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
       flat.light_area = static_cast<float>(areas[i] * normalization_.scale * normalization_.scale);
-      add_light(scene_.shapes[i], static_cast<gpu::uint>(i), static_cast<gpu::uint>(thresholds[i]));
+      add_light(Placed(scene_, scene_.instances[i]), static_cast<gpu::uint>(i), static_cast<gpu::uint>(thresholds[i]));
     }
   }
 
-  void add_light(const Shape& shape, gpu::uint index, gpu::uint threshold) {
-    gpu::LightShape light{threshold, index, static_cast<gpu::uint>(out_.light_primitives.size()), 0};
+  void add_light(const Placed& placed, gpu::uint index, gpu::uint threshold) {
+    gpu::LightInstance light{threshold, index, static_cast<gpu::uint>(out_.light_primitives.size()), 0};
     std::vector<double> areas;
-    for (std::size_t i = 0; i < primitive_count(shape); ++i) areas.push_back(primitive_area(shape, i));
+    for (std::size_t i = 0; i < placed.primitive_count(); ++i) areas.push_back(placed.area(i));
     const std::vector<std::uint64_t> thresholds = integer_thresholds(areas);
     for (std::size_t i = 0; i < areas.size(); ++i) {
       if (!(areas[i] > 0.0))
         continue;  // entries of zero weight are left out, so the last one with T <= word is the one chosen
       const auto prob = static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
       out_.light_primitives.push_back(
-          {static_cast<gpu::uint>(thresholds[i]), slot_of_[first_primitive_[index] + i], prob, 0});
+          {flat_primitives_[first_primitive_[index] + i], static_cast<gpu::uint>(thresholds[i]), prob, 0, 0});
       ++light.primitive_count;
     }
-    out_.light_shapes.push_back(light);
+    out_.light_instances.push_back(light);
   }
 
-  // The primitives that emit, in the order of the scene; where[i] = (shape, primitive) of leaf i.
-  std::vector<LightLeaf> light_leaves(std::vector<std::pair<std::size_t, std::size_t>>& where) const {
+  // The primitives that emit, in the order of the scene: light primitives of positive power.
+  std::vector<LightLeaf> light_leaves() const {
     std::vector<LightLeaf> leaves;
-    for (std::size_t s = 0; s < scene_.shapes.size(); ++s) {
-      const Shape& shape = scene_.shapes[s];
-      const double radiance = shape.emitter ? luminance(shape.emitter->radiance) : 0.0;
-      for (std::size_t i = 0; radiance > 0.0 && i < primitive_count(shape); ++i) {
-        LightLeaf leaf = light_leaf(shape, i);
+    for (const gpu::LightInstance& light : out_.light_instances) {
+      const Instance& instance = scene_.instances[light.instance];
+      const Placed placed(scene_, instance);
+      const double radiance = luminance(scene_.emitter_of(instance)->radiance);
+      for (gpu::uint i = light.first_primitive; i < light.first_primitive + light.primitive_count; ++i) {
+        LightLeaf leaf = light_leaf(placed, out_.light_primitives[i].primitive.primitive);
         leaf.power *= radiance;
         if (!(leaf.power > 0.0)) continue;
-        leaf.slot = slot_of_[first_primitive_[s] + i];
+        leaf.light_primitive = i;
         leaves.push_back(leaf);
-        where.emplace_back(s, i);
       }
     }
     return leaves;
   }
 
   void make_light_tree() {
-    std::vector<std::pair<std::size_t, std::size_t>> where;
-    const std::vector<LightLeaf> leaves = light_leaves(where);
+    const std::vector<LightLeaf> leaves = light_leaves();
     if (leaves.size() < 2) return;  // nothing to choose: by power is the same
     FlatLightTree tree = build_light_tree(leaves, normalization_);
     std::vector<gpu::LightTrail>& trails = out_.light_trails;
-    trails.resize(scene_.shapes.size());
-    for (std::size_t s = 0; s < scene_.shapes.size(); ++s) {
-      if (!scene_.shapes[s].emitter) continue;
-      trails[s].turns = static_cast<gpu::uint>(trails.size());
-      trails.resize(trails.size() + primitive_count(scene_.shapes[s]), gpu::LightTrail{0, 1.0f, 0, 0});
+    trails.resize(scene_.instances.size());
+    for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+      if (!scene_.instances[i].emitter) continue;
+      trails[i].turns = static_cast<gpu::uint>(trails.size());
+      trails.resize(trails.size() + primitive_count(scene_.shape_of(scene_.instances[i])),
+                    gpu::LightTrail{0, 1.0f, 0, 0});
     }
-    for (std::size_t i = 0; i < where.size(); ++i) {
-      const auto [shape, primitive] = where[i];
-      trails[trails[shape].turns + primitive] = tree.trails[i];
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      const gpu::Primitive& at = out_.light_primitives[leaves[i].light_primitive].primitive;
+      trails[trails[at.instance].turns + at.primitive] = tree.trails[i];
     }
     out_.light_pairs = std::move(tree.pairs);
     out_.light_tree_depth = tree.depth;
@@ -268,9 +280,8 @@ class Compiler {
   const Scene& scene_;
   Normalization normalization_;
   CompiledScene out_;
-  std::vector<gpu::Primitive> flat_primitives_;  // shape by shape, before the tree orders them
-  std::vector<std::size_t> first_primitive_;     // of each shape, into flat_primitives_
-  std::vector<gpu::uint> slot_of_;               // of each flat primitive
+  std::vector<gpu::Primitive> flat_primitives_;  // instance by instance, before the tree orders them
+  std::vector<std::size_t> first_primitive_;     // of each instance, into flat_primitives_
 };
 
 std::atomic<std::uint64_t> g_compilations{0};
@@ -283,6 +294,7 @@ std::uint64_t scene_compilations() {
 
 CompiledScene compile_scene(const Scene& scene) {
   ++g_compilations;
+  require_invariants(scene);
   return Compiler(scene).compile();
 }
 

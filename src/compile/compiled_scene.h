@@ -17,13 +17,14 @@ struct CompiledScene {
   Sky sky;
   int film_exponent = 0;            ///< of the path integrator
   std::vector<gpu::uvec4> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives
-  std::vector<gpu::Shape> shapes;
+  std::vector<gpu::Instance> instances;
+  std::vector<gpu::MaterialRecord> materials;
   std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
   std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
-  std::vector<gpu::LightShape> light_shapes;
+  std::vector<gpu::LightInstance> light_instances;
   std::vector<gpu::LightPrimitive> light_primitives;
   std::vector<gpu::LightPair> light_pairs;  ///< of the light tree; empty where lights are chosen by power
-  /// Per shape in `turns` the place in this table of its first primitive's trail, then the trails.
+  /// Per instance in `turns` the place in this table of its first primitive's trail, then the trails.
   std::vector<gpu::LightTrail> light_trails;
   std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 where there is no tree
   std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone when all primitives stand outside the tree

@@ -56,7 +56,7 @@ CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32
   f.max_depth = view.integrator.max_depth;
   f.rr_depth = view.integrator.rr_depth > 0 ? view.integrator.rr_depth : gpu::kNone;
   f.film_exponent = view.integrator.type == Integrator::Type::normals ? 0 : scene.film_exponent;
-  f.light_shape_count = scene.light_shape_count;
+  f.light_instance_count = scene.light_instance_count;
   const FilterTable table = make_filter_table(camera.filter);
   f.filter_weight = static_cast<float>(table.weight);
   f.filter_zero = table.has_negative_lobes ? static_cast<float>(table.zero) : INFINITY;

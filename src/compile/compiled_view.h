@@ -14,13 +14,13 @@ struct SceneFacts {
   Normalization normalization;
   Sky sky;
   int film_exponent = 0;  ///< of the path integrator
-  std::uint32_t light_shape_count = 0;
+  std::uint32_t light_instance_count = 0;
 
   explicit SceneFacts(const CompiledScene& scene)
       : normalization(scene.normalization),
         sky(scene.sky),
         film_exponent(scene.film_exponent),
-        light_shape_count(static_cast<std::uint32_t>(scene.light_shapes.size())) {}
+        light_instance_count(static_cast<std::uint32_t>(scene.light_instances.size())) {}
 };
 
 struct CompiledView {

@@ -62,7 +62,7 @@ class Builder {
     const double area = leaf.area * normalization_.scale * normalization_.scale;
     out_.trails[order_[first]] = {turns | Index{1} << level, static_cast<float>(area), 0, 0};
     out_.depth = std::max(out_.depth, level);
-    return gpu::kLightLeaf | leaf.slot;
+    return gpu::kLightLeaf | leaf.light_primitive;
   }
 
   // Makes the pair of order_[first, first + count) and returns its index.

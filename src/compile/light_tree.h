@@ -17,8 +17,8 @@ struct LightLeaf {
   double area = 0.0;      ///< of the primitive
   glm::dvec3 lower{0.0};  ///< corners of its box
   glm::dvec3 upper{0.0};
-  glm::dvec3 normal{0.0};  ///< unit; 0 for a sphere
-  std::uint32_t slot = 0;  ///< its record
+  glm::dvec3 normal{0.0};             ///< unit; 0 for a sphere
+  std::uint32_t light_primitive = 0;  ///< its index among the compiled light primitives
 };
 
 struct FlatLightTree {

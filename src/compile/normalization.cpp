@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "scene/placed.h"
+
 namespace etendue {
 namespace {
 
@@ -16,14 +18,16 @@ double median(std::vector<double>& values) {
 // Calls visit(lower corner, upper corner, centroid) for every primitive.
 template <typename Visit>
 void for_each_primitive(const Scene& scene, const Visit& visit) {
-  for (const Shape& shape : scene.shapes) {
-    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-      visit(sphere->center - sphere->radius, sphere->center + sphere->radius, sphere->center);
+  for (const Instance& instance : scene.instances) {
+    const Shape& shape = scene.shape_of(instance);
+    if (const auto* local = std::get_if<Sphere>(&shape)) {
+      const Sphere sphere = placed_sphere(*local, instance);
+      visit(sphere.center - sphere.radius, sphere.center + sphere.radius, sphere.center);
       continue;
     }
-    const auto& mesh = std::get<TriangleMesh>(shape.geometry);
-    for (const glm::uvec3& t : mesh.triangles) {
-      const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+    const PlacedMesh mesh(std::get<TriangleMesh>(shape), instance);
+    for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
+      const auto [a, b, c] = mesh.triangle(i);
       visit(glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)), (a + b + c) / 3.0);
     }
   }

@@ -41,9 +41,7 @@ std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOpti
     diagnostics.error({}, error.what(), error.code());
     return std::nullopt;
   }
-  const MeshLoader load = [](const std::string& mesh, const glm::dmat4& world_from_object, Diagnostics& sink) {
-    return read_obj(mesh, world_from_object, sink);
-  };
+  const MeshLoader load = [](const std::string& mesh, Diagnostics& sink) { return read_obj(mesh, sink); };
   return parse_scene_file(std::move(text), path, options, load, diagnostics);
 }
 

@@ -14,8 +14,7 @@ constexpr double kDispatchTimeout = 60.0;  // seconds
 // A scene that holds nothing but the material, so that it reaches the device the way every material does.
 CompiledScene compile_material(const Bsdf& bsdf) {
   Scene scene;
-  scene.shapes.push_back(
-      {.geometry = Sphere{}, .bsdf = bsdf, .emitter = std::nullopt, .name = "sphere", .position = {}});
+  scene.add(Sphere{}, bsdf).name = "sphere";
   return compile_scene(scene);
 }
 

@@ -48,33 +48,39 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
         "geometry",
         {table("triangle indices", kFirst, s.triangles), table("vertex normals", gpu::kConstantNormalsAt, s.normals)}},
        {gpu::kBindingTables,
-        "shapes and lights",
-        {table("shapes", kFirst, s.shapes), table("emitters", gpu::kConstantLightShapesAt, s.light_shapes),
+        "instances, materials and lights",
+        {table("instances", kFirst, s.instances), table("materials", gpu::kConstantMaterialsAt, s.materials),
+         table("emitters", gpu::kConstantLightInstancesAt, s.light_instances),
          table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
          table("light tree", gpu::kConstantLightPairsAt, s.light_pairs),
          table("trails of the light tree", gpu::kConstantLightTrailsAt, s.light_trails)}}}};
 }
 
-// Bit i for the material kBsdf… = i.
-std::uint32_t bsdfs_used(const CompiledScene& scene) {
-  std::uint32_t used = 0;
-  for (const gpu::Shape& shape : scene.shapes) used |= 1u << shape.bsdf;
-  return used;
-}
+// What the materials that surfaces have are: kernels are built for them and no others.
+struct MaterialsUsed {
+  explicit MaterialsUsed(const CompiledScene& scene) {
+    for (const gpu::Instance& instance : scene.instances) {
+      const gpu::uint header = scene.materials[instance.material].header;
+      types |= 1u << (header & gpu::kMaterialTypeMask);
+      flags_some |= header & ~gpu::kMaterialTypeMask;
+      flags_all &= header & ~gpu::kMaterialTypeMask;
+    }
+  }
+  std::uint32_t types = 0;  // bit i for the type kBsdf… = i
+  std::uint32_t flags_some = 0, flags_all = ~gpu::kMaterialTypeMask;
+};
 
 bool has_sphere_lights(const CompiledScene& scene) {
-  const TreeReader<gpu::kBvhWidth> tree(scene.records);
-  return std::any_of(
-      scene.light_primitives.begin(), scene.light_primitives.end(),
-      [&](const gpu::LightPrimitive& light) { return tree.primitive(light.slot).kind == gpu::kPrimitiveSphere; });
+  return std::any_of(scene.light_primitives.begin(), scene.light_primitives.end(),
+                     [](const gpu::LightPrimitive& light) { return light.primitive.kind == gpu::kPrimitiveSphere; });
 }
 
 }  // namespace
 
 LightRounds::LightRounds(const CompiledScene& scene) {
   std::uint32_t most = 1;
-  for (const gpu::LightShape& light : scene.light_shapes) most = std::max(most, light.primitive_count);
-  shapes = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_shapes.size(), 1) - 1));
+  for (const gpu::LightInstance& light : scene.light_instances) most = std::max(most, light.primitive_count);
+  instances = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_instances.size(), 1) - 1));
   primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
 }
 
@@ -117,14 +123,17 @@ std::vector<vulkan::Specialization> table_places(const CompiledScene& scene) {
 
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) {
   const LightRounds light_rounds(scene);
+  const MaterialsUsed used(scene);
   std::vector<vulkan::Specialization> constants = table_places(scene);
   constants.insert(constants.end(), {{gpu::kConstantStackSize, std::max(1u, scene.tree_depth)},
                                      {gpu::kConstantHasSpheres, scene.has_spheres ? 1u : 0u},
                                      {gpu::kConstantFewTriangles, scene.few_triangles},
                                      {gpu::kConstantFewSpheres, scene.few_spheres},
-                                     {gpu::kConstantLightShapeRounds, light_rounds.shapes},
+                                     {gpu::kConstantLightInstanceRounds, light_rounds.instances},
                                      {gpu::kConstantLightPrimitiveRounds, light_rounds.primitives},
-                                     {gpu::kConstantBsdfsUsed, bsdfs_used(scene)},
+                                     {gpu::kConstantBsdfsUsed, used.types},
+                                     {gpu::kConstantMaterialFlagsSome, used.flags_some},
+                                     {gpu::kConstantMaterialFlagsAll, used.flags_all},
                                      {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
                                      {gpu::kConstantSphereLights, has_sphere_lights(scene) ? 1u : 0u},
                                      {gpu::kConstantTreeRoot, scene.tree_root}});

@@ -17,7 +17,7 @@ TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScen
 
 /// Rounds of the two bisections that choose a light: ceil(log2) of what there is to choose from.
 struct LightRounds {
-  std::uint32_t shapes = 0, primitives = 0;
+  std::uint32_t instances = 0, primitives = 0;
   explicit LightRounds(const CompiledScene& scene);
 };
 

@@ -234,22 +234,22 @@ void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
 std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view, const RenderSettings& settings,
                                                                 bool tabulated_filter) const {
   const bool path = view.integrator.type == Integrator::Type::path;
-  const bool nee = view.integrator.nee && scene_->facts().light_shape_count > 0;
+  const bool nee = view.integrator.nee && scene_->facts().light_instance_count > 0;
   const std::uint32_t turns = nee ? kTurnsNee : kTurnsNaive;
   const std::uint32_t steps = !scene_->has_tree() ? 1 : nee ? kStepsNee : kStepsNaive;
   const std::uint32_t tree_depth = path && view.integrator.nee ? scene_->light_tree_depth() : 0;
   const LightRounds& rounds = scene_->light_rounds();
-  return {
-      {gpu::kConstantFilterKind, tabulated_filter ? gpu::kFilterTable : gpu::kFilterBox},
-      {gpu::kConstantIntegrator, path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
-      {gpu::kConstantNee, nee ? 1u : 0u},
-      {gpu::kConstantMis, view.integrator.mis ? 1u : 0u},
-      {gpu::kConstantLuminance, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
-      {gpu::kConstantStepsPerTurn, steps},
-      {gpu::kConstantTurnsPerRound, turns},
-      {gpu::kConstantIterationsPerRound, turns * (steps + 1) + 1 + rounds.shapes + rounds.primitives + 2 * tree_depth},
-      {gpu::kConstantLightTreeDepth, tree_depth},
-      {gpu::kConstantSetBits, set_bits_}};
+  return {{gpu::kConstantFilterKind, tabulated_filter ? gpu::kFilterTable : gpu::kFilterBox},
+          {gpu::kConstantIntegrator, path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
+          {gpu::kConstantNee, nee ? 1u : 0u},
+          {gpu::kConstantMis, view.integrator.mis ? 1u : 0u},
+          {gpu::kConstantLuminance, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
+          {gpu::kConstantStepsPerTurn, steps},
+          {gpu::kConstantTurnsPerRound, turns},
+          {gpu::kConstantIterationsPerRound,
+           turns * (steps + 1) + 1 + rounds.instances + rounds.primitives + 2 * tree_depth},
+          {gpu::kConstantLightTreeDepth, tree_depth},
+          {gpu::kConstantSetBits, set_bits_}};
 }
 
 // The film's place on the device is kept from render to render.
@@ -458,8 +458,8 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
   for (std::uint32_t i = 0; i < std::min(count, gpu::kMaxTracedVertices); ++i) {
     gpu::TracedVertex v;
     std::memcpy(&v, bytes.data() + 16 + i * sizeof v, sizeof v);
-    out.push_back(
-        {v.shape, v.primitive, v.light_shape, v.light_primitive, v.light_contributed, v.lobe, v.survived, v.radiance});
+    out.push_back({v.instance, v.primitive, v.light_instance, v.light_primitive, v.light_contributed, v.lobe,
+                   v.survived, v.radiance});
   }
   return out;
 }

@@ -9,21 +9,21 @@ PathVertex* DecisionLog::vertex() const {
 void DecisionLog::segment(const std::optional<Surface>& hit) {
   ++segments_;
   if (vertices_ != nullptr && segments_ <= kMaxVertices) vertices_->emplace_back();
-  fold(hit ? hit->shape + 1 : 0);
+  fold(hit ? hit->instance + 1 : 0);
   if (!hit) return;
   fold(hit->primitive + 1);
   if (PathVertex* v = vertex()) {
-    v->shape = hit->shape;
+    v->instance = hit->instance;
     v->primitive = hit->primitive;
   }
 }
 
 void DecisionLog::light(const LightSample& sample, bool contributed) {
-  fold(sample.shape + 1);
+  fold(sample.instance + 1);
   fold(sample.primitive + 1);
   fold(contributed ? 1 : 0);
   if (PathVertex* v = vertex()) {
-    v->light_shape = sample.shape;
+    v->light_instance = sample.instance;
     v->light_primitive = sample.primitive;
     v->light_contributed = contributed ? 1 : 0;
   }

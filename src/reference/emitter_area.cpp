@@ -38,10 +38,10 @@ void sample_sphere(const Sphere& sphere, const AreaLight& light, double prob, co
 }
 
 double primitive_area(const Scene& scene, const AreaLight& light, std::uint32_t primitive) {
-  const auto* mesh = std::get_if<TriangleMesh>(&scene.shapes[light.shape].geometry);
+  const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(scene.instances[light.instance]));
   if (mesh == nullptr) return light.area;
-  const glm::uvec3 t = mesh->triangles[primitive];
-  return triangle_area(mesh->positions[t.x], mesh->positions[t.y], mesh->positions[t.z]);
+  const auto [p0, p1, p2] = light.placement.triangle(*mesh, primitive);
+  return triangle_area(p0, p1, p2);
 }
 
 }  // namespace
@@ -55,9 +55,9 @@ std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& fro
     const double pdf_a = choice.prob / primitive_area(scene, light, choice.leaf->primitive);
     return Chosen{&light, choice.leaf->primitive, choice.prob, pdf_a, pdf_a};
   }
-  const std::size_t index = shape_choice_.choose(random.emitter);
+  const std::size_t index = choice_.choose(random.emitter);
   const AreaLight& light = lights_[index];
-  Chosen chosen{.light = &light, .prob = shape_choice_.prob(index)};
+  Chosen chosen{.light = &light, .prob = choice_.prob(index)};
   if (light.triangles.empty()) return chosen;
   const std::size_t triangle = light.triangles.choose(random.primitive);
   chosen.primitive = static_cast<std::uint32_t>(triangle);
@@ -68,8 +68,7 @@ std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& fro
 
 void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, const Vec3& from,
                              const SampleRandom::Light& random, LightSample& sample) const {
-  const glm::uvec3 t = mesh.triangles[chosen.primitive];
-  const std::array<Vec3, 3> p{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+  const std::array<Vec3, 3> p = chosen.light->placement.triangle(mesh, chosen.primitive);
   const Vec3 b = square_to_triangle({random.u, random.v});
   sample.surface.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
   sample.surface.ng = sample.surface.ns = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
@@ -93,36 +92,37 @@ std::optional<LightSample> Lights::sample(const Scene& scene, const Vec3& from, 
   const std::optional<Chosen> chosen = choose(scene, from, ns, random);
   if (!chosen) return std::nullopt;
   LightSample sample;
-  sample.shape = sample.surface.shape = chosen->light->shape;
+  sample.instance = sample.surface.instance = chosen->light->instance;
   sample.primitive = sample.surface.primitive = chosen->primitive;
-  const Geometry& geometry = scene.shapes[sample.shape].geometry;
-  if (const auto* sphere = std::get_if<Sphere>(&geometry))
-    sample_sphere(*sphere, *chosen->light, chosen->prob, from, random, sample);
+  const Shape& shape = scene.shape_of(scene.instances[sample.instance]);
+  if (const auto* sphere = std::get_if<Sphere>(&shape))
+    sample_sphere(chosen->light->placement.sphere(*sphere), *chosen->light, chosen->prob, from, random, sample);
   else
-    sample_triangle(std::get<TriangleMesh>(geometry), *chosen, from, random, sample);
+    sample_triangle(std::get<TriangleMesh>(shape), *chosen, from, random, sample);
   return sample;
 }
 
 double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, const Surface& at) const {
-  const std::optional<std::size_t> index = of_shape_[at.shape];
+  const std::optional<std::size_t> index = of_instance_[at.instance];
   if (!index) return 0.0;
   const AreaLight& light = lights_[*index];
-  // By power, the weights see all triangles of a shape as one; its probability and its area stand for them.
+  // By power, the weights see all triangles of an instance as one; its probability and its area stand for them.
   const bool by_tree = !tree_.empty();
-  const double prob_shape = by_tree ? prob(from, ns, at.shape, at.primitive) : shape_choice_.prob(*index);
+  const double prob_light = by_tree ? prob(from, ns, at.instance, at.primitive) : choice_.prob(*index);
   const double area = by_tree ? primitive_area(scene, light, at.primitive) : light.area;
-  if (const auto* sphere = std::get_if<Sphere>(&scene.shapes[at.shape].geometry)) {
-    const double distance = glm::length(sphere->center - from);
-    return distance <= sphere->radius ? 0.0 : prob_shape * SphereCone(sphere->radius, distance).pdf_w();
+  if (const auto* object = std::get_if<Sphere>(&scene.shape_of(scene.instances[at.instance]))) {
+    const Sphere sphere = light.placement.sphere(*object);
+    const double distance = glm::length(sphere.center - from);
+    return distance <= sphere.radius ? 0.0 : prob_light * SphereCone(sphere.radius, distance).pdf_w();
   }
   const Vec3 to_light = at.p - from;
   const double distance2 = glm::dot(to_light, to_light);
   const double cos_light = -glm::dot(to_light, at.ng) / std::sqrt(distance2);
-  return cos_light <= 0.0 ? 0.0 : prob_shape / area * distance2 / cos_light;
+  return cos_light <= 0.0 ? 0.0 : prob_light / area * distance2 / cos_light;
 }
 
-Vec3 emitted_radiance(const Shape& shape, const Surface& surface, const Vec3& wo) {
-  return shape.emitter && glm::dot(surface.ng, wo) > 0.0 ? shape.emitter->radiance : Vec3(0.0);
+Vec3 emitted_radiance(const AreaEmitter* emitter, const Surface& surface, const Vec3& wo) {
+  return emitter != nullptr && glm::dot(surface.ng, wo) > 0.0 ? emitter->radiance : Vec3(0.0);
 }
 
 }  // namespace etendue::reference

@@ -78,17 +78,18 @@ class Path {
 
   /// Gathers light at vertex `depth` − 1 and turns `ray` into the next segment; false when the path ends.
   bool scatter(const Surface& surface, std::uint32_t depth, Ray& ray) {
-    const Shape& shape = world_.scene().shapes[surface.shape];
+    const Instance& instance = world_.scene().instances[surface.instance];
+    const Bsdf& bsdf = world_.scene().bsdf_of(instance);
     const Vec3 wo = -ray.direction;
-    radiance_ += beta_ * emission(shape, surface, wo);
+    radiance_ += beta_ * emission(world_.scene().emitter_of(instance), surface, wo);
     if (depth == integrator_.max_depth) return false;
-    const Scatterer scatterer(shape.bsdf, surface, wo);
+    const Scatterer scatterer(bsdf, surface, wo);
     if (scatterer.black()) {
       log_.lobe(Lobe::none);
       return false;
     }
     const std::uint32_t k = depth - 1;
-    if (integrator_.nee && !is_delta(shape.bsdf) && !world_.lights().empty())
+    if (integrator_.nee && !is_delta(bsdf) && !world_.lights().empty())
       radiance_ += beta_ * direct_light(surface, scatterer, random_.light(k));
 
     const SampleRandom::Material random = random_.material(k);
@@ -105,8 +106,8 @@ class Path {
   }
 
   /// Radiance emitted toward `wo`, times the share that finding it by chance has in the estimate.
-  Vec3 emission(const Shape& shape, const Surface& surface, const Vec3& wo) const {
-    const Vec3 Le = emitted_radiance(shape, surface, wo);
+  Vec3 emission(const AreaEmitter* emitter, const Surface& surface, const Vec3& wo) const {
+    const Vec3 Le = emitted_radiance(emitter, surface, wo);
     if (is_zero(Le) || !integrator_.nee || !previous_ || previous_->delta) return Le;
     if (!integrator_.mis) return Vec3(0.0);
     const double pdf_light = world_.lights().pdf_w_mis(world_.scene(), previous_->point, previous_->ns, surface);

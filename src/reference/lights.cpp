@@ -37,17 +37,24 @@ double DiscreteChoice::prob(std::size_t index) const {
 
 namespace {
 
-AreaLight make_light(const Shape& shape, std::uint32_t index) {
-  AreaLight light{.shape = index, .radiance = shape.emitter->radiance, .area = 0.0, .triangles = {}};
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    light.area = 4.0 * kPi * sphere->radius * sphere->radius;
+AreaLight make_light(const Scene& scene, std::uint32_t index) {
+  const Instance& instance = scene.instances[index];
+  AreaLight light{.instance = index,
+                  .placement = Placement(instance),
+                  .radiance = scene.emitter_of(instance)->radiance,
+                  .area = 0.0,
+                  .triangles = {}};
+  if (const auto* object = std::get_if<Sphere>(&scene.shape_of(instance))) {
+    const Sphere sphere = light.placement.sphere(*object);
+    light.area = 4.0 * kPi * sphere.radius * sphere.radius;
     return light;
   }
-  const auto& mesh = std::get<TriangleMesh>(shape.geometry);
+  const auto& mesh = std::get<TriangleMesh>(scene.shape_of(instance));
   std::vector<double> areas;
   areas.reserve(mesh.triangles.size());
-  for (const glm::uvec3& t : mesh.triangles) {
-    areas.push_back(triangle_area(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]));
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto [p0, p1, p2] = light.placement.triangle(mesh, i);
+    areas.push_back(triangle_area(p0, p1, p2));
     light.area += areas.back();
   }
   light.triangles = DiscreteChoice(areas);
@@ -59,20 +66,20 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
   std::vector<LightLeaf> leaves;
   for (std::uint32_t l = 0; l < lights.size(); ++l) {
     const double radiance = luminance(lights[l].radiance);
-    const Geometry& geometry = scene.shapes[lights[l].shape].geometry;
+    const Shape& shape = scene.shape_of(scene.instances[lights[l].instance]);
     if (!(radiance > 0.0)) continue;
-    if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+    if (const auto* object = std::get_if<Sphere>(&shape)) {
+      const Sphere sphere = lights[l].placement.sphere(*object);
       leaves.push_back({.light = l,
                         .primitive = 0,
-                        .power = radiance * kPi * sphere->radius * sphere->radius,
-                        .lower = sphere->center - sphere->radius,
-                        .upper = sphere->center + sphere->radius});
+                        .power = radiance * kPi * sphere.radius * sphere.radius,
+                        .lower = sphere.center - sphere.radius,
+                        .upper = sphere.center + sphere.radius});
       continue;
     }
-    const auto& mesh = std::get<TriangleMesh>(geometry);
+    const auto& mesh = std::get<TriangleMesh>(shape);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const glm::uvec3 t = mesh.triangles[i];
-      const Vec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
+      const auto [p0, p1, p2] = lights[l].placement.triangle(mesh, i);
       if (is_degenerate(p0, p1, p2)) continue;
       leaves.push_back({.light = l,
                         .primitive = i,
@@ -87,23 +94,23 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
 
 }  // namespace
 
-double Lights::prob(const Vec3& from, const Vec3& ns, std::uint32_t shape, std::uint32_t primitive) const {
-  const std::optional<std::size_t> index = of_shape_[shape];
+double Lights::prob(const Vec3& from, const Vec3& ns, std::uint32_t instance, std::uint32_t primitive) const {
+  const std::optional<std::size_t> index = of_instance_[instance];
   if (!index) return 0.0;
   if (!tree_.empty()) return tree_.prob(from, ns, static_cast<std::uint32_t>(*index), primitive);
   const DiscreteChoice& triangles = lights_[*index].triangles;
-  return shape_choice_.prob(*index) * (triangles.empty() ? 1.0 : triangles.prob(primitive));
+  return choice_.prob(*index) * (triangles.empty() ? 1.0 : triangles.prob(primitive));
 }
 
-Lights::Lights(const Scene& scene) : of_shape_(scene.shapes.size()) {
+Lights::Lights(const Scene& scene) : of_instance_(scene.instances.size()) {
   std::vector<double> weights;
-  for (std::uint32_t i = 0; i < scene.shapes.size(); ++i) {
-    if (!scene.shapes[i].emitter) continue;
-    of_shape_[i] = lights_.size();
-    lights_.push_back(make_light(scene.shapes[i], i));
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (!scene.instances[i].emitter) continue;
+    of_instance_[i] = lights_.size();
+    lights_.push_back(make_light(scene, i));
     weights.push_back(luminance(lights_.back().radiance) * lights_.back().area);
   }
-  shape_choice_ = DiscreteChoice(weights);
+  choice_ = DiscreteChoice(weights);
   if (wants_light_tree(scene)) tree_ = LightTree(light_leaves(scene, lights_));
 }
 

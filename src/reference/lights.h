@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reference/light_tree.h"
+#include "reference/placement.h"
 #include "reference/ray.h"
 #include "reference/rng.h"
 #include "scene/scene.h"
@@ -31,17 +32,18 @@ class DiscreteChoice {
   std::vector<std::uint64_t> thresholds_;
 };
 
-/// A shape with an emitter.
+/// An instance with an emitter.
 struct AreaLight {
-  std::uint32_t shape = 0;
+  std::uint32_t instance = 0;
+  Placement placement;
   Vec3 radiance{0.0};
-  double area = 0.0;
+  double area = 0.0;         ///< of the whole instance, in world space
   DiscreteChoice triangles;  ///< empty for a sphere
 };
 
 /// A point on a light, as seen from a point `from`.
 struct LightSample {
-  std::uint32_t shape = 0;
+  std::uint32_t instance = 0;
   std::uint32_t primitive = 0;
   Surface surface;     ///< the light's surface there
   Vec3 wi{0.0};        ///< unit, from `from` toward it
@@ -55,13 +57,13 @@ class Lights {
   explicit Lights(const Scene& scene);
   Lights() = default;
 
-  bool empty() const { return shape_choice_.empty(); }
+  bool empty() const { return choice_.empty(); }
   /// Chooses a light for a surface at `from` with shading normal `ns`, and a point on it. Not when empty; nothing when
   /// no light can contribute.
   std::optional<LightSample> sample(const Scene& scene, const Vec3& from, const Vec3& ns,
                                     const SampleRandom::Light& random) const;
   /// The probability with which `sample` chooses a primitive.
-  double prob(const Vec3& from, const Vec3& ns, std::uint32_t shape, std::uint32_t primitive) const;
+  double prob(const Vec3& from, const Vec3& ns, std::uint32_t instance, std::uint32_t primitive) const;
   /// The density with which `sample` finds `at`, for multiple-importance weights; 0 where there is no light.
   double pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, const Surface& at) const;
 
@@ -80,12 +82,12 @@ class Lights {
                        const SampleRandom::Light& random, LightSample& sample) const;
 
   std::vector<AreaLight> lights_;
-  LightTree tree_;                                    ///< empty where lights are chosen by power
-  DiscreteChoice shape_choice_;                       ///< index into lights_
-  std::vector<std::optional<std::size_t>> of_shape_;  ///< shape → index into lights_
+  LightTree tree_;                                       ///< empty where lights are chosen by power
+  DiscreteChoice choice_;                                ///< index into lights_
+  std::vector<std::optional<std::size_t>> of_instance_;  ///< instance → index into lights_
 };
 
-/// Radiance a shape's surface emits toward `wo`.
-Vec3 emitted_radiance(const Shape& shape, const Surface& surface, const Vec3& wo);
+/// Radiance that a surface with the emitter, null for none, sends toward `wo`.
+Vec3 emitted_radiance(const AreaEmitter* emitter, const Surface& surface, const Vec3& wo);
 
 }  // namespace etendue::reference

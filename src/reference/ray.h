@@ -21,7 +21,7 @@ struct Surface {
   Vec3 ng{0.0};            ///< geometric normal, unit
   Vec3 ns{0.0};            ///< shading normal, unit
   double magnitude = 0.0;  ///< largest coordinate of the primitive: what rounding errors are proportional to
-  std::uint32_t shape = 0;
+  std::uint32_t instance = 0;
   std::uint32_t primitive = 0;
 
   /// Where a ray toward `w` starts (or one from there ends): off the surface, to the side of `w`, by far more than the

@@ -51,7 +51,7 @@ class ReferenceRayCaster final : public RayCaster {
     const auto surface = world_.closest_hit(world);
     if (!surface) return {.t = ray.t_max};
     return {.t = static_cast<float>(glm::dot(surface->p - world.origin, world.direction) * placement_.scale),
-            .shape = surface->shape,
+            .instance = surface->instance,
             .primitive = surface->primitive};
   }
   CastHit any_hit(const CastRay& ray) const {
@@ -59,7 +59,7 @@ class ReferenceRayCaster final : public RayCaster {
     const reference::Ray world = world_ray(ray);
     const bool hit =
         world_.occluded(world.origin + world.t_min * world.direction, world.origin + world.t_max * world.direction);
-    return {.t = ray.t_max, .shape = hit ? 0 : CastHit::kNone};
+    return {.t = ray.t_max, .instance = hit ? 0 : CastHit::kNone};
   }
 
   reference::World world_;

@@ -15,6 +15,7 @@ double largest_coordinate(const Vec3& v) {
 }  // namespace
 
 World::World(const Scene& scene) : scene_(scene), lights_(scene), filter_(scene.camera.filter) {
+  for (const Instance& instance : scene_.instances) placements_.emplace_back(instance);
   const std::vector<Primitive> unordered = collect();
   std::vector<Box> boxes(unordered.size());
   for (std::size_t i = 0; i < unordered.size(); ++i) {
@@ -42,17 +43,19 @@ void World::set_view(const View& view) {
 
 std::vector<World::Primitive> World::collect() const {
   std::vector<Primitive> primitives;
-  for (std::uint32_t s = 0; s < scene_.shapes.size(); ++s) {
-    if (const auto* sphere = std::get_if<Sphere>(&scene_.shapes[s].geometry)) {
-      primitives.push_back({.p0 = sphere->center, .radius = sphere->radius, .shape = s, .index = 0});
+  for (std::uint32_t n = 0; n < scene_.instances.size(); ++n) {
+    const Placement& placement = placements_[n];
+    const Shape& shape = scene_.shape_of(scene_.instances[n]);
+    if (const auto* object = std::get_if<Sphere>(&shape)) {
+      const Sphere sphere = placement.sphere(*object);
+      primitives.push_back({.p0 = sphere.center, .radius = sphere.radius, .instance = n, .index = 0});
       continue;
     }
-    const auto& mesh = std::get<TriangleMesh>(scene_.shapes[s].geometry);
+    const auto& mesh = std::get<TriangleMesh>(shape);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const glm::uvec3 t = mesh.triangles[i];
-      const Vec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
+      const auto [p0, p1, p2] = placement.triangle(mesh, i);
       if (!is_degenerate(p0, p1, p2))
-        primitives.push_back({.p0 = p0, .p1 = p1, .p2 = p2, .radius = 0.0, .shape = s, .index = i});
+        primitives.push_back({.p0 = p0, .p1 = p1, .p2 = p2, .radius = 0.0, .instance = n, .index = i});
     }
   }
   return primitives;
@@ -100,15 +103,17 @@ Surface World::triangle_surface(const Primitive& primitive, const Vec3& b) const
   // From the vertices, not along the ray: this point's error depends on the triangle alone, however far the ray came.
   Surface surface{.p = b.x * primitive.p0 + b.y * primitive.p1 + b.z * primitive.p2,
                   .ng = glm::normalize(glm::cross(primitive.p1 - primitive.p0, primitive.p2 - primitive.p0)),
-                  .shape = primitive.shape,
+                  .instance = primitive.instance,
                   .primitive = primitive.index};
   for (const Vec3& vertex : {primitive.p0, primitive.p1, primitive.p2})
     surface.magnitude = std::max(surface.magnitude, largest_coordinate(vertex));
   surface.ns = surface.ng;
-  const auto& mesh = std::get<TriangleMesh>(scene_.shapes[primitive.shape].geometry);
+  const auto& mesh = std::get<TriangleMesh>(scene_.shape_of(scene_.instances[primitive.instance]));
   if (!mesh.normals.empty()) {
-    const glm::uvec3 t = mesh.triangles[primitive.index];
-    const Vec3 normal = b.x * mesh.normals[t.x] + b.y * mesh.normals[t.y] + b.z * mesh.normals[t.z];
+    const Placement& placement = placements_[primitive.instance];
+    const glm::uvec3 t = placement.ordered(mesh.triangles[primitive.index]);
+    const Vec3 normal = b.x * placement.normal(mesh.normals[t.x]) + b.y * placement.normal(mesh.normals[t.y]) +
+                        b.z * placement.normal(mesh.normals[t.z]);
     if (const double length = glm::length(normal); length > 0.0) surface.ns = normal / length;
   }
   return surface;
@@ -120,7 +125,7 @@ Surface World::sphere_surface(const Primitive& primitive, const Vec3& near_point
           .ng = normal,
           .ns = normal,
           .magnitude = largest_coordinate(primitive.p0) + primitive.radius,
-          .shape = primitive.shape,
+          .instance = primitive.instance,
           .primitive = 0};
 }
 

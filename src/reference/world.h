@@ -7,6 +7,7 @@
 #include "reference/bvh.h"
 #include "reference/filter.h"
 #include "reference/lights.h"
+#include "reference/placement.h"
 #include "reference/ray.h"
 #include "scene/view.h"
 
@@ -35,7 +36,7 @@ class World {
   struct Primitive {
     Vec3 p0{0.0}, p1{0.0}, p2{0.0};
     double radius = 0.0;
-    std::uint32_t shape = 0;
+    std::uint32_t instance = 0;
     std::uint32_t index = 0;  ///< triangle in its mesh, 0 for a sphere
   };
   std::vector<Primitive> collect() const;
@@ -47,6 +48,7 @@ class World {
   FilterSampler filter_;
   Bvh bvh_;
   std::vector<Primitive> primitives_;  ///< in the order of the hierarchy's leaves
+  std::vector<Placement> placements_;  ///< of the instances
 };
 
 }  // namespace etendue::reference

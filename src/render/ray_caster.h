@@ -31,10 +31,10 @@ struct CastRay {
 
 struct CastHit {
   static constexpr std::uint32_t kNone = 0xffffffffu;
-  float t = 0.0f;               ///< meaningless where any hit was asked for
-  std::uint32_t shape = kNone;  ///< kNone: no hit
-  std::uint32_t primitive = 0;  ///< triangle in the mesh, 0 for a sphere
-  std::uint32_t steps = 0;      ///< nodes and primitives visited; 0 when they are not counted
+  float t = 0.0f;                  ///< meaningless where any hit was asked for
+  std::uint32_t instance = kNone;  ///< kNone: no hit
+  std::uint32_t primitive = 0;     ///< triangle in the mesh, 0 for a sphere
+  std::uint32_t steps = 0;         ///< nodes and primitives visited; 0 when they are not counted
 };
 
 enum class RayQuery : std::uint8_t {

@@ -13,6 +13,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "core/text.h"
+#include "scene/placed.h"
 
 namespace etendue {
 namespace {
@@ -27,13 +28,16 @@ struct Box {
   }
 };
 
-Box bounds(const Geometry& geometry) {
+Box bounds(const Scene& scene, const Instance& instance) {
   Box box;
-  if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
-    box.add(sphere->center - sphere->radius);
-    box.add(sphere->center + sphere->radius);
+  const Shape& shape = scene.shape_of(instance);
+  if (const auto* object = std::get_if<Sphere>(&shape)) {
+    const Sphere sphere = placed_sphere(*object, instance);
+    box.add(sphere.center - sphere.radius);
+    box.add(sphere.center + sphere.radius);
   } else {
-    for (const glm::dvec3& p : std::get<TriangleMesh>(geometry).positions) box.add(p);
+    const PlacedMesh mesh(std::get<TriangleMesh>(shape), instance);
+    for (std::uint32_t i = 0; i < mesh.mesh().positions.size(); ++i) box.add(mesh.position(i));
   }
   return box;
 }
@@ -44,8 +48,9 @@ bool is_dark(const glm::dvec3& radiance) {
 
 void check_light(const Scene& scene, Diagnostics& diagnostics) {
   const bool sky = !is_dark(scene.sky.top) || !is_dark(scene.sky.horizon);
-  const bool emitter = std::any_of(scene.shapes.begin(), scene.shapes.end(),
-                                   [](const Shape& s) { return s.emitter && !is_dark(s.emitter->radiance); });
+  const bool emitter = std::any_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& instance) {
+    return instance.emitter && !is_dark(scene.emitter_of(instance)->radiance);
+  });
   if (sky || emitter) return;
   diagnostics.warning(scene.position,
                       "the scene has no emitter and a black sky: the image will be black; add an <emitter> to a mesh "
@@ -61,29 +66,31 @@ bool box_in_front(const Box& box, const glm::dvec3& p, const glm::dvec3& n, doub
 
 /// An emitter mesh none of whose triangles has anything, or the camera, in front of it. Boxes make it a cautious test:
 /// it warns only when nothing can be lit.
-void check_facing(const Scene& scene, const Shape& shape, const Box& all, Diagnostics& diagnostics) {
-  const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
-  if (mesh == nullptr || !shape.emitter) return;
+void check_facing(const Scene& scene, const Instance& instance, const Box& all, Diagnostics& diagnostics) {
+  const auto* object = std::get_if<TriangleMesh>(&scene.shape_of(instance));
+  if (object == nullptr || !instance.emitter) return;
+  const PlacedMesh mesh(*object, instance);
   const glm::dvec3 extent = all.max - all.min;
   const double tolerance = 1e-6 * std::max({extent.x, extent.y, extent.z});
-  for (const glm::uvec3& t : mesh->triangles) {
-    const glm::dvec3& p = mesh->positions[t.x];
-    const glm::dvec3 n = glm::cross(mesh->positions[t.y] - p, mesh->positions[t.z] - p);
+  for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
+    const auto [p, p1, p2] = mesh.triangle(i);
+    const glm::dvec3 n = glm::cross(p1 - p, p2 - p);
     const double length = glm::length(n);
     if (length > 0.0 && box_in_front(all, p, n / length, tolerance)) return;
   }
   diagnostics.warning(
-      shape.position,
+      instance.position,
       fmt::format("the emitter {} faces away from everything in scene {}: it lights nothing; turn its triangles around",
-                  text::quoted(shape.name), scene.name));
+                  text::quoted(instance.name), scene.name));
 }
 
 /// Generalised winding number of a mesh around a point: the solid angle it fills over 4π [VanOosterom1983]; ±1 inside a
 /// closed mesh, 0 outside, in between for open ones.
-double winding_number(const TriangleMesh& mesh, const glm::dvec3& p) {
+double winding_number(const PlacedMesh& mesh, const glm::dvec3& p) {
   double sum = 0.0;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 a = mesh.positions[t.x] - p, b = mesh.positions[t.y] - p, c = mesh.positions[t.z] - p;
+  for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
+    const auto [p0, p1, p2] = mesh.triangle(i);
+    const glm::dvec3 a = p0 - p, b = p1 - p, c = p2 - p;
     const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
     const double numerator = glm::dot(a, glm::cross(b, c));
     const double denominator = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
@@ -96,26 +103,31 @@ double volume_size(const Box& box) {
   return glm::length(box.max - box.min);
 }
 
+bool contains(const Shape& shape, const Instance& instance, const glm::dvec3& p) {
+  if (const auto* object = std::get_if<Sphere>(&shape)) {
+    const Sphere sphere = placed_sphere(*object, instance);
+    return glm::distance(p, sphere.center) < sphere.radius;
+  }
+  return std::abs(winding_number(PlacedMesh(std::get<TriangleMesh>(shape), instance), p)) > 0.5;
+}
+
 /// The medium around the camera is that of the smallest dielectric it is inside of; a hollow (inside index near 1) is
 /// air.
 void check_camera_medium(const Scene& scene, const std::vector<Box>& boxes, Diagnostics& diagnostics) {
   const glm::dvec3 eye(scene.camera.world_from_camera[3]);
-  const Shape* innermost = nullptr;
+  const Instance* innermost = nullptr;
   double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
-    const Shape& shape = scene.shapes[i];
-    if (!std::holds_alternative<DielectricBsdf>(shape.bsdf) || volume_size(boxes[i]) >= smallest) continue;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    if (!std::holds_alternative<DielectricBsdf>(scene.bsdf_of(instance)) || volume_size(boxes[i]) >= smallest) continue;
     const bool in_box = glm::all(glm::greaterThan(eye, boxes[i].min)) && glm::all(glm::lessThan(eye, boxes[i].max));
     if (!in_box) continue;
-    const auto* sphere = std::get_if<Sphere>(&shape.geometry);
-    const bool inside = sphere != nullptr ? glm::distance(eye, sphere->center) < sphere->radius
-                                          : std::abs(winding_number(std::get<TriangleMesh>(shape.geometry), eye)) > 0.5;
-    if (!inside) continue;
-    innermost = &shape;
+    if (!contains(scene.shape_of(instance), instance, eye)) continue;
+    innermost = &instance;
     smallest = volume_size(boxes[i]);
   }
   constexpr double kAir = 1.01;
-  if (innermost == nullptr || std::get<DielectricBsdf>(innermost->bsdf).int_ior < kAir) return;
+  if (innermost == nullptr || std::get<DielectricBsdf>(scene.bsdf_of(*innermost)).int_ior < kAir) return;
   diagnostics.warning(
       scene.camera.position,
       fmt::format("the camera stands inside the dielectric {} of line {}; move it out unless that is meant",
@@ -123,27 +135,27 @@ void check_camera_medium(const Scene& scene, const std::vector<Box>& boxes, Diag
 }
 
 /// Devices compute in single precision, relative to the size of the whole scene.
-void check_scale(const Shape& shape, const Box& box, const Box& all, Diagnostics& diagnostics) {
+void check_scale(const Instance& instance, const Box& box, const Box& all, Diagnostics& diagnostics) {
   constexpr double kTooSmall = 1e-6;
   const double size = volume_size(box), whole = volume_size(all);
   if (!(size < kTooSmall * whole)) return;
   diagnostics.warning(
-      shape.position,
+      instance.position,
       fmt::format("{} is {:.0e} of the scene's size: single precision, in which devices compute, cannot resolve it; "
                   "shrink what is largest, or use --device reference",
-                  text::quoted(shape.name), size / whole));
+                  text::quoted(instance.name), size / whole));
 }
 
 /// What is written and changes nothing.
-void check_effect(const Shape& shape, Diagnostics& diagnostics) {
-  const auto* glass = std::get_if<DielectricBsdf>(&shape.bsdf);
+void check_effect(const Scene& scene, const Instance& instance, Diagnostics& diagnostics) {
+  const auto* glass = std::get_if<DielectricBsdf>(&scene.bsdf_of(instance));
   if (glass == nullptr || glass->int_ior != glass->ext_ior) return;
-  diagnostics.warning(shape.position, fmt::format("the dielectric {} has no effect: intIOR and extIOR are both {}",
-                                                  text::quoted(shape.name), glass->int_ior));
+  diagnostics.warning(instance.position, fmt::format("the dielectric {} has no effect: intIOR and extIOR are both {}",
+                                                     text::quoted(instance.name), glass->int_ior));
 }
 
-void check_normals(const Shape& shape, Diagnostics& diagnostics) {
-  const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
+void check_normals(const Scene& scene, const Instance& instance, Diagnostics& diagnostics) {
+  const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
   if (mesh == nullptr || mesh->normals.empty()) return;
   const auto against = std::count_if(mesh->triangles.begin(), mesh->triangles.end(), [&](const glm::uvec3& t) {
     const glm::dvec3& p = mesh->positions[t.x];
@@ -153,11 +165,11 @@ void check_normals(const Shape& shape, Diagnostics& diagnostics) {
   // Simplified and sculpted meshes have a few such slivers; one in a thousand is an error of export.
   if (against * 1000 < static_cast<std::ptrdiff_t>(mesh->triangles.size()) || against == 0) return;
   diagnostics.warning(
-      shape.position,
+      instance.position,
       fmt::format(
           "{} of {} triangles of {} have vertex normals against their winding and stay black; flip the faces or "
           "the normals",
-          against, mesh->triangles.size(), text::quoted(shape.name)));
+          against, mesh->triangles.size(), text::quoted(instance.name)));
 }
 
 /// Numbers positions so that equal ones get the same number: vertices are split where normals differ.
@@ -196,16 +208,16 @@ std::size_t open_edges(const TriangleMesh& mesh) {
   return open;
 }
 
-void check_closed(const Shape& shape, Diagnostics& diagnostics) {
-  const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
-  if (mesh == nullptr || !std::holds_alternative<DielectricBsdf>(shape.bsdf)) return;
+void check_closed(const Scene& scene, const Instance& instance, Diagnostics& diagnostics) {
+  const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
+  if (mesh == nullptr || !std::holds_alternative<DielectricBsdf>(scene.bsdf_of(instance))) return;
   const std::size_t open = open_edges(*mesh);
   if (open == 0) return;
   diagnostics.warning(
-      shape.position,
+      instance.position,
       fmt::format(
           "the dielectric mesh {} is not closed ({} open edges): light that enters may never leave; close the mesh",
-          text::quoted(shape.name), open));
+          text::quoted(instance.name), open));
 }
 
 }  // namespace
@@ -213,21 +225,21 @@ void check_closed(const Shape& shape, Diagnostics& diagnostics) {
 void check_scene(const Scene& scene, Diagnostics& diagnostics) {
   std::vector<Box> boxes;
   Box all;
-  for (const Shape& shape : scene.shapes) {
-    boxes.push_back(bounds(shape.geometry));
+  for (const Instance& instance : scene.instances) {
+    boxes.push_back(bounds(scene, instance));
     all.add(boxes.back().min);
     all.add(boxes.back().max);
   }
   all.add(glm::dvec3(scene.camera.world_from_camera[3]));
   if (scene.integrator.type == Integrator::Type::path) check_light(scene, diagnostics);
   check_camera_medium(scene, boxes, diagnostics);
-  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
-    const Shape& shape = scene.shapes[i];
-    check_scale(shape, boxes[i], all, diagnostics);
-    check_facing(scene, shape, all, diagnostics);
-    check_effect(shape, diagnostics);
-    check_normals(shape, diagnostics);
-    check_closed(shape, diagnostics);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    check_scale(instance, boxes[i], all, diagnostics);
+    check_facing(scene, instance, all, diagnostics);
+    check_effect(scene, instance, diagnostics);
+    check_normals(scene, instance, diagnostics);
+    check_closed(scene, instance, diagnostics);
   }
 }
 

@@ -26,7 +26,8 @@ class Hasher {
   void value(const glm::dvec3& v) { bytes(&v, sizeof v); }
   template <typename T>
   void list(const std::vector<T>& values) {
-    static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, glm::dvec3>);
+    static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, glm::dvec3> ||
+                  std::is_same_v<T, glm::vec3> || std::is_same_v<T, glm::vec2>);
     value(values.size());
     bytes(values.data(), values.size() * sizeof(T));
   }
@@ -38,11 +39,16 @@ class Hasher {
   };
   std::unique_ptr<XXH3_state_t, Free> state_{XXH3_createState()};
 };
-static_assert(sizeof(glm::dvec3) == 24 && sizeof(glm::uvec3) == 12);
+static_assert(sizeof(glm::dvec3) == 24 && sizeof(glm::vec3) == 12 && sizeof(glm::vec2) == 8 &&
+              sizeof(glm::uvec3) == 12);
 
 void hash(Hasher& h, const TriangleMesh& mesh) {
   h.list(mesh.positions);
   h.list(mesh.normals);
+  h.value(mesh.uv_sets.size());
+  for (const std::vector<glm::vec2>& uvs : mesh.uv_sets) h.list(uvs);
+  h.list(mesh.vertex_colors);
+  h.list(mesh.face_colors);
   h.list(mesh.triangles);
 }
 void hash(Hasher& h, const Sphere& sphere) {
@@ -64,11 +70,15 @@ void hash(Hasher& h, const std::variant<Ts...>& variant) {
   std::visit([&](const auto& value) { hash(h, value); }, variant);
 }
 
+void hash(Hasher& h, const glm::dmat4& matrix) {
+  for (int column = 0; column < 4; ++column) h.bytes(&matrix[column], 4 * sizeof(double));
+}
+
 void hash(Hasher& h, const Camera& camera) {
   h.value(camera.fov);
   h.value(camera.near_clip);
   h.value(camera.far_clip);
-  for (int column = 0; column < 4; ++column) h.bytes(&camera.world_from_camera[column], 4 * sizeof(double));
+  hash(h, camera.world_from_camera);
   h.value(camera.filter.type);
   h.value(camera.filter.radius);
   h.value(camera.filter.stddev);
@@ -82,9 +92,21 @@ double largest_component(const glm::dvec3& v) {
 
 }  // namespace
 
-double triangle_area(const TriangleMesh& mesh, const glm::uvec3& t) {
-  const glm::dvec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
-  return 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0));
+Instance& Scene::add(Shape shape, Bsdf bsdf, std::optional<AreaEmitter> emitter) {
+  Instance instance{.shape = static_cast<std::uint32_t>(shapes.size()),
+                    .material = static_cast<std::uint32_t>(materials.size())};
+  shapes.push_back(std::move(shape));
+  materials.push_back({.bsdf = bsdf});
+  if (emitter) {
+    instance.emitter = static_cast<std::uint32_t>(emitters.size());
+    emitters.push_back(std::move(*emitter));
+  }
+  return instances.emplace_back(std::move(instance));
+}
+
+std::size_t primitive_count(const Shape& shape) {
+  const auto* mesh = std::get_if<TriangleMesh>(&shape);
+  return mesh != nullptr ? mesh->triangles.size() : 1;
 }
 
 std::uint64_t scene_hash(const Scene& scene) {
@@ -95,11 +117,15 @@ std::uint64_t scene_hash(const Scene& scene) {
   h.value(scene.sky.top);
   h.value(scene.sky.horizon);
   h.value(scene.shapes.size());
-  for (const Shape& shape : scene.shapes) {
-    hash(h, shape.geometry);
-    hash(h, shape.bsdf);
-    h.value(shape.emitter.has_value());
-    if (shape.emitter) h.value(shape.emitter->radiance);
+  for (const Shape& shape : scene.shapes) hash(h, shape);
+  h.value(scene.instances.size());
+  for (const Instance& instance : scene.instances) {
+    h.value(instance.shape);
+    hash(h, instance.world_from_object);
+    h.value(instance.flip_normals);
+    hash(h, scene.bsdf_of(instance));
+    h.value(instance.emitter.has_value());
+    if (const AreaEmitter* emitter = scene.emitter_of(instance)) h.value(emitter->radiance);
   }
   return h.digest();
 }
@@ -112,10 +138,8 @@ bool wants_light_tree(const Scene& scene) {
   using enum Integrator::LightSampler;
   if (scene.integrator.light_sampler != automatic) return scene.integrator.light_sampler == tree;
   std::size_t primitives = 0;
-  for (const Shape& shape : scene.shapes) {
-    if (!shape.emitter) continue;
-    const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
-    primitives += mesh != nullptr ? mesh->triangles.size() : 1;
+  for (const Instance& instance : scene.instances) {
+    if (instance.emitter) primitives += primitive_count(scene.shape_of(instance));
   }
   return primitives >= kManyLights;
 }
@@ -127,8 +151,9 @@ int film_exponent(const Scene& scene) {
 int film_exponent(const Scene& scene, Integrator::Type integrator) {
   if (integrator == Integrator::Type::normals) return 0;
   double largest = std::max(largest_component(scene.sky.top), largest_component(scene.sky.horizon));
-  for (const Shape& shape : scene.shapes) {
-    if (shape.emitter) largest = std::max(largest, largest_component(shape.emitter->radiance));
+  for (const Instance& instance : scene.instances) {
+    if (const AreaEmitter* emitter = scene.emitter_of(instance))
+      largest = std::max(largest, largest_component(emitter->radiance));
   }
   if (!(largest > 0.0)) return 0;
   int exponent = 0;

@@ -32,30 +32,48 @@ struct DielectricBsdf {
 };
 using Bsdf = std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf>;
 
-/// Emits `radiance` (W·sr⁻¹·m⁻², Rec. 709) uniformly on the side of the geometric normal.
-struct AreaEmitter {
-  glm::dvec3 radiance{0.0};
+/// A material and its place in the file. Whatever scatters light at a surface is one of these.
+struct Material {
+  Bsdf bsdf;
+  std::string name;         ///< for messages: the id or type it has in the file
+  SourcePosition position;  ///< the tag that makes it; that of its instance where it stands by default
 };
 
-/// Indexed triangles in world space. `normals` is empty or as long as `positions` (unit vectors).
+/// Emits `radiance` (W·sr⁻¹·m⁻², Rec. 709) uniformly on the side of the shading normal.
+struct AreaEmitter {
+  glm::dvec3 radiance{0.0};
+  SourcePosition position;
+};
+
+/// Indexed triangles in object space. `normals` is empty or as long as `positions` (unit vectors); so is each set of
+/// texture coordinates, and `vertex_colors`. `face_colors` is empty or as long as `triangles`. Colours are linear
+/// Rec. 709.
 struct TriangleMesh {
   std::vector<glm::dvec3> positions;
   std::vector<glm::dvec3> normals;
+  std::vector<std::vector<glm::vec2>> uv_sets;
+  std::vector<glm::vec3> vertex_colors;
+  std::vector<glm::vec3> face_colors;
   std::vector<glm::uvec3> triangles;
 };
-/// Analytic sphere, world space, radius > 0, normal outward.
+/// Analytic sphere in object space, radius > 0, normal outward.
 struct Sphere {
   glm::dvec3 center{0.0};
   double radius = 1.0;
 };
-using Geometry = std::variant<TriangleMesh, Sphere>;
+/// What can be placed in a scene; instances share it.
+using Shape = std::variant<TriangleMesh, Sphere>;
 
-struct Shape {
-  Geometry geometry;
-  Bsdf bsdf;
-  std::optional<AreaEmitter> emitter;
-  std::string name;         ///< for messages: the OBJ file name or "sphere"
-  SourcePosition position;  ///< the <mesh> tag
+/// One appearance of a shape. Its normals are those of object space, carried along by the inverse transpose of
+/// `world_from_object`: a mirror image of a lamp shines like the mirror image of its light.
+struct Instance {
+  std::uint32_t shape = 0;               ///< index into Scene::shapes
+  std::uint32_t material = 0;            ///< index into Scene::materials
+  std::optional<std::uint32_t> emitter;  ///< index into Scene::emitters
+  glm::dmat4 world_from_object{1.0};     ///< affine and invertible; of a sphere a similarity
+  bool flip_normals = false;             ///< turns a mesh inside out
+  std::string name;                      ///< for messages: the mesh's file name or "sphere"
+  SourcePosition position;               ///< the tag that places it
 };
 
 /// Reconstruction filter; see docs/conventions.md for the exact functions.
@@ -107,12 +125,13 @@ struct Integrator {
   LightSampler light_sampler = LightSampler::automatic;
 };
 
-/// Radiance of a ray that leaves the scene in direction w: mix(horizon, top, clamp(w.y, 0, 1)).
+/// Light from outside. Radiance of a ray that leaves the scene in direction w: mix(horizon, top, clamp(w.y, 0, 1)).
 struct Sky {
   glm::dvec3 top{0.0};
   glm::dvec3 horizon{0.0};
 };
 
+/// Tables that refer to each other by index, and one of everything else. `invariants.h` says what must hold.
 struct Scene {
   std::string name;  ///< file name without folder and extension
   std::string file;  ///< path as given
@@ -120,12 +139,24 @@ struct Scene {
   Sampler sampler;
   Integrator integrator;
   Sky sky;
-  std::vector<Shape> shapes;  ///< in file order
-  SourcePosition position;    ///< the <scene> tag
+  std::vector<Shape> shapes;
+  std::vector<Material> materials;
+  std::vector<AreaEmitter> emitters;
+  std::vector<Instance> instances;  ///< in file order; area lights follow from those with an emitter
+  SourcePosition position;          ///< the <scene> tag
+
+  const Shape& shape_of(const Instance& instance) const { return shapes[instance.shape]; }
+  const Bsdf& bsdf_of(const Instance& instance) const { return materials[instance.material].bsdf; }
+  /// Null where the instance does not emit.
+  const AreaEmitter* emitter_of(const Instance& instance) const {
+    return instance.emitter ? &emitters[*instance.emitter] : nullptr;
+  }
+  /// Adds an instance of a new shape with a material and, perhaps, an emitter of its own; the caller may change it.
+  Instance& add(Shape shape, Bsdf bsdf = DiffuseBsdf{}, std::optional<AreaEmitter> emitter = std::nullopt);
 };
 
-/// Area of a triangle of the mesh, in squared scene units.
-double triangle_area(const TriangleMesh& mesh, const glm::uvec3& triangle);
+/// Triangles of a mesh, 1 for any other shape.
+std::size_t primitive_count(const Shape& shape);
 
 /// 64-bit XXH3 of everything that can change the image's expectation or its samples except size, seed, sample
 /// count and integrator settings (those are compared one by one when renders are merged).

@@ -54,13 +54,10 @@ std::pair<dvec3, dvec3> tangents(const dvec3& n) {
   return {s, glm::cross(n, s)};
 }
 
-Shape make_shape(Geometry geometry, Bsdf bsdf, std::optional<dvec3> radiance = std::nullopt) {
-  Shape shape;
-  shape.name = std::holds_alternative<Sphere>(geometry) ? "sphere" : "polygon";
-  shape.geometry = std::move(geometry);
-  shape.bsdf = bsdf;
-  if (radiance) shape.emitter = AreaEmitter{*radiance};
-  return shape;
+void add_shape(Scene& scene, Shape shape, const Bsdf& bsdf, std::optional<dvec3> radiance = std::nullopt) {
+  const char* name = std::holds_alternative<Sphere>(shape) ? "sphere" : "polygon";
+  const auto emitter = radiance ? std::optional(AreaEmitter{*radiance}) : std::nullopt;
+  scene.add(std::move(shape), bsdf, emitter).name = name;
 }
 
 /// Convex polygon as a fan.
@@ -116,13 +113,9 @@ void move_scene(Scene& scene, Dice& dice, bool turn) {
     std::tie(x, y) = tangents(z);
   }
   const glm::dmat3 rotation(x, y, z);
-  for (Shape& shape : scene.shapes) {
-    if (auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-      *sphere = {rotation * (scale * sphere->center) + shift, scale * sphere->radius};
-    } else {
-      for (dvec3& p : std::get<TriangleMesh>(shape.geometry).positions) p = rotation * (scale * p) + shift;
-    }
-  }
+  const glm::dmat4 motion(glm::dvec4(scale * x, 0), glm::dvec4(scale * y, 0), glm::dvec4(scale * z, 0),
+                          glm::dvec4(shift, 1));
+  for (Instance& instance : scene.instances) instance.world_from_object = motion * instance.world_from_object;
   glm::dmat4& view = scene.camera.world_from_camera;
   for (int column = 0; column < 3; ++column) view[column] = glm::dvec4(rotation * dvec3(view[column]), 0);
   view[3] = glm::dvec4(rotation * (scale * dvec3(view[3])) + shift, 1);
@@ -202,14 +195,14 @@ dvec3 add_polygon_light(Scene& scene, Dice& dice, const Cone& cone, const dvec3&
     irradiance -= closed_form::polygon_irradiance(blocker, {0, 1, 0});
     for (dvec3& p : blocker) p *= 0.6;
     ++counts.hidden;
-    scene.shapes.push_back(make_shape(polygon_mesh(blocker), DiffuseBsdf{dvec3(0.0)}));
+    add_shape(scene, polygon_mesh(blocker), DiffuseBsdf{dvec3(0.0)});
   }
   if (dice.chance(0.25)) {  // turned away
     std::reverse(light.begin(), light.end());
     irradiance = 0.0;
     ++counts.turned;
   }
-  scene.shapes.push_back(make_shape(polygon_mesh(light), DiffuseBsdf{dvec3(0.0)}, radiance));
+  add_shape(scene, polygon_mesh(light), DiffuseBsdf{dvec3(0.0)}, radiance);
   return irradiance * radiance;
 }
 
@@ -223,9 +216,9 @@ dvec3 add_sphere_light(Scene& scene, Dice& dice, const Cone& cone, const dvec3& 
     ++counts.hidden;
     const Sphere blocker{near * cone.axis, near * std::sin(0.6 * cone.angle)};
     irradiance -= closed_form::sphere_irradiance(blocker.center, blocker.radius, {0, 1, 0});
-    scene.shapes.push_back(make_shape(blocker, DiffuseBsdf{dvec3(0.0)}));
+    add_shape(scene, blocker, DiffuseBsdf{dvec3(0.0)});
   }
-  scene.shapes.push_back(make_shape(light, DiffuseBsdf{dvec3(0.0)}, radiance));
+  add_shape(scene, light, DiffuseBsdf{dvec3(0.0)}, radiance);
   return irradiance * radiance;
 }
 
@@ -237,7 +230,7 @@ ClosedFormScene direct_scene(Dice& dice, LightStrategy strategy, const Crowd& cr
   LightCounts counts;
   // Light that chance hardly ever finds would make the naive estimator too skewed for a t-test.
   while (hit_share < 0.05) {
-    scene.shapes.clear();
+    scene = Scene{};
     irradiance = dvec3(0.0);
     hit_share = 0.0;
     counts = {};
@@ -251,7 +244,7 @@ ClosedFormScene direct_scene(Dice& dice, LightStrategy strategy, const Crowd& cr
     }
   }
   const dvec3 albedo = dice.color(0.2, 0.9);
-  scene.shapes.push_back(make_shape(square({1.3, 0, -2.1}, {0, 1, 0}, 10.0), DiffuseBsdf{albedo}));
+  add_shape(scene, square({1.3, 0, -2.1}, {0, 1, 0}, 10.0), DiffuseBsdf{albedo});
   scene.integrator.max_depth = 2;
   scene.integrator.rr_depth = 0;
   set_strategy(scene, strategy);
@@ -283,7 +276,7 @@ ClosedFormScene furnace_scene(Dice& dice, LightStrategy strategy) {
   ClosedFormScene result;
   Scene& scene = result.scene;
   const dvec3 half = dice.color(0.3, 1.0), albedo = dice.color(0.3, 0.9), radiance = dice.color(0.2, 2.0);
-  scene.shapes.push_back(make_shape(inward_box(half), DiffuseBsdf{albedo}, radiance));
+  add_shape(scene, inward_box(half), DiffuseBsdf{albedo}, radiance);
   scene.integrator.max_depth = static_cast<std::uint32_t>(dice.between_int(1, 10));
   scene.integrator.rr_depth = static_cast<std::uint32_t>(dice.chance(0.25) ? 0 : dice.between_int(2, 4));
   set_strategy(scene, strategy);
@@ -325,7 +318,7 @@ ClosedFormScene interior_scene(Dice& dice, LightStrategy strategy) {
   ClosedFormScene result;
   Scene& scene = result.scene;
   const dvec3 half = dice.color(0.8, 1.2), radiance = dice.color(0.2, 2.0);
-  scene.shapes.push_back(make_shape(inward_box(half), DiffuseBsdf{dvec3(0.0)}, radiance));
+  add_shape(scene, inward_box(half), DiffuseBsdf{dvec3(0.0)}, radiance);
   const Sphere sphere{dice.color(-0.2, 0.2), 0.3};
   const dvec3 n = dice.direction();
   const dvec3 point = sphere.center + sphere.radius * n, wo = dice.direction_around(n, 0.2);
@@ -338,18 +331,18 @@ ClosedFormScene interior_scene(Dice& dice, LightStrategy strategy) {
   switch (dice.below(3)) {
     case 0:
       reflectance = dice.color(0.2, 0.9);
-      scene.shapes.push_back(make_shape(sphere, DiffuseBsdf{reflectance}));
+      add_shape(scene, sphere, DiffuseBsdf{reflectance});
       material = "diffuse";
       break;
     case 1:
-      scene.shapes.push_back(make_shape(sphere, MirrorBsdf{}));
+      add_shape(scene, sphere, MirrorBsdf{});
       break;
     default: {
       const DielectricBsdf glass = random_dielectric(dice);
       const double f = closed_form::fresnel_reflectance(glm::dot(n, wo), glass.ext_ior, glass.int_ior);
       scene.integrator.max_depth = depth_for(dice, f, 2);
       reflectance = dvec3(sphere_throughput(f, scene.integrator.max_depth));
-      scene.shapes.push_back(make_shape(sphere, glass));
+      add_shape(scene, sphere, glass);
       material = "dielectric";
     }
   }
@@ -373,8 +366,7 @@ ClosedFormScene sky_scene(Dice& dice) {
   const bool sphere = dice.chance(0.5), mirror = dice.chance(0.5);
   const dvec3 n = dice.direction(), wo = dice.direction_around(n, 0.2), albedo = dice.color(0.2, 0.9);
   const Bsdf bsdf = mirror ? Bsdf(MirrorBsdf{}) : Bsdf(DiffuseBsdf{albedo});
-  scene.shapes.push_back(
-      make_shape(sphere ? Geometry(Sphere{-0.7 * n, 0.7}) : Geometry(square(dvec3(0.0), n, 1.0)), bsdf));
+  add_shape(scene, sphere ? Shape(Sphere{-0.7 * n, 0.7}) : Shape(square(dvec3(0.0), n, 1.0)), bsdf);
   scene.integrator.max_depth = static_cast<std::uint32_t>(dice.between_int(2, 5));
   scene.integrator.rr_depth = static_cast<std::uint32_t>(dice.chance(0.5) ? 0 : 1);
   scene.camera = look_along(0.5 * wo, -wo, kPointFov);
@@ -403,7 +395,7 @@ ClosedFormScene sheet_scene(Dice& dice) {
   const dvec3 n = dice.direction();  // on the camera's side
   dvec3 wo = dice.direction_around(n, 0.2);
   while (near_critical_angle(glm::dot(wo, n), n_o, n_t)) wo = dice.direction_around(n, 0.2);
-  scene.shapes.push_back(make_shape(square({0.3 * tangents(n).first}, outside ? n : -n, 1.0), glass));
+  add_shape(scene, square({0.3 * tangents(n).first}, outside ? n : -n, 1.0), glass);
   scene.integrator.max_depth = 2;
   scene.integrator.rr_depth = static_cast<std::uint32_t>(dice.chance(0.5) ? 0 : 1);
   scene.camera = look_along(0.5 * wo, -wo, kPointFov);
@@ -434,7 +426,7 @@ ClosedFormScene glass_scene(Dice& dice) {
   dvec3 wo = dice.direction_around(n, 0.2);
   while (near_critical_angle(glm::dot(wo, n), n_o, n_t)) wo = dice.direction_around(n, 0.2);
   // The point looked at is the origin; the sphere lies on the far side of it, or around the camera.
-  scene.shapes.push_back(make_shape(Sphere{inside ? n : -n, 1.0}, glass));
+  add_shape(scene, Sphere{inside ? n : -n, 1.0}, glass);
   scene.camera = look_along((inside ? 0.3 : 1.0) * wo, -wo, kPointFov);
   move_scene(scene, dice, true);
   const double f = closed_form::fresnel_reflectance(glm::dot(wo, n), n_o, n_t), ratio = n_o / n_t;
@@ -486,7 +478,7 @@ ClosedFormScene coverage_scene(Dice& dice) {
   if (glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), forward) > 0.0)
     std::reverse(corners.begin(), corners.end());
   const dvec3 radiance = dice.color(0.2, 2.0);
-  scene.shapes.push_back(make_shape(polygon_mesh(corners), DiffuseBsdf{dvec3(0.5)}, radiance));
+  add_shape(scene, polygon_mesh(corners), DiffuseBsdf{dvec3(0.5)}, radiance);
   scene.integrator.max_depth = 1;
   move_scene(scene, dice, true);
   result.expected = covered * luminance(radiance);

@@ -158,12 +158,10 @@ Scene room() {
                       .normals = {},
                       .triangles = {{0, 1, 2}, {0, 2, 3}}};
     const DiffuseBsdf bsdf{glm::dvec3(albedo, 0.8 * albedo, 0.6 * albedo)};
-    scene.shapes.push_back(
-        {.geometry = std::move(mesh), .bsdf = bsdf, .emitter = emitter, .name = "square", .position = {}});
+    scene.add(std::move(mesh), bsdf, std::move(emitter)).name = "square";
   };
   const auto add_sphere = [&](glm::dvec3 center, const Bsdf& bsdf) {
-    scene.shapes.push_back(
-        {.geometry = Sphere{center, 0.4}, .bsdf = bsdf, .emitter = {}, .name = "sphere", .position = {}});
+    scene.add(Sphere{center, 0.4}, bsdf).name = "sphere";
   };
   add_square({-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, 0.7, {});
   add_square({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, 0.6, {});

@@ -198,9 +198,9 @@ Divergence locate_divergence(Renderer& device, Renderer& reference, SampleId id)
     const char* name;
     std::uint32_t PathVertex::*value;
   };
-  static constexpr std::array<Field, 7> kFields{{{"shape", &PathVertex::shape},
+  static constexpr std::array<Field, 7> kFields{{{"instance", &PathVertex::instance},
                                                  {"primitive", &PathVertex::primitive},
-                                                 {"light shape", &PathVertex::light_shape},
+                                                 {"light instance", &PathVertex::light_instance},
                                                  {"light primitive", &PathVertex::light_primitive},
                                                  {"light contribution", &PathVertex::light_contributed},
                                                  {"lobe", &PathVertex::lobe},

@@ -27,7 +27,7 @@ struct SampleLimits {
 struct Divergence {
   SampleId id;
   std::uint32_t bounce = 0;  ///< index of the first vertex that differs, 0 = first hit
-  std::string what;          ///< field that differs there: "shape", "lobe", "radiance", …; empty: the traces agree
+  std::string what;          ///< field that differs there: "instance", "lobe", "radiance", …; empty: the traces agree
   std::string device, reference;  ///< its values
   double relative_error = 0;      ///< of the whole sample
   glm::vec3 device_radiance{0.0f}, reference_radiance{0.0f};

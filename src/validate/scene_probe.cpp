@@ -22,15 +22,12 @@ struct EmitterCount {
 
 struct Counts {
   std::uint64_t paths = 0, seen = 0, lit = 0;
-  std::vector<EmitterCount> emitters;  ///< by shape
+  std::vector<EmitterCount> emitters;  ///< by instance
 };
 
-std::size_t primitive_count(const Scene& scene) {
+std::size_t placed_primitives(const Scene& scene) {
   std::size_t count = 0;
-  for (const Shape& shape : scene.shapes) {
-    const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
-    count += mesh != nullptr ? mesh->triangles.size() : 1;
-  }
+  for (const Instance& instance : scene.instances) count += primitive_count(scene.shape_of(instance));
   return count;
 }
 
@@ -47,18 +44,18 @@ void shrink_film(Camera& camera) {
 void count_path(const std::vector<PathVertex>& path, Counts& counts) {
   ++counts.paths;
   if (path.empty()) return;
-  if (path.front().shape != PathVertex::kNone) ++counts.seen;
+  if (path.front().instance != PathVertex::kNone) ++counts.seen;
   if (path.back().radiance != glm::vec3(0.0f)) ++counts.lit;
   glm::vec3 before(0.0f);
   for (const PathVertex& vertex : path) {
     // Light that is there without a light sample having brought it was met by chance.
-    const bool sampled = vertex.light_shape != PathVertex::kNone;
+    const bool sampled = vertex.light_instance != PathVertex::kNone;
     if (sampled) {
-      EmitterCount& emitter = counts.emitters[vertex.light_shape];
+      EmitterCount& emitter = counts.emitters[vertex.light_instance];
       ++emitter.tried;
       if (vertex.light_contributed == 1) ++emitter.reached;
     }
-    if (vertex.shape != PathVertex::kNone && vertex.radiance != before) ++counts.emitters[vertex.shape].reached;
+    if (vertex.instance != PathVertex::kNone && vertex.radiance != before) ++counts.emitters[vertex.instance].reached;
     before = vertex.radiance;
   }
 }
@@ -66,31 +63,31 @@ void count_path(const std::vector<PathVertex>& path, Counts& counts) {
 Counts count_paths(const Scene& scene) {
   const std::unique_ptr<Renderer> renderer = make_reference_renderer(scene, RenderSettings{.seed = 1});
   Counts counts;
-  counts.emitters.resize(scene.shapes.size());
+  counts.emitters.resize(scene.instances.size());
   const std::uint32_t pixels = scene.camera.width * scene.camera.height;
   for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) count_path(renderer->trace_path({pixel, 0}), counts);
   return counts;
 }
 
 void warn_emitters(const Scene& scene, const Counts& counts, Diagnostics& diagnostics) {
-  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const EmitterCount& count = counts.emitters[i];
     if (count.tried < kOftenTried || count.reached > 0) continue;
-    diagnostics.warning(scene.shapes[i].position,
+    diagnostics.warning(scene.instances[i].position,
                         fmt::format("the emitter \"{}\" was tried {} times and never reached: something stands before "
                                     "it, or it shines the other way",
-                                    scene.shapes[i].name, count.tried));
+                                    scene.instances[i].name, count.tried));
   }
 }
 
 }  // namespace
 
 void probe_scene(Scene scene, Diagnostics& diagnostics) {
-  if (scene.shapes.empty()) {
+  if (scene.instances.empty()) {
     diagnostics.warning(scene.position, "the scene has no mesh; the picture shows its sky only");
     return;
   }
-  if (const std::size_t count = primitive_count(scene); count > kMaxProbedPrimitives) {
+  if (const std::size_t count = placed_primitives(scene); count > kMaxProbedPrimitives) {
     diagnostics.note(scene.position, fmt::format("no paths were tried: the scene has {} primitives, more than {}",
                                                  count, kMaxProbedPrimitives));
     return;
@@ -106,8 +103,9 @@ void probe_scene(Scene scene, Diagnostics& diagnostics) {
                                     counts.paths));
     return;
   }
-  const bool has_emitter = std::any_of(scene.shapes.begin(), scene.shapes.end(), [](const Shape& s) {
-    return s.emitter && s.emitter->radiance != glm::dvec3(0.0);
+  const bool has_emitter = std::ranges::any_of(scene.instances, [&](const Instance& instance) {
+    const AreaEmitter* emitter = scene.emitter_of(instance);
+    return emitter != nullptr && emitter->radiance != glm::dvec3(0.0);
   });
   const bool has_sky = scene.sky.top != glm::dvec3(0.0) || scene.sky.horizon != glm::dvec3(0.0);
   if (!path_tracing || (!has_emitter && !has_sky)) return;

@@ -38,13 +38,13 @@ void require(bool condition) {
 }
 
 std::optional<etendue::TriangleMesh> load_from(std::string_view obj, const std::string& path,
-                                               const glm::dmat4& world_from_object, etendue::Diagnostics& sink) {
+                                               etendue::Diagnostics& sink) {
   const etendue::ByteSource source = [obj](char* buffer, std::size_t capacity) mutable {
     const std::size_t count = obj.copy(buffer, capacity);
     obj.remove_prefix(count);
     return count;
   };
-  return etendue::read_obj(source, path, world_from_object, sink);
+  return etendue::read_obj(source, path, sink);
 }
 
 /// The scene of an input, small enough; nothing when `check` would refuse it.
@@ -53,9 +53,7 @@ std::optional<etendue::Scene> read_input(std::string_view input) {
   const std::string_view obj = end < input.size() ? input.substr(end + kSeparator.size())
                                                   : "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
   etendue::Diagnostics diagnostics;
-  const auto load = [obj](const std::string& path, const glm::dmat4& world_from_object, etendue::Diagnostics& sink) {
-    return load_from(obj, path, world_from_object, sink);
-  };
+  const auto load = [obj](const std::string& path, etendue::Diagnostics& sink) { return load_from(obj, path, sink); };
   auto file = etendue::parse_scene_file(std::string(input.substr(0, end)), "fuzz.xml", {}, load, diagnostics);
   if (!file || !std::holds_alternative<etendue::Scene>(*file)) return std::nullopt;
   etendue::check_scene_file(*file, diagnostics);
@@ -63,7 +61,7 @@ std::optional<etendue::Scene> read_input(std::string_view input) {
   scene.camera.width = std::min(scene.camera.width, 6u);
   scene.camera.height = std::min(scene.camera.height, 5u);
   scene.integrator.max_depth = std::min(scene.integrator.max_depth, 24u);
-  if (scene.shapes.size() > 100) return std::nullopt;
+  if (scene.instances.size() > 100) return std::nullopt;
   return scene;
 }
 

@@ -43,13 +43,15 @@ std::vector<gpu::BsdfCase> random_cases(gpu::BsdfCase material, const glm::vec3&
 }
 
 gpu::BsdfCase diffuse() {
-  return {.albedo = kAlbedo, .bsdf = gpu::kBsdfDiffuse};
+  return {.albedo = kAlbedo, .header = gpu::kBsdfDiffuse | gpu::kMaterialOneSided};
 }
 gpu::BsdfCase mirror() {
-  return {.bsdf = gpu::kBsdfMirror};
+  return {.header = gpu::kBsdfMirror | gpu::kMaterialDelta | gpu::kMaterialOneSided};
 }
 gpu::BsdfCase glass(double inside, double outside) {
-  return {.bsdf = gpu::kBsdfDielectric, .int_ior = static_cast<float>(inside), .ext_ior = static_cast<float>(outside)};
+  return {.header = gpu::kBsdfDielectric | gpu::kMaterialDelta,
+          .int_ior = static_cast<float>(inside),
+          .ext_ior = static_cast<float>(outside)};
 }
 
 TEST_F(DeviceBsdf, DiffuseSampleEvalAndPdfAgree) {
@@ -207,7 +209,7 @@ TEST_F(DeviceBsdf, GrazingDirectionsStayFinite) {
     for (const float z : {0.0f, 1e-38f, 1e-20f, 1e-7f, -1e-7f, -1e-20f, -1e-38f}) {
       for (const auto& a : evaluate(random_cases(material, glm::vec3(std::sqrt(1.0f - z * z), 0.0f, z), 64, 8))) {
         for (int c = 0; c < 3; ++c)
-          ASSERT_TRUE(std::isfinite(a.weight[c]) && std::isfinite(a.wi[c])) << material.bsdf << ' ' << z;
+          ASSERT_TRUE(std::isfinite(a.weight[c]) && std::isfinite(a.wi[c])) << material.header << ' ' << z;
         ASSERT_TRUE(std::isfinite(a.pdf) && a.pdf >= 0.0f);
         EXPECT_TRUE(a.pdf > 0.0f || a.lobe == gpu::kLobeNone);
       }

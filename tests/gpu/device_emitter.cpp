@@ -10,14 +10,15 @@
 #include "device_test.h"
 #include "reference/lights.h"
 #include "reference_scenes.h"
+#include "scene/placed.h"
 #include "validate/statistics.h"
 
 namespace etendue::test {
 namespace {
 
+using reference::test::Body;
 using reference::test::diffuse;
 using reference::test::quad;
-using reference::test::shape;
 using reference::test::triangle;
 
 constexpr double kPi = std::numbers::pi;
@@ -33,11 +34,11 @@ class DeviceEmitter : public DeviceTest {
   }
 };
 
-// A scene with these shapes and one receiver far from mattering, with the map into its device coordinates.
+// A scene of these bodies and one receiver far from mattering, with the map into its device coordinates.
 struct LightScene {
-  explicit LightScene(std::vector<Shape> shapes,
+  explicit LightScene(const std::vector<Body>& bodies,
                       Integrator::LightSampler light_sampler = Integrator::LightSampler::power) {
-    scene.shapes = std::move(shapes);
+    for (const Body& body : bodies) reference::test::add(scene, body);
     scene.integrator.light_sampler = light_sampler;
     compiled = compile_scene(scene);
     normalization = find_normalization(scene);
@@ -59,7 +60,7 @@ std::vector<gpu::LightCase> random_cases(const glm::vec3& p, std::size_t n, std:
 
 TEST_F(DeviceEmitter, SphereIsSampledByTheConeItFills) {
   const Sphere sphere{.center = {1.0, -2.0, 0.5}, .radius = 0.75};
-  const LightScene setup({shape(sphere, diffuse(0.5), glm::dvec3(3.0))});
+  const LightScene setup({Body{sphere, diffuse(0.5), glm::dvec3(3.0)}});
   const glm::dvec3 center = setup.normalization.point(sphere.center);
   const double radius = sphere.radius * setup.normalization.scale;
   const glm::dvec3 toward = glm::normalize(glm::dvec3(0.3, 0.8, -0.5));
@@ -93,7 +94,7 @@ TEST_F(DeviceEmitter, SphereIsSampledByTheConeItFills) {
 
 TEST_F(DeviceEmitter, SphereSendsNothingInside) {
   const Sphere sphere{.center = {0.0, 0.0, 0.0}, .radius = 2.0};
-  const LightScene setup({shape(sphere, diffuse(0.5), glm::dvec3(1.0))});
+  const LightScene setup({Body{sphere, diffuse(0.5), glm::dvec3(1.0)}});
   Random random(2);
   for (const double r : {0.0, 0.5, 1.9, 1.9999}) {
     const glm::vec3 p = setup.normalization.point(random.direction() * r);
@@ -106,7 +107,7 @@ TEST_F(DeviceEmitter, SphereSendsNothingInside) {
 
 TEST_F(DeviceEmitter, TriangleIsSampledByArea) {
   const TriangleMesh mesh = triangle({-1, 2, 0.5}, {0.7, 1.8, -0.2}, {0.1, 2.5, 1.1});
-  const LightScene setup({shape(mesh, diffuse(0.0), glm::dvec3(1.0, 2.0, 4.0))});
+  const LightScene setup({Body{mesh, diffuse(0.0), glm::dvec3(1.0, 2.0, 4.0)}});
   std::array<glm::dvec3, 3> v;
   for (int k = 0; k < 3; ++k) v[k] = setup.normalization.point(mesh.positions[k]);
   const glm::dvec3 n = glm::cross(v[1] - v[0], v[2] - v[0]);
@@ -133,14 +134,14 @@ TEST_F(DeviceEmitter, TriangleIsSampledByArea) {
 }
 
 // Lights of mixed shape around the origin, disjoint as seen from it: every second a sphere.
-std::vector<Shape> ring_of_lights(int count) {
-  std::vector<Shape> shapes;
+std::vector<Body> ring_of_lights(int count) {
+  std::vector<Body> bodies;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.0 * kPi * i / count, room = 2.0 * std::sin(kPi / std::max(3, count));
     const glm::dvec3 center(2.0 * std::cos(angle), 0.2 * (i % 3), 2.0 * std::sin(angle));
     const glm::dvec3 radiance(0.5 + i % 7, 1.0, 0.1 * i);
     if (i % 2 == 1) {
-      shapes.push_back(shape(Sphere{.center = center, .radius = 0.4 * room}, diffuse(0.5), radiance));
+      bodies.push_back(Body{Sphere{.center = center, .radius = 0.4 * room}, diffuse(0.5), radiance});
       continue;
     }
     const glm::dvec3 up(0, 0.5 * room, 0),
@@ -148,26 +149,29 @@ std::vector<Shape> ring_of_lights(int count) {
     TriangleMesh mesh = quad(center - 0.5 * up - 0.5 * side, up, side);
     if (glm::dot(glm::cross(up, side), center) > 0.0) mesh = quad(center - 0.5 * up - 0.5 * side, side, up);
     mesh.triangles.push_back({0, 0, 2});  // no area: never chosen
-    shapes.push_back(shape(mesh, diffuse(0.5), radiance));
+    bodies.push_back(Body{mesh, diffuse(0.5), radiance});
   }
-  shapes.push_back(shape(Sphere{.center = {0, 5, 0}, .radius = 0.1}, diffuse(0.5)));                    // no emitter
-  shapes.push_back(shape(Sphere{.center = {0, -5, 0}, .radius = 0.1}, diffuse(0.5), glm::dvec3(0.0)));  // a dark one
-  return shapes;
+  bodies.push_back(Body{Sphere{.center = {0, 5, 0}, .radius = 0.1}, diffuse(0.5)});                    // no emitter
+  bodies.push_back(Body{Sphere{.center = {0, -5, 0}, .radius = 0.1}, diffuse(0.5), glm::dvec3(0.0)});  // a dark one
+  return bodies;
 }
 
-double area_of(const Shape& s, std::size_t primitive) {
-  if (const auto* sphere = std::get_if<Sphere>(&s.geometry)) return 4.0 * kPi * sphere->radius * sphere->radius;
-  const auto& mesh = std::get<TriangleMesh>(s.geometry);
+// Of a primitive; instances lie here as their shapes do.
+double area_of(const Shape& shape, std::size_t primitive) {
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return 4.0 * kPi * sphere->radius * sphere->radius;
+  const auto& mesh = std::get<TriangleMesh>(shape);
   const glm::uvec3 t = mesh.triangles[primitive];
-  return 0.5 *
-         glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
+  return triangle_area({mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]});
 }
-double power_of(const Shape& s) {
-  if (!s.emitter) return 0.0;
-  const auto* mesh = std::get_if<TriangleMesh>(&s.geometry);
+double area_of(const Shape& shape) {
   double area = 0.0;
-  for (std::size_t i = 0; i < (mesh != nullptr ? mesh->triangles.size() : 1); ++i) area += area_of(s, i);
-  return area * glm::dot(s.emitter->radiance, glm::dvec3(0.212671, 0.715160, 0.072169));
+  for (std::size_t i = 0; i < primitive_count(shape); ++i) area += area_of(shape, i);
+  return area;
+}
+double power_of(const Scene& scene, const Instance& instance) {
+  const AreaEmitter* emitter = scene.emitter_of(instance);
+  if (emitter == nullptr) return 0.0;
+  return area_of(scene.shape_of(instance)) * glm::dot(emitter->radiance, glm::dvec3(0.212671, 0.715160, 0.072169));
 }
 
 TEST_F(DeviceEmitter, LightsAreChosenInProportionToTheirPower) {
@@ -176,19 +180,17 @@ TEST_F(DeviceEmitter, LightsAreChosenInProportionToTheirPower) {
     constexpr std::size_t kSamples = 1 << 16;
     std::map<std::pair<gpu::uint, gpu::uint>, double> counts;
     for (const auto& a : sample(setup.compiled, random_cases(setup.normalization.point({0, 0, 0}), kSamples, 5)))
-      ++counts[{a.shape, a.primitive}];
+      ++counts[{a.instance, a.primitive}];
     double total = 0.0;
-    for (const Shape& s : setup.scene.shapes) total += power_of(s);
+    for (const Instance& instance : setup.scene.instances) total += power_of(setup.scene, instance);
     std::vector<double> observed, expected;
-    for (gpu::uint i = 0; i < setup.scene.shapes.size(); ++i) {
-      const Shape& s = setup.scene.shapes[i];
-      const auto* mesh = std::get_if<TriangleMesh>(&s.geometry);
-      double area = 0.0;
-      const std::size_t primitives = mesh != nullptr ? mesh->triangles.size() : 1;
-      for (std::size_t k = 0; k < primitives; ++k) area += area_of(s, k);
-      for (gpu::uint k = 0; k < primitives; ++k) {
+    for (gpu::uint i = 0; i < setup.scene.instances.size(); ++i) {
+      const Instance& instance = setup.scene.instances[i];
+      const Shape& shape = setup.scene.shape_of(instance);
+      const double density = power_of(setup.scene, instance) / (total * area_of(shape));
+      for (gpu::uint k = 0; k < primitive_count(shape); ++k) {
         observed.push_back(counts[{i, k}]);
-        expected.push_back(kSamples * power_of(s) / total * area_of(s, k) / area);
+        expected.push_back(kSamples * density * area_of(shape, k));
         if (expected.back() == 0.0) {
           EXPECT_EQ(observed.back(), 0.0) << i << ' ' << k;
         }
@@ -201,7 +203,7 @@ TEST_F(DeviceEmitter, LightsAreChosenInProportionToTheirPower) {
 TEST_F(DeviceEmitter, ThresholdsBelongToTheUpperEntry) {
   const LightScene setup(ring_of_lights(9));
   std::vector<double> weights;
-  for (const Shape& s : setup.scene.shapes) weights.push_back(power_of(s));
+  for (const Instance& instance : setup.scene.instances) weights.push_back(power_of(setup.scene, instance));
   const auto thresholds = integer_thresholds(weights);
   std::vector<gpu::LightCase> cases;
   std::vector<gpu::uint> expected;
@@ -220,7 +222,7 @@ TEST_F(DeviceEmitter, ThresholdsBelongToTheUpperEntry) {
   }
   const auto answers = sample(setup.compiled, cases);
   for (std::size_t i = 0; i < cases.size(); ++i)
-    EXPECT_EQ(answers[i].shape, expected[i]) << std::hex << cases[i].words.x;
+    EXPECT_EQ(answers[i].instance, expected[i]) << std::hex << cases[i].words.x;
 }
 
 TEST_F(DeviceEmitter, SamplingAndChanceAgreeOnTheDensity) {
@@ -236,7 +238,7 @@ TEST_F(DeviceEmitter, SamplingAndChanceAgreeOnTheDensity) {
     const auto met = emission(setup.compiled, rays);
     std::size_t missed = 0;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const bool same = met[i].shape == samples[i].shape;
+      const bool same = met[i].instance == samples[i].instance;
       if (!same || (met[i].primitive != samples[i].primitive)) {
         ++missed;  // rays to the very rim
         continue;
@@ -270,21 +272,21 @@ TEST_F(DeviceEmitter, DensityIntegratesToOne) {
 }
 
 // Lights of all sizes, shapes and directions around the origin; some cannot be seen from there.
-std::vector<Shape> crowd_of_lights(int count, std::uint64_t seed) {
+std::vector<Body> crowd_of_lights(int count, std::uint64_t seed) {
   Random random(seed);
-  std::vector<Shape> shapes;
+  std::vector<Body> bodies;
   for (int i = 0; i < count; ++i) {
     const glm::dvec3 center = (0.5 + 4.0 * random.unit()) * random.direction();
     const glm::dvec3 radiance(0.1 + random.unit(), 0.1 + 3.0 * random.unit(), 0.1 + random.unit());
     const double size = 0.02 + 0.3 * random.unit();
     if (i % 3 == 0) {
-      shapes.push_back(shape(Sphere{center, 0.4 * size}, diffuse(0.5), radiance));
+      bodies.push_back(Body{Sphere{center, 0.4 * size}, diffuse(0.5), radiance});
     } else {
-      shapes.push_back(
-          shape(quad(center, size * random.direction(), size * random.direction()), diffuse(0.5), radiance));
+      bodies.push_back(
+          Body{quad(center, size * random.direction(), size * random.direction()), diffuse(0.5), radiance});
     }
   }
-  return shapes;
+  return bodies;
 }
 
 // A receiver in each of some places and directions.
@@ -323,14 +325,14 @@ TEST_F(DeviceEmitter, TheTreeChoosesLikeTheReference) {
       const auto expected = lights.sample(setup.scene, receivers[i].p, receivers[i].n,
                                           {w.x, w.y, reference::unit_float(w.z), reference::unit_float(w.w)});
       none += !expected;
-      if (!expected || answers[i].shape == gpu::kNone) {
-        other += expected.has_value() != (answers[i].shape != gpu::kNone);
-        if (answers[i].shape == gpu::kNone) {
+      if (!expected || answers[i].instance == gpu::kNone) {
+        other += expected.has_value() != (answers[i].instance != gpu::kNone);
+        if (answers[i].instance == gpu::kNone) {
           EXPECT_EQ(answers[i].pdf_w, 0.0f);
         }
         continue;
       }
-      if (answers[i].shape != expected->shape || answers[i].primitive != expected->primitive) {
+      if (answers[i].instance != expected->instance || answers[i].primitive != expected->primitive) {
         ++other;
         continue;
       }
@@ -355,12 +357,11 @@ TEST_F(DeviceEmitter, TheTreeChoosesWithTheProbabilitiesItSays) {
       std::vector<gpu::LightCase> cases = random_cases(setup.normalization.point(r.p), kSamples, 11);
       for (gpu::LightCase& c : cases) c.n = glm::vec3(r.n);
       std::map<std::pair<gpu::uint, gpu::uint>, double> counts;
-      for (const auto& a : sample(setup.compiled, cases)) ++counts[{a.shape, a.primitive}];
+      for (const auto& a : sample(setup.compiled, cases)) ++counts[{a.instance, a.primitive}];
       std::vector<double> observed, expected;
       double rest = kSamples;
-      for (gpu::uint i = 0; i < setup.scene.shapes.size(); ++i) {
-        const auto* mesh = std::get_if<TriangleMesh>(&setup.scene.shapes[i].geometry);
-        for (gpu::uint k = 0; k < (mesh != nullptr ? mesh->triangles.size() : 1); ++k) {
+      for (gpu::uint i = 0; i < setup.scene.instances.size(); ++i) {
+        for (gpu::uint k = 0; k < primitive_count(setup.scene.shape_of(setup.scene.instances[i])); ++k) {
           observed.push_back(counts[{i, k}]);
           expected.push_back(kSamples * lights.prob(r.p, r.n, i, k));
           rest -= expected.back();
@@ -385,7 +386,7 @@ TEST_F(DeviceEmitter, SamplingByTreeAndChanceAgreeOnTheDensity) {
   const auto met = emission(setup.compiled, rays);
   std::size_t missed = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (met[i].shape != samples[i].shape || met[i].primitive != samples[i].primitive) {
+    if (met[i].instance != samples[i].instance || met[i].primitive != samples[i].primitive) {
       ++missed;  // rays to the very rim
       continue;
     }

@@ -15,7 +15,7 @@ namespace {
 class DeviceTables : public DeviceTest {};
 
 constexpr std::uint32_t kEntries = 37;
-constexpr std::uint32_t kTrails = 3;  // of each shape
+constexpr std::uint32_t kTrails = 3;  // of each instance
 
 // A table whose words all differ, from each other and from those of other tables, and are normal floats: no field can
 // be taken for another, and a device keeps their bits.
@@ -33,16 +33,17 @@ CompiledScene numbered_scene() {
   const auto primitives = numbered<gpu::Primitive>(1);
   scene.records.resize(primitives.size() * gpu::kRecordTexels);
   std::memcpy(static_cast<void*>(scene.records.data()), primitives.data(), primitives.size() * sizeof primitives[0]);
-  scene.shapes = numbered<gpu::Shape>(2);
-  scene.light_shapes = numbered<gpu::LightShape>(3);
+  scene.instances = numbered<gpu::Instance>(2);
+  scene.light_instances = numbered<gpu::LightInstance>(3);
   scene.light_primitives = numbered<gpu::LightPrimitive>(4);
   scene.light_pairs = numbered<gpu::LightPair>(5);
   scene.light_trails = numbered<gpu::LightTrail>(6, kEntries * (1 + kTrails));
   for (std::uint32_t i = 0; i < kEntries; ++i) scene.light_trails[i].turns = kEntries + kTrails * i;
-  // The host follows these two: they must name a material and a primitive that are there.
+  scene.materials = numbered<gpu::MaterialRecord>(9);
+  // The host follows these: they must name a material that is there, and its type.
   for (std::uint32_t i = 0; i < kEntries; ++i) {
-    scene.shapes[i].bsdf = i % 3;
-    scene.light_primitives[i].slot = i * gpu::kPrimitiveSlots;
+    scene.instances[i].material = i;
+    scene.materials[i].header = 3 * i << 8 | i % 3;
   }
   scene.triangles = numbered<gpu::uvec4>(7);
   scene.normals = numbered<gpu::vec4>(8);
@@ -52,12 +53,12 @@ CompiledScene numbered_scene() {
 gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uint32_t trail,
                            const std::vector<float>& knots) {
   gpu::TablesAnswer a{};
-  std::memcpy(static_cast<void*>(&a.primitive), &scene.records[std::size_t{i} * gpu::kRecordTexels],
-              sizeof a.primitive);
   std::memcpy(static_cast<void*>(&a.record), &scene.records[std::size_t{i} * gpu::kRecordTexels], sizeof a.record);
-  a.shape = scene.shapes[i];
-  a.light_shape = scene.light_shapes[i];
+  a.instance = scene.instances[i];
+  a.material = scene.materials[i];
+  a.light_instance = scene.light_instances[i];
   a.light_primitive = scene.light_primitives[i];
+  a.light_threshold.x = scene.light_primitives[i].threshold;
   a.left_bounds = scene.light_pairs[i].left_bounds;
   a.light_pair = scene.light_pairs[i];
   a.light_trail = scene.light_trails[scene.light_trails[i].turns + trail];

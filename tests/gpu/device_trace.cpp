@@ -11,9 +11,9 @@
 namespace etendue::test {
 namespace {
 
+using reference::test::Body;
 using reference::test::box;
 using reference::test::diffuse;
-using reference::test::shape;
 
 class DeviceTrace : public DeviceTest {
  protected:
@@ -34,21 +34,22 @@ class DeviceTrace : public DeviceTest {
     std::size_t hits = 0, excused = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const gpu::TraceAnswer& a = answers[i];
-      const bool hit = a.brute_shape != gpu::kNone;
+      const bool hit = a.brute_instance != gpu::kNone;
       hits += hit;
       const bool same_nearest =
-          a.t == a.brute_t && (a.ties > 1 || (a.shape == a.brute_shape && a.primitive == a.brute_primitive));
+          a.t == a.brute_t && (a.ties > 1 || (a.instance == a.brute_instance && a.primitive == a.brute_primitive));
       if (same_nearest && a.any == (hit ? 1u : 0u)) continue;
       ASSERT_TRUE(hit) << what << ": the walk found what does not exist, ray " << i;
       const glm::vec3 &o = rays[i].o, &d = rays[i].d;
       const double rounding = 2e-6 * (1.0 + glm::length(glm::dvec3(o)));
       const bool same_distance = std::abs(double{a.t} - a.brute_t) < rounding && a.any == 1u;
-      const double inside = distance_inside(scene.shapes[a.brute_shape].geometry, a.brute_primitive, norm, rays[i]);
+      const double inside =
+          distance_inside(scene.shape_of(scene.instances[a.brute_instance]), a.brute_primitive, norm, rays[i]);
       ASSERT_TRUE(same_distance || inside < rounding)
           << what << ", ray " << i << " from " << o.x << ' ' << o.y << ' ' << o.z << " to " << d.x << ' ' << d.y << ' '
-          << d.z << ": found shape " << a.shape << " at " << a.t << " (any hit: " << a.any << "), expected shape "
-          << a.brute_shape << " primitive " << a.brute_primitive << " at " << a.brute_t << ", hit " << inside
-          << " inside its outline";
+          << d.z << ": found instance " << a.instance << " at " << a.t << " (any hit: " << a.any
+          << "), expected instance " << a.brute_instance << " primitive " << a.brute_primitive << " at " << a.brute_t
+          << ", hit " << inside << " inside its outline";
       ++excused;
     }
     RecordProperty(std::string(what) + "_unclear", static_cast<int>(excused));
@@ -58,18 +59,18 @@ class DeviceTrace : public DeviceTest {
   }
 
  private:
-  // How far inside the outline of a primitive the ray passes, perpendicular to the ray, in double precision; negative
-  // outside.
-  static double distance_inside(const Geometry& geometry, std::uint32_t primitive, const Normalization& norm,
+  // How far inside the outline of a primitive, which lies in the world as it is, the ray passes, perpendicular to the
+  // ray, in double precision; negative outside.
+  static double distance_inside(const Shape& shape, std::uint32_t primitive, const Normalization& norm,
                                 const gpu::RayCase& ray) {
     const glm::dvec3 o = ray.o, d = glm::normalize(glm::dvec3(ray.d));
     const auto project = [&](const glm::dvec3& p) {
       const glm::dvec3 v = glm::dvec3(norm.point(p)) - o;
       return v - glm::dot(v, d) * d;
     };
-    if (const auto* sphere = std::get_if<Sphere>(&geometry))
+    if (const auto* sphere = std::get_if<Sphere>(&shape))
       return sphere->radius * norm.scale - glm::length(project(sphere->center));
-    const auto& mesh = std::get<TriangleMesh>(geometry);
+    const auto& mesh = std::get<TriangleMesh>(shape);
     const glm::uvec3 t = mesh.triangles[primitive];
     const glm::dvec3 p0 = norm.point(mesh.positions[t.x]);
     const glm::dvec3 normal =
@@ -120,9 +121,9 @@ std::vector<gpu::RayCase> mixed_rays(const Scene& scene, double half, std::size_
   return rays;
 }
 
-Scene with_shapes(std::vector<Shape> shapes) {
+Scene with_bodies(const std::vector<Body>& bodies) {
   Scene scene;
-  scene.shapes = std::move(shapes);
+  for (const Body& body : bodies) reference::test::add(scene, body);
   return scene;
 }
 
@@ -140,12 +141,12 @@ TEST_F(DeviceTrace, RandomSoup) {
   for (const std::size_t count : {1u, 2u, 3u, 5u, 9u, 40u, 800u}) {
     Random random(count);
     glm::dvec3 middle{};
-    const Scene scene = with_shapes({shape(soup(count,
-                                                [&](std::size_t, int corner) {
-                                                  if (corner == 0) middle = random.point(1.0f);
-                                                  return middle + glm::dvec3(random.point(count < 50 ? 0.6f : 0.15f));
-                                                }),
-                                           diffuse(0.5))});
+    const Scene scene = with_bodies({Body{soup(count,
+                                               [&](std::size_t, int corner) {
+                                                 if (corner == 0) middle = random.point(1.0f);
+                                                 return middle + glm::dvec3(random.point(count < 50 ? 0.6f : 0.15f));
+                                               }),
+                                          diffuse(0.5)}});
     compare("random soup", scene, mixed_rays(scene, 1.0, 4096, count), count < 10 ? 0.001 : 0.05);
   }
 }
@@ -159,7 +160,7 @@ TEST_F(DeviceTrace, SoupWithDegenerateAndDoubledTriangles) {
   for (std::uint32_t i = 0; i < 300; i += 3) mesh.triangles.push_back(mesh.triangles[i]);  // doubled
   for (std::uint32_t i = 0; i < 60; ++i) mesh.triangles.push_back({7, 7, 7});              // points, all at one place
   for (std::uint32_t i = 0; i < 30; ++i) mesh.triangles.push_back(mesh.triangles[1]);      // one triangle 31 times
-  const Scene scene = with_shapes({shape(mesh, diffuse(0.5))});
+  const Scene scene = with_bodies({Body{mesh, diffuse(0.5)}});
   compare("degenerate and doubled", scene, mixed_rays(scene, 1.0, 4096, 12), 0.3);
 }
 
@@ -170,16 +171,16 @@ TEST_F(DeviceTrace, HugeAndTinyTogether) {
     return middle + 0.001 * glm::dvec3(random.point(1.0f));
   });
   const TriangleMesh huge = soup(20, [&](std::size_t, int) { return 50.0 * glm::dvec3(random.point(1.0f)); });
-  const Scene scene = with_shapes({shape(tiny, diffuse(0.5)), shape(huge, diffuse(0.5)),
-                                   shape(Sphere{{0, -1000, 0}, 999.9}, diffuse(0.5)),
-                                   shape(Sphere{{0.005, 0, 0}, 0.0005}, diffuse(0.5))});
+  const Scene scene =
+      with_bodies({Body{tiny, diffuse(0.5)}, Body{huge, diffuse(0.5)}, Body{Sphere{{0, -1000, 0}, 999.9}, diffuse(0.5)},
+                   Body{Sphere{{0.005, 0, 0}, 0.0005}, diffuse(0.5)}});
   compare("huge and tiny, near", scene, mixed_rays(scene, 0.01, 4096, 14), 0.3, 2e-3);
   compare("huge and tiny, far", scene, mixed_rays(scene, 50.0, 4096, 15), 0.3, 2e-3);
 }
 
 TEST_F(DeviceTrace, FlatBoxes) {
   // Axis-aligned grids: boxes without thickness, rays within their planes, and edges met head-on.
-  std::vector<Shape> shapes;
+  std::vector<Body> bodies;
   for (int axis = 0; axis < 3; ++axis) {
     for (int k = -2; k <= 2; ++k) {
       TriangleMesh mesh = soup(72, [&](std::size_t i, int corner) {
@@ -193,10 +194,10 @@ TEST_F(DeviceTrace, FlatBoxes) {
         p[(axis + 2) % 3] = y / 3.0;
         return p;
       });
-      if (k % 2 == 0) shapes.push_back(shape(std::move(mesh), diffuse(0.5)));
+      if (k % 2 == 0) bodies.push_back(Body{std::move(mesh), diffuse(0.5)});
     }
   }
-  const Scene scene = with_shapes(std::move(shapes));
+  const Scene scene = with_bodies(bodies);
   compare("flat boxes", scene, mixed_rays(scene, 1.0, 8192, 16), 0.4, 2e-3);
   // From lattice point to lattice point: through edges and vertices all the way.
   Random random(17);
@@ -213,30 +214,30 @@ TEST_F(DeviceTrace, FlatBoxes) {
 
 TEST_F(DeviceTrace, SpheresAmongTriangles) {
   Random random(18);
-  std::vector<Shape> shapes;
+  std::vector<Body> bodies;
   for (int i = 0; i < 200; ++i) {
-    shapes.push_back(
-        shape(Sphere{glm::dvec3(random.point(1.0f)), std::exp2(random.uniform(-7.0f, -2.0f))}, diffuse(0.5)));
+    bodies.push_back(
+        Body{Sphere{glm::dvec3(random.point(1.0f)), std::exp2(random.uniform(-7.0f, -2.0f))}, diffuse(0.5)});
     const int shell = i / 10 + 1;
-    if (i % 10 == 0) shapes.push_back(shape(Sphere{{0.5, 0.5, 0.5}, 0.01 * shell}, diffuse(0.5)));  // in one another
+    if (i % 10 == 0) bodies.push_back(Body{Sphere{{0.5, 0.5, 0.5}, 0.01 * shell}, diffuse(0.5)});  // in one another
   }
-  shapes.push_back(shape(soup(200, [&](std::size_t, int) { return glm::dvec3(random.point(1.0f)); }), diffuse(0.5)));
-  const Scene scene = with_shapes(std::move(shapes));
+  bodies.push_back(Body{soup(200, [&](std::size_t, int) { return glm::dvec3(random.point(1.0f)); }), diffuse(0.5)});
+  const Scene scene = with_bodies(bodies);
   compare("spheres", scene, mixed_rays(scene, 1.0, 4096, 19), 0.3);
 }
 
 TEST_F(DeviceTrace, LineOfManyBoxes) {
   // All centroids on one line, most of them equal: splits by position do not exist.
-  const Scene scene = with_shapes({shape(soup(600,
-                                              [](std::size_t i, int corner) {
-                                                const double size = 1.0 + static_cast<double>(i % 60) * 0.01;
-                                                return glm::dvec3(corner == 1   ? size
-                                                                  : corner == 2 ? -size
-                                                                                : 0.0,
-                                                                  corner == 0 ? 2.0 * size : -size,
-                                                                  i < 500 ? 0.0 : static_cast<double>(i) * 1e-3);
-                                              }),
-                                         diffuse(0.5))});
+  const Scene scene = with_bodies({Body{soup(600,
+                                             [](std::size_t i, int corner) {
+                                               const double size = 1.0 + static_cast<double>(i % 60) * 0.01;
+                                               return glm::dvec3(corner == 1   ? size
+                                                                 : corner == 2 ? -size
+                                                                               : 0.0,
+                                                                 corner == 0 ? 2.0 * size : -size,
+                                                                 i < 500 ? 0.0 : static_cast<double>(i) * 1e-3);
+                                             }),
+                                        diffuse(0.5)}});
   compare("equal centroids", scene, mixed_rays(scene, 2.0, 4096, 20), 0.05, 2e-3);
 }
 
@@ -249,7 +250,7 @@ TEST_F(DeviceTrace, EmptyScene) {
   for (int i = 0; i < kRays; ++i)
     rays.push_back({random.point(i % 2 == 0 ? 0.0f : 1.0f), 0.0f, glm::vec3(random.direction()), INFINITY});
   for (const auto& a : trace(compiled, rays)) {
-    EXPECT_EQ(a.shape, gpu::kNone);
+    EXPECT_EQ(a.instance, gpu::kNone);
     EXPECT_EQ(a.any, 0u);
   }
 }
@@ -290,7 +291,7 @@ TEST_F(DeviceTrace, NearestHitsAgreeWithDoublePrecision) {
     if (corner == 0) middle = random.point(1.0f);
     return middle + 0.3 * glm::dvec3(random.point(1.0f));
   });
-  const Scene scene = with_shapes({shape(mesh, diffuse(0.5))});
+  const Scene scene = with_bodies({Body{mesh, diffuse(0.5)}});
   const Normalization norm = find_normalization(scene);
   std::vector<glm::dvec3> corners;
   for (const glm::dvec3& p : mesh.positions) corners.emplace_back(norm.point(p));
@@ -346,7 +347,7 @@ TEST_F(DeviceTrace, ClosedSurfacesDoNotLeak) {
     TriangleMesh moved = mesh;
     for (glm::dvec3& p : moved.positions) p += offset;
     const Scene scene =
-        with_shapes({shape(moved, diffuse(0.5)), shape(Sphere{offset + glm::dvec3(5.0, 0.0, 0.0), 0.5}, diffuse(0.5))});
+        with_bodies({Body{moved, diffuse(0.5)}, Body{Sphere{offset + glm::dvec3(5.0, 0.0, 0.0), 0.5}, diffuse(0.5)}});
     const Normalization norm = find_normalization(scene);
     Random random(24);
     std::vector<gpu::RayCase> rays;
@@ -362,7 +363,7 @@ TEST_F(DeviceTrace, ClosedSurfacesDoNotLeak) {
     for (const gpu::RayCase& r : rays) cases.push_back({r.o, 0, r.d, 0, -r.d, 0});
     std::size_t leaks = 0;
     for (const auto& a : run<gpu::SpawnAnswer>({kernels::spawns, "spawns", &compiled, {}}, cases))
-      leaks += a.shape != 0;
+      leaks += a.instance != 0;
     EXPECT_EQ(leaks, 0u) << "of " << rays.size() << " rays";
   }
 }
@@ -372,8 +373,8 @@ class SpawnScene {
   SpawnScene(double scale, const glm::dvec3& offset) {
     TriangleMesh room = box({-1, -1, -1}, {1, 1, 1}, true);
     for (glm::dvec3& p : room.positions) p = p * scale + offset;
-    scene_.shapes = {shape(room, diffuse(0.5)),
-                     shape(Sphere{glm::dvec3(0.3, -0.4, 0.2) * scale + offset, 0.25 * scale}, diffuse(0.5))};
+    reference::test::add(scene_, room, diffuse(0.5));
+    reference::test::add(scene_, Sphere{glm::dvec3(0.3, -0.4, 0.2) * scale + offset, 0.25 * scale}, diffuse(0.5));
     normalization_ = find_normalization(scene_);
     center_ = offset;
     scale_ = scale;
@@ -382,7 +383,7 @@ class SpawnScene {
   glm::vec3 inside(Random& random) const {
     return normalization_.point(center_ + scale_ * 0.99 * glm::dvec3(random.point(1.0f)));
   }
-  glm::dvec3 sphere_center() const { return normalization_.point(std::get<Sphere>(scene_.shapes[1].geometry).center); }
+  glm::dvec3 sphere_center() const { return normalization_.point(std::get<Sphere>(scene_.shapes[1]).center); }
   double sphere_radius() const { return 0.25 * scale_ * normalization_.scale; }
 
  private:
@@ -411,27 +412,27 @@ TEST_F(DeviceTrace, RaysLeaveSurfacesWithoutMeetingThemAgain) {
     std::size_t walls = 0, outside = 0, inside = 0;
     for (std::size_t i = 0; i < cases.size(); ++i) {
       const gpu::SpawnAnswer& a = answers[i];
-      ASSERT_NE(a.shape, gpu::kNone) << "the room is closed";
+      ASSERT_NE(a.instance, gpu::kNone) << "the room is closed";
       const double cosine = glm::dot(glm::dvec3(a.ng), glm::dvec3(cases[i].wi));
-      if (a.shape == 0) {  // a wall: inward the next hit is another wall or the sphere, outward there is nothing
-        EXPECT_EQ(a.next_shape == gpu::kNone, cosine < 0.0) << i << ' ' << cosine;
-        if (a.next_shape == 0) {
+      if (a.instance == 0) {  // a wall: inward the next hit is another wall or the sphere, outward there is nothing
+        EXPECT_EQ(a.next_instance == gpu::kNone, cosine < 0.0) << i << ' ' << cosine;
+        if (a.next_instance == 0) {
           EXPECT_NE(a.next_primitive / 2, a.primitive / 2) << i << ' ' << cosine;
         }
         ++walls;
       } else if (cosine > 0.0) {
-        EXPECT_EQ(a.next_shape, 0u) << "a sphere is convex; cosine " << cosine;
+        EXPECT_EQ(a.next_instance, 0u) << "a sphere is convex; cosine " << cosine;
         ++outside;
       } else {  // through the sphere: the chord is 2 r |cos|
         const double chord = 2.0 * s.sphere_radius() * -cosine;
         if (chord > 4.0 * a.error) {
-          EXPECT_EQ(a.next_shape, 1u) << cosine;
+          EXPECT_EQ(a.next_instance, 1u) << cosine;
           EXPECT_NEAR(a.t, offset_chord(s.sphere_radius(), -cosine, a.error), 2e-6 + 2e-6 * s.sphere_radius() / chord)
               << cosine;
         }
         ++inside;
       }
-      if (a.shape == 1) {
+      if (a.instance == 1) {
         EXPECT_NEAR(glm::length(glm::dvec3(a.p) - s.sphere_center()), s.sphere_radius(), a.error);
       }
     }

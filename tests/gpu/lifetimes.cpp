@@ -3,9 +3,9 @@
 
 #include "core/errors.h"
 #include "device_test.h"
+#include "formats/read_scene.h"
 #include "reference/reference_renderer.h"
 #include "render/device_team.h"
-#include "formats/read_scene.h"
 #include "validate/validate.h"
 
 namespace etendue::test {

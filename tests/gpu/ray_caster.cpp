@@ -10,13 +10,14 @@
 #include "reference/intersect.h"
 #include "reference/ray_caster.h"
 #include "reference_scenes.h"
+#include "scene/placed.h"
 
 namespace etendue::test {
 namespace {
 
+using reference::test::add;
 using reference::test::box;
 using reference::test::diffuse;
-using reference::test::shape;
 
 class RayCasting : public DeviceTest {
  protected:
@@ -29,9 +30,8 @@ class RayCasting : public DeviceTest {
       for (int k = 0; k < 3; ++k) mesh.positions.push_back(at + 0.2 * glm::dvec3(random.point(1.0f)));
       mesh.triangles.push_back(glm::uvec3(0, 1, 2) + 3 * i);
     }
-    scene.shapes.push_back(shape(mesh, diffuse(0.5)));
-    for (int i = 0; i < 3; ++i)
-      scene.shapes.push_back(shape(Sphere{glm::dvec3(random.point(1.0f)), 0.1}, diffuse(0.5)));
+    add(scene, mesh, diffuse(0.5));
+    for (int i = 0; i < 3; ++i) add(scene, Sphere{glm::dvec3(random.point(1.0f)), 0.1}, diffuse(0.5));
     return scene;
   }
   static std::vector<CastRay> random_rays(std::size_t count, float t_max, Random& random) {
@@ -51,20 +51,21 @@ CastHit brute_force(const Scene& scene, const Placement& at, const CastRay& cast
   const reference::TriangleTest test(ray);
   double nearest = ray.t_max;
   CastHit hit{.t = cast.t_max};
-  const auto found = [&](double t, std::uint32_t shape, std::uint32_t primitive) {
+  const auto found = [&](double t, std::uint32_t instance, std::uint32_t primitive) {
     nearest = t;
-    hit = {.t = static_cast<float>(t * at.scale), .shape = shape, .primitive = primitive};
+    hit = {.t = static_cast<float>(t * at.scale), .instance = instance, .primitive = primitive};
   };
-  for (std::uint32_t s = 0; s < scene.shapes.size(); ++s) {
-    if (const auto* sphere = std::get_if<Sphere>(&scene.shapes[s].geometry)) {
-      if (const auto t = reference::intersect_sphere(ray, sphere->center, sphere->radius, nearest)) found(*t, s, 0);
+  for (std::uint32_t k = 0; k < scene.instances.size(); ++k) {
+    const Instance& instance = scene.instances[k];
+    if (const auto* sphere = std::get_if<Sphere>(&scene.shape_of(instance))) {
+      const Sphere s = placed_sphere(*sphere, instance);
+      if (const auto t = reference::intersect_sphere(ray, s.center, s.radius, nearest)) found(*t, k, 0);
       continue;
     }
-    const auto& mesh = std::get<TriangleMesh>(scene.shapes[s].geometry);
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const glm::uvec3 v = mesh.triangles[i];
-      if (const auto t = test(mesh.positions[v.x], mesh.positions[v.y], mesh.positions[v.z], nearest))
-        found(t->t, s, i);
+    const PlacedMesh mesh(std::get<TriangleMesh>(scene.shape_of(instance)), instance);
+    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+      const auto [a, b, c] = mesh.triangle(i);
+      if (const auto t = test(a, b, c, nearest)) found(t->t, k, i);
     }
   }
   return hit;
@@ -84,11 +85,11 @@ TEST_F(RayCasting, HitsEqualBruteForce) {
     std::size_t differ = 0, found = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const CastHit expected = brute_force(scene, caster->placement(), rays[i]);
-      const bool hit = expected.shape != CastHit::kNone;
+      const bool hit = expected.instance != CastHit::kNone;
       found += hit;
-      differ += hits[i].shape != expected.shape || (hit && hits[i].primitive != expected.primitive) ||
+      differ += hits[i].instance != expected.instance || (hit && hits[i].primitive != expected.primitive) ||
                 (hit && std::abs(hits[i].t - expected.t) > 1e-4f);
-      EXPECT_EQ(any[i].shape != CastHit::kNone, hits[i].shape != CastHit::kNone) << i;
+      EXPECT_EQ(any[i].instance != CastHit::kNone, hits[i].instance != CastHit::kNone) << i;
       EXPECT_GT(hits[i].steps, 0u);
     }
     EXPECT_GT(found, triangles > 100 ? 2000u : 100u);
@@ -106,9 +107,9 @@ TEST_F(RayCasting, RaysEndWhereTheyAreToldTo) {
     caster->cast(query);
     std::size_t found = 0, differ = 0;
     for (std::size_t i = 0; const CastHit& hit : caster->hits()) {
-      const bool expected = brute_force(scene, caster->placement(), rays[i++]).shape != CastHit::kNone;
+      const bool expected = brute_force(scene, caster->placement(), rays[i++]).instance != CastHit::kNone;
       found += expected;
-      differ += expected != (hit.shape != CastHit::kNone);
+      differ += expected != (hit.instance != CastHit::kNone);
     }
     EXPECT_GT(found, 200u);
     EXPECT_LE(differ, 2u);
@@ -129,7 +130,7 @@ TEST_F(RayCasting, SetsOfAnySizeOneAfterTheOther) {
     if (all.empty()) all = hits;
     for (std::size_t i = 0; i < count; ++i) {
       EXPECT_EQ(hits[i].t, all[i].t);
-      EXPECT_EQ(hits[i].shape, all[i].shape);
+      EXPECT_EQ(hits[i].instance, all[i].instance);
       EXPECT_EQ(hits[i].steps, all[i].steps);
     }
   }
@@ -138,9 +139,9 @@ TEST_F(RayCasting, SetsOfAnySizeOneAfterTheOther) {
 TEST_F(RayCasting, TheBenchAcceptsTheDevice) {
   Scene scene;
   const glm::dvec3 at(1000.0, -50.0, 3.0);
-  scene.shapes.push_back(shape(box(at - 2.0, at + 2.0, true), diffuse(0.5)));
-  scene.shapes.push_back(shape(box(at - glm::dvec3(0.1, 0.5, 0.5), at + 0.5, false), diffuse(0.5), glm::dvec3(1.0)));
-  scene.shapes.push_back(shape(Sphere{at + glm::dvec3(1.0, 0.0, 0.5), 0.6}, diffuse(0.5)));
+  add(scene, box(at - 2.0, at + 2.0, true), diffuse(0.5));
+  add(scene, box(at - glm::dvec3(0.1, 0.5, 0.5), at + 0.5, false), diffuse(0.5), glm::dvec3(1.0));
+  add(scene, Sphere{at + glm::dvec3(1.0, 0.0, 0.5), 0.6}, diffuse(0.5));
   scene.camera.world_from_camera = reference::test::look_at(at - glm::dvec3(1.5, 0.7, 1.6), at, glm::dvec3(0, 1, 0));
   scene.camera.fov = 70.0;
   const auto caster = make_gpu_ray_caster(scene, renderer_options());

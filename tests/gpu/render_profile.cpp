@@ -8,23 +8,23 @@
 namespace etendue::test {
 namespace {
 
+using reference::test::add;
 using reference::test::box;
 using reference::test::diffuse;
 using reference::test::quad;
-using reference::test::shape;
 
 class RenderCounts : public DeviceTest {
  protected:
   // A lit room with a sphere; with a tree when many small triangles lie in it.
   static Scene room(bool with_tree) {
     Scene scene;
-    scene.shapes.push_back(shape(box(glm::dvec3(-1.0), glm::dvec3(1.0), true), diffuse(0.6)));
-    scene.shapes.push_back(shape(Sphere{glm::dvec3(0.3, -0.4, 0.2), 0.3}, diffuse(0.5)));
-    scene.shapes.push_back(shape(quad(glm::dvec3(-0.3, 0.95, -0.3), glm::dvec3(0.6, 0, 0), glm::dvec3(0, 0, 0.6)),
-                                 diffuse(0.5), glm::dvec3(5.0)));
+    add(scene, box(glm::dvec3(-1.0), glm::dvec3(1.0), true), diffuse(0.6));
+    add(scene, Sphere{glm::dvec3(0.3, -0.4, 0.2), 0.3}, diffuse(0.5));
+    add(scene, quad(glm::dvec3(-0.3, 0.95, -0.3), glm::dvec3(0.6, 0, 0), glm::dvec3(0, 0, 0.6)), diffuse(0.5),
+        glm::dvec3(5.0));
     for (int i = 0; with_tree && i < 40; ++i) {
       const glm::dvec3 at(-0.8 + 0.04 * i, -0.9 + 0.01 * i, 0.5);
-      scene.shapes.push_back(shape(box(at, at + 0.02, false), diffuse(0.4)));
+      add(scene, box(at, at + 0.02, false), diffuse(0.4));
     }
     scene.camera.width = 45;  // no multiple of a tile
     scene.camera.height = 27;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "core/errors.h"
 #include "device_test.h"
@@ -15,9 +16,9 @@
 namespace etendue::test {
 namespace {
 
+using reference::test::add;
 using reference::test::diffuse;
 using reference::test::quad;
-using reference::test::shape;
 
 class RendererAgreement : public DeviceTest {
  protected:
@@ -99,12 +100,12 @@ Scene everything() {
   scene.camera.world_from_camera = reference::test::look_at({0, 1.5, 5}, {0, 0.6, 0}, {0, 1, 0});
   scene.integrator.max_depth = 10;
   scene.sky = {.top = {0.2, 0.4, 0.9}, .horizon = {0.8, 0.7, 0.6}};
-  scene.shapes.push_back(shape(quad({-20, 0, -20}, {0, 0, 40}, {40, 0, 0}), DiffuseBsdf{{0.6, 0.5, 0.4}}));
-  scene.shapes.push_back(shape(Sphere{{-1.2, 0.6, 0}, 0.6}, DielectricBsdf{}));
-  scene.shapes.push_back(shape(Sphere{{-1.2, 0.6, 0}, 0.55}, DielectricBsdf{.int_ior = 1.000277, .ext_ior = 1.5046}));
-  scene.shapes.push_back(shape(Sphere{{1.2, 0.6, 0.3}, 0.6}, MirrorBsdf{}));
-  scene.shapes.push_back(shape(Sphere{{0.1, 2.5, -0.5}, 0.3}, diffuse(0.3), glm::dvec3(9, 8, 6)));
-  scene.shapes.push_back(shape(quad({-3, 0.5, -3}, {2, 0, 0}, {0, 2, 0}), diffuse(0.5), glm::dvec3(1, 2, 3)));
+  add(scene, quad({-20, 0, -20}, {0, 0, 40}, {40, 0, 0}), DiffuseBsdf{{0.6, 0.5, 0.4}});
+  add(scene, Sphere{{-1.2, 0.6, 0}, 0.6}, DielectricBsdf{});
+  add(scene, Sphere{{-1.2, 0.6, 0}, 0.55}, DielectricBsdf{.int_ior = 1.000277, .ext_ior = 1.5046});
+  add(scene, Sphere{{1.2, 0.6, 0.3}, 0.6}, MirrorBsdf{});
+  add(scene, Sphere{{0.1, 2.5, -0.5}, 0.3}, diffuse(0.3), glm::dvec3(9, 8, 6));
+  add(scene, quad({-3, 0.5, -3}, {2, 0, 0}, {0, 2, 0}), diffuse(0.5), glm::dvec3(1, 2, 3));
   // A tetrahedron with the normals of its circumsphere.
   TriangleMesh smooth;
   for (const glm::dvec3& d :
@@ -113,7 +114,7 @@ Scene everything() {
     smooth.normals.push_back(glm::normalize(d));
   }
   smooth.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  scene.shapes.push_back(shape(smooth, DiffuseBsdf{{0.2, 0.7, 0.3}}));
+  add(scene, smooth, DiffuseBsdf{{0.2, 0.7, 0.3}});
   return scene;
 }
 
@@ -124,14 +125,8 @@ TEST_F(RendererAgreement, ManyMaterialsSmoothNormalsAndSky) {
 // The same scene at another size and place. Coordinates are doubles on both sides, so only the rounding of the inputs
 // differs.
 Scene placed(Scene scene, double scale, const glm::dvec3& offset) {
-  for (Shape& s : scene.shapes) {
-    if (auto* sphere = std::get_if<Sphere>(&s.geometry)) {
-      sphere->center = sphere->center * scale + offset;
-      sphere->radius *= scale;
-    } else {
-      for (glm::dvec3& p : std::get<TriangleMesh>(s.geometry).positions) p = p * scale + offset;
-    }
-  }
+  const glm::dmat4 motion = glm::scale(glm::translate(glm::dmat4(1.0), offset), glm::dvec3(scale));
+  for (Instance& instance : scene.instances) instance.world_from_object = motion * instance.world_from_object;
   glm::dvec4& origin = scene.camera.world_from_camera[3];
   origin = glm::dvec4(glm::dvec3(origin) * scale + offset, 1.0);
   scene.camera.near_clip *= scale;
@@ -149,13 +144,13 @@ std::uint32_t fold(const std::vector<PathVertex>& path) {
   std::uint32_t h = 0x811c9dc5u;
   const auto word = [&h](std::uint32_t w) { h = (h ^ w) * 0x01000193u; };
   for (const PathVertex& v : path) {
-    if (v.shape == PathVertex::kNone) {
+    if (v.instance == PathVertex::kNone) {
       word(0);
       continue;
     }
-    word(v.shape + 1), word(v.primitive + 1);
-    if (v.light_shape != PathVertex::kNone)
-      word(v.light_shape + 1), word(v.light_primitive + 1), word(v.light_contributed);
+    word(v.instance + 1), word(v.primitive + 1);
+    if (v.light_instance != PathVertex::kNone)
+      word(v.light_instance + 1), word(v.light_primitive + 1), word(v.light_contributed);
     if (v.lobe != PathVertex::kNone) word(v.lobe);
     if (v.survived != PathVertex::kNone) word(v.survived);
   }
@@ -184,9 +179,9 @@ TEST_F(RendererAgreement, PathsAreTracedVertexByVertex) {
     const auto expected = reference->trace_path(ids[i]);
     ASSERT_EQ(path.size(), expected.size());
     for (std::size_t k = 0; k < path.size(); ++k) {
-      EXPECT_EQ(path[k].shape, expected[k].shape);
+      EXPECT_EQ(path[k].instance, expected[k].instance);
       EXPECT_EQ(path[k].primitive, expected[k].primitive);
-      EXPECT_EQ(path[k].light_shape, expected[k].light_shape);
+      EXPECT_EQ(path[k].light_instance, expected[k].light_instance);
       EXPECT_EQ(path[k].light_primitive, expected[k].light_primitive);
       EXPECT_EQ(path[k].light_contributed, expected[k].light_contributed);
       EXPECT_EQ(path[k].lobe, expected[k].lobe);

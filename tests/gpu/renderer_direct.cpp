@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include "device_test.h"
 #include "reference/frame.h"
 #include "reference_scenes.h"
@@ -12,11 +14,11 @@
 namespace etendue::test {
 namespace {
 
+using reference::test::add;
 using reference::test::diffuse;
 using reference::test::floor_scene;
 using reference::test::kStrategies;
 using reference::test::polygon_irradiance;
-using reference::test::shape;
 using reference::test::sphere_irradiance;
 using reference::test::Strategy;
 using reference::test::triangle;
@@ -62,7 +64,7 @@ double add_lamps(Scene& scene, int count, Random& random) {
     if (i % 3 == 2) {
       const Sphere sphere{.center = center, .radius = room * (0.3 + 0.7 * random.unit())};
       irradiance += radiance * sphere_irradiance(sphere, up);
-      scene.shapes.push_back(shape(sphere, diffuse(0.0), glm::dvec3(radiance)));
+      add(scene, sphere, diffuse(0.0), glm::dvec3(radiance));
       continue;
     }
     const reference::Frame frame(-toward);
@@ -76,7 +78,7 @@ double add_lamps(Scene& scene, int count, Random& random) {
     }
     for (std::uint32_t k = 2; k < static_cast<std::uint32_t>(corners); ++k) mesh.triangles.push_back({0, k - 1, k});
     irradiance += radiance * polygon_irradiance({mesh.positions.begin(), mesh.positions.end()}, up);
-    scene.shapes.push_back(shape(mesh, diffuse(0.0), glm::dvec3(radiance)));
+    add(scene, mesh, diffuse(0.0), glm::dvec3(radiance));
   }
   return irradiance;
 }
@@ -96,14 +98,8 @@ TEST_F(RendererDirect, AnyNumberOfLamps) {
 
 // Maps a scene to another size and place.
 void place(Scene& scene, double scale, const glm::dvec3& offset) {
-  for (Shape& s : scene.shapes) {
-    if (auto* sphere = std::get_if<Sphere>(&s.geometry)) {
-      sphere->center = sphere->center * scale + offset;
-      sphere->radius *= scale;
-    } else {
-      for (glm::dvec3& p : std::get<TriangleMesh>(s.geometry).positions) p = p * scale + offset;
-    }
-  }
+  const glm::dmat4 motion = glm::scale(glm::translate(glm::dmat4(1.0), offset), glm::dvec3(scale));
+  for (Instance& instance : scene.instances) instance.world_from_object = motion * instance.world_from_object;
   glm::dvec4& origin = scene.camera.world_from_camera[3];
   origin = glm::dvec4(glm::dvec3(origin) * scale + offset, 1.0);
   scene.camera.near_clip *= scale;
@@ -136,8 +132,8 @@ TEST_F(RendererDirect, LampsOfVeryDifferentStrengthAndSize) {
   const TriangleMesh far = triangle({-30, 500, -30}, {30, 500, -30}, {0, 500, 40});
   const double expected =
       0.5 / kPi * (2.0 * sphere_irradiance(near, up) + 20.0 * polygon_irradiance(far.positions, up));
-  scene.shapes.push_back(shape(near, diffuse(0.0), glm::dvec3(2.0)));
-  scene.shapes.push_back(shape(far, diffuse(0.0), glm::dvec3(20.0)));
+  add(scene, near, diffuse(0.0), glm::dvec3(2.0));
+  add(scene, far, diffuse(0.0), glm::dvec3(20.0));
   for (const Strategy& strategy : {kStrategies[0], kStrategies[2]}) {
     reference::test::set_strategy(scene, strategy);
     expect_mean(scene, expected, strategy.name, 400000);

@@ -7,8 +7,8 @@
 namespace etendue::test {
 namespace {
 
+using reference::test::add;
 using reference::test::diffuse;
-using reference::test::shape;
 
 class RendererEquality : public DeviceTest {};
 
@@ -177,7 +177,7 @@ TEST_F(RendererEquality, LargeFilmsAreRenderedInBands) {
   scene.camera.width = scene.camera.height = 1032;
   scene.integrator.type = Integrator::Type::normals;
   scene.camera.world_from_camera[3] = glm::dvec4(0, 0, -4, 1);
-  scene.shapes = {shape(Sphere{{0, 0, 0}, 1.0}, diffuse(0.5))};
+  add(scene, Sphere{{0, 0, 0}, 1.0}, diffuse(0.5));
   const Film film = render(scene, {{0, 1}}, renderer_options());
   GpuOptions options = renderer_options();
   options.fixed_groups = 5000;

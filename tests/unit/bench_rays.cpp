@@ -24,11 +24,11 @@
 namespace etendue {
 namespace {
 
+using reference::test::add;
 using reference::test::box;
 using reference::test::diffuse;
 using reference::test::look_at;
 using reference::test::quad;
-using reference::test::shape;
 
 Placement place(const Scene& scene) {
   const Normalization n = find_normalization(scene);
@@ -39,11 +39,11 @@ Placement place(const Scene& scene) {
 Scene room(bool lamp = true) {
   const glm::dvec3 at(300.0, -20.0, 70.0);
   Scene scene;
-  scene.shapes.push_back(shape(box(at - 2.0, at + 2.0, true), diffuse(0.5)));
-  scene.shapes.push_back(shape(Sphere{at + glm::dvec3(0.3, -0.2, 0.2), 0.8}, diffuse(0.5)));
+  add(scene, box(at - 2.0, at + 2.0, true), diffuse(0.5));
+  add(scene, Sphere{at + glm::dvec3(0.3, -0.2, 0.2), 0.8}, diffuse(0.5));
   if (lamp) {
-    scene.shapes.push_back(shape(quad(at + glm::dvec3(-0.5, 1.9, -0.5), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)),
-                                 diffuse(0.0), glm::dvec3(10.0)));
+    add(scene, quad(at + glm::dvec3(-0.5, 1.9, -0.5), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)), diffuse(0.0),
+        glm::dvec3(10.0));
   }
   scene.camera.width = 120;
   scene.camera.height = 80;
@@ -101,7 +101,7 @@ TEST(BenchRays, BouncesFollowTheCosineAndShadowsEndAtTheLamp) {
   caster->load(bounces);
   caster->cast(RayQuery::closest);
   std::size_t escaped = 0;
-  for (const CastHit& hit : caster->hits()) escaped += hit.shape == CastHit::kNone;
+  for (const CastHit& hit : caster->hits()) escaped += hit.instance == CastHit::kNone;
   EXPECT_EQ(escaped, 0u) << "the room is closed";
   // On the wall opposite, the mean cosine of a cosine-distributed direction is 2/3.
   double cosines = 0.0, count = 0.0;
@@ -123,7 +123,7 @@ TEST(BenchRays, BouncesFollowTheCosineAndShadowsEndAtTheLamp) {
   caster->load(shadows);
   caster->cast(RayQuery::any);
   std::size_t occluded = 0;
-  for (const CastHit& hit : caster->hits()) occluded += hit.shape != CastHit::kNone;
+  for (const CastHit& hit : caster->hits()) occluded += hit.instance != CastHit::kNone;
   EXPECT_LT(occluded, shadows.size() / 2);
   EXPECT_GT(occluded, 0u);
 }
@@ -144,7 +144,7 @@ TEST(BenchRays, ShuffledRaysAreTheSameRays) {
 
 TEST(BenchRays, AnEmptySceneHasOnlyPrimaryRays) {
   Scene scene = room();
-  scene.shapes.clear();
+  scene.instances.clear();
   const auto caster = make_reference_ray_caster(scene, place(scene));
   const auto sets = make_ray_sets(scene, *caster, {.count = 1000});
   ASSERT_EQ(sets.size(), 2u);
@@ -180,7 +180,7 @@ TEST_F(BenchCheck, AcceptsTheTruth) {
 }
 
 TEST_F(BenchCheck, NoticesOneLostHit) {
-  hits_[hits_.size() / 2].shape = CastHit::kNone;
+  hits_[hits_.size() / 2].instance = CastHit::kNone;
   EXPECT_EQ(check().wrong, 1u);
   EXPECT_FALSE(check().passed());
 }
@@ -194,7 +194,7 @@ TEST_F(BenchCheck, ForgivesWhatRoundingExplains) {
   // A ray along the silhouette of the sphere may miss it and hit the wall: find one by bisection between a ray that
   // hits the sphere and one that does not.
   std::size_t on = 0, off = 0;
-  for (std::size_t i = 0; i < hits_.size(); ++i) (hits_[i].shape == 1 ? on : off) = i;
+  for (std::size_t i = 0; i < hits_.size(); ++i) (hits_[i].instance == 1 ? on : off) = i;
   glm::dvec3 inside(set_.rays[on].d), outside(set_.rays[off].d);
   CastRay edge = set_.rays[on];
   CastHit wall;
@@ -205,7 +205,7 @@ TEST_F(BenchCheck, ForgivesWhatRoundingExplains) {
     caster_->load(std::span(&ray, 1));
     caster_->cast(RayQuery::closest);
     const CastHit hit = caster_->hits().front();
-    if (hit.shape == 1) {
+    if (hit.instance == 1) {
       inside = middle;
       edge = ray;
     } else {
@@ -258,7 +258,7 @@ TEST_F(BenchExport, AMirroredCameraSeesTheSameInAMirroredScene) {
   }
   EXPECT_NEAR(glm::determinant(glm::dmat3(camera)), 1.0, 1e-9);
   EXPECT_DOUBLE_EQ(json["camera"]["near"].get<double>(), 2.0 * scene.camera.near_clip);
-  const auto& mesh = std::get<TriangleMesh>(scene.shapes[0].geometry);
+  const auto& mesh = std::get<TriangleMesh>(scene.shapes[0]);
   const auto vertices = ply_vertices(json["shapes"][0]["mesh"]["file"], mesh.positions.size(), 3);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const glm::dvec2 before = seen(scene.camera.world_from_camera, mesh.positions[i]),
@@ -310,7 +310,7 @@ TEST_F(BenchExport, RaysComeBackByteForByte) {
     EXPECT_EQ(take(std::uint64_t{}), sets[i].rays.size());
     EXPECT_EQ(std::memcmp(bytes.data() + at, sets[i].rays.data(), sets[i].rays.size() * 32), 0);
     at += sets[i].rays.size() * 32;
-    for (const CastHit& hit : hits[i]) EXPECT_EQ(std::isfinite(take(float{})), hit.shape != CastHit::kNone);
+    for (const CastHit& hit : hits[i]) EXPECT_EQ(std::isfinite(take(float{})), hit.instance != CastHit::kNone);
   }
   EXPECT_EQ(at, bytes.size());
 }

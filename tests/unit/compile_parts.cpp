@@ -117,27 +117,23 @@ TEST(CompileFilter, KnotsAreTheInverseOfTheCumulativeFilter) {
   }
 }
 
-Shape sphere_shape(const glm::dvec3& center, double radius, double radiance = 0.0) {
-  Shape s;
-  s.geometry = Sphere{center, radius};
-  s.bsdf = DiffuseBsdf{};
-  if (radiance > 0.0) s.emitter = AreaEmitter{glm::dvec3(radiance)};
-  return s;
+void add(Scene& scene, Shape shape, double radiance) {
+  scene.add(std::move(shape), DiffuseBsdf{},
+            radiance > 0.0 ? std::optional(AreaEmitter{glm::dvec3(radiance)}) : std::nullopt);
 }
-Shape triangle_shape(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double radiance = 0.0) {
-  Shape s;
-  s.geometry = TriangleMesh{.positions = {a, b, c}, .normals = {}, .triangles = {{0, 1, 2}}};
-  s.bsdf = DiffuseBsdf{};
-  if (radiance > 0.0) s.emitter = AreaEmitter{glm::dvec3(radiance)};
-  return s;
+void add_sphere(Scene& scene, const glm::dvec3& center, double radius, double radiance = 0.0) {
+  add(scene, Sphere{center, radius}, radiance);
+}
+void add_triangle(Scene& scene, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double radiance = 0.0) {
+  add(scene, TriangleMesh{.positions = {a, b, c}, .normals = {}, .triangles = {{0, 1, 2}}}, radiance);
 }
 
 TEST(CompileNormalization, ScalesByPowersOfTwoIntoTheUnitCube) {
   for (const double scale : {1e-6, 1e-3, 1.0, 3.7, 1e4, 1e8}) {
     for (const glm::dvec3& offset : {glm::dvec3(0.0), glm::dvec3(1e5, -3.0, 1e-4)}) {
       Scene scene;
-      scene.shapes = {sphere_shape(offset + scale * glm::dvec3(1, 2, 3), scale),
-                      triangle_shape(offset, offset + scale * glm::dvec3(0, 5, 1), offset - scale)};
+      add_sphere(scene, offset + scale * glm::dvec3(1, 2, 3), scale);
+      add_triangle(scene, offset, offset + scale * glm::dvec3(0, 5, 1), offset - scale);
       const Normalization n = find_normalization(scene);
       int exponent = 0;
       EXPECT_EQ(std::frexp(n.scale, &exponent), 0.5) << "a power of two";
@@ -163,51 +159,51 @@ TEST(CompileNormalization, EmptyScenesStayWhereTheyAre) {
 
 TEST(CompileNormalization, AGroundSphereDoesNotPullTheCentreAway) {
   Scene scene;
-  scene.shapes.push_back(sphere_shape({0, -1000, 0}, 1000));
-  for (int i = 0; i < 10; ++i) scene.shapes.push_back(sphere_shape({i, 0.5, 0}, 0.5));
+  add_sphere(scene, {0, -1000, 0}, 1000);
+  for (int i = 0; i < 10; ++i) add_sphere(scene, {i, 0.5, 0}, 0.5);
   EXPECT_LT(glm::length(find_normalization(scene).center), 10.0);
 }
 
 TEST(CompileScene, EmptySceneHasBindableBuffers) {
   const CompiledScene c = compile_scene(Scene{});
   EXPECT_FALSE(c.records.empty());
-  EXPECT_FALSE(c.shapes.empty());
-  EXPECT_EQ(SceneFacts(c).light_shape_count, 0u);
+  EXPECT_FALSE(c.instances.empty());
+  EXPECT_EQ(SceneFacts(c).light_instance_count, 0u);
 }
 
 TEST(CompileScene, LightsCarryTheirProbabilities) {
   Scene scene;
-  scene.shapes = {sphere_shape({0, 0, 0}, 1.0), triangle_shape({0, 0, 0}, {2, 0, 0}, {0, 2, 0}, 3.0),
-                  sphere_shape({5, 0, 0}, 0.5, 1.0),
-                  triangle_shape({1, 1, 1}, {1, 1, 1}, {2, 2, 2}, 5.0)};  // the last has no area
+  add_sphere(scene, {0, 0, 0}, 1.0);
+  add_triangle(scene, {0, 0, 0}, {2, 0, 0}, {0, 2, 0}, 3.0);
+  add_sphere(scene, {5, 0, 0}, 0.5, 1.0);
+  add_triangle(scene, {1, 1, 1}, {2, 1, 1}, {1, 2, 2}, 0.0);  // dark
   const CompiledScene c = compile_scene(scene);
-  ASSERT_EQ(c.light_shapes.size(), 2u);
-  EXPECT_EQ(SceneFacts(c).light_shape_count, 2u);
+  ASSERT_EQ(c.light_instances.size(), 2u);
+  EXPECT_EQ(SceneFacts(c).light_instance_count, 2u);
   const double triangle_power = 3.0 * 2.0, sphere_power = std::numbers::pi;
-  EXPECT_EQ(c.light_shapes[0].shape, 1u);
-  EXPECT_EQ(c.light_shapes[1].shape, 2u);
-  EXPECT_EQ(c.light_shapes[0].threshold, 0u);
-  EXPECT_NEAR(c.light_shapes[1].threshold * 0x1p-32, triangle_power / (triangle_power + sphere_power), 1e-9);
-  EXPECT_NEAR(c.shapes[1].light_prob, triangle_power / (triangle_power + sphere_power), 1e-7);
-  EXPECT_NEAR(c.shapes[2].light_prob, sphere_power / (triangle_power + sphere_power), 1e-7);
-  EXPECT_EQ(c.shapes[0].light_prob, 0.0f);
-  EXPECT_EQ(c.shapes[3].light_prob, 0.0f);
+  EXPECT_EQ(c.light_instances[0].instance, 1u);
+  EXPECT_EQ(c.light_instances[1].instance, 2u);
+  EXPECT_EQ(c.light_instances[0].threshold, 0u);
+  EXPECT_NEAR(c.light_instances[1].threshold * 0x1p-32, triangle_power / (triangle_power + sphere_power), 1e-9);
+  EXPECT_NEAR(c.instances[1].light_prob, triangle_power / (triangle_power + sphere_power), 1e-7);
+  EXPECT_NEAR(c.instances[2].light_prob, sphere_power / (triangle_power + sphere_power), 1e-7);
+  EXPECT_EQ(c.instances[0].light_prob, 0.0f);
+  EXPECT_EQ(c.instances[3].light_prob, 0.0f);
   const double scale = find_normalization(scene).scale;
-  EXPECT_NEAR(c.shapes[1].light_area, 2.0 * scale * scale, 1e-7);
+  EXPECT_NEAR(c.instances[1].light_area, 2.0 * scale * scale, 1e-7);
 }
 
 TEST(CompileScene, VertexNormalsAreIndexedAcrossMeshes) {
   Scene scene;
   for (int i = 0; i < 3; ++i) {
-    Shape s = triangle_shape({i, 0, 0}, {i + 1, 0, 0}, {i, 1, 0});
+    add_triangle(scene, {i, 0, 0}, {i + 1, 0, 0}, {i, 1, 0});
     if (i != 1)
-      std::get<TriangleMesh>(s.geometry).normals = {{0, 0, 1}, {0, 1, 0}, glm::normalize(glm::dvec3(i, 1, 1))};
-    scene.shapes.push_back(s);
+      std::get<TriangleMesh>(scene.shapes.back()).normals = {{0, 0, 1}, {0, 1, 0}, glm::normalize(glm::dvec3(i, 1, 1))};
   }
   const CompiledScene c = compile_scene(scene);
-  EXPECT_EQ(c.shapes[0].first_triangle, 0u);
-  EXPECT_EQ(c.shapes[1].first_triangle, gpu::kNone);
-  EXPECT_EQ(c.shapes[2].first_triangle, 1u);
+  EXPECT_EQ(c.instances[0].first_triangle, 0u);
+  EXPECT_EQ(c.instances[1].first_triangle, gpu::kNone);
+  EXPECT_EQ(c.instances[2].first_triangle, 1u);
   ASSERT_EQ(c.triangles.size(), 2u);
   EXPECT_EQ(c.triangles[1], gpu::uvec4(3, 4, 5, 0));
   ASSERT_EQ(c.normals.size(), 6u);

@@ -83,7 +83,7 @@ TEST(Mutations, OfMeshes) {
   std::size_t refused = 0, read = 0;
   for (const std::string& text : mutations(mesh, 12000)) {
     Diagnostics diagnostics;
-    const auto result = read_obj(memory_source(text), "m.obj", glm::dmat4(1.0), diagnostics);
+    const auto result = read_obj(memory_source(text), "m.obj", diagnostics);
     EXPECT_NE(result.has_value(), diagnostics.has_errors());
     ++(result ? read : refused);
     for (const Diagnostic& d : diagnostics.list()) expect_one_line(d, "m.obj");

@@ -14,14 +14,14 @@
 
 #include "formats/obj/polygon.h"
 #include "formats_testing.h"
+#include "scene/placed.h"
 
 namespace etendue::testing {
 namespace {
 
-TriangleMesh read(std::string_view text, const glm::dmat4& m = glm::dmat4(1.0),
-                  std::size_t chunk = std::string_view::npos) {
+TriangleMesh read(std::string_view text, std::size_t chunk = std::string_view::npos) {
   Diagnostics diagnostics;
-  std::optional<TriangleMesh> mesh = read_obj(memory_source(text, chunk), "m.obj", m, diagnostics);
+  std::optional<TriangleMesh> mesh = read_obj(memory_source(text, chunk), "m.obj", diagnostics);
   EXPECT_TRUE(mesh.has_value()) << all_messages(diagnostics);
   return mesh.value_or(TriangleMesh{});
 }
@@ -86,7 +86,7 @@ TEST(Obj, ManyNormalsOfOnePositionKeepTheirCorners) {
 TEST(Obj, AllBadLinesAreListed) {
   Diagnostics diagnostics;
   const std::string text = "v 0 0 0\nv 1 x 0\nv 0 1 0\nvn nan 0 1\nf 1 2 3\nf 1 2 4\nf 1 2\nf 1//1 2//1 3//1\n";
-  EXPECT_FALSE(read_obj(memory_source(text), "m.obj", glm::dmat4(1.0), diagnostics));
+  EXPECT_FALSE(read_obj(memory_source(text), "m.obj", diagnostics));
   EXPECT_EQ(all_messages(diagnostics),
             "m.obj:2:5: \"x\" is not a number; write it like 1.5 or -2e3\n"
             "m.obj:4:4: \"nan\" is not a finite number; write it like 1.5 or -2e3\n"
@@ -95,7 +95,7 @@ TEST(Obj, AllBadLinesAreListed) {
   std::string many;
   for (int i = 0; i < 1000; ++i) many += "v x\n";
   Diagnostics few;
-  EXPECT_FALSE(read_obj(memory_source(many), "m.obj", glm::dmat4(1.0), few));
+  EXPECT_FALSE(read_obj(memory_source(many), "m.obj", few));
   EXPECT_EQ(few.error_count(), 20u);
 }
 
@@ -112,7 +112,7 @@ TEST(Obj, LineEndsContinuationsAndMarks) {
        {std::string("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n"), std::string("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3"),
         std::string("\xef\xbb\xbfv 0 0 0\nv 1 \\\n 0 0\nv 0 1 0\nf 1 \\\r\n2\\\n3"), kThree + "f 1 2 3 \\"}) {
     for (const std::size_t chunk : {std::size_t{1}, std::size_t{7}, std::string_view::npos}) {
-      const TriangleMesh mesh = read(text, glm::dmat4(1.0), chunk);
+      const TriangleMesh mesh = read(text, chunk);
       EXPECT_EQ(mesh.positions, unix_lines.positions) << text;
       EXPECT_EQ(mesh.triangles, unix_lines.triangles) << text;
     }
@@ -127,16 +127,45 @@ TEST(Obj, NumbersInAllSpellings) {
   EXPECT_EQ(mesh.positions[2].y, 5e-324);
 }
 
+/// Of the first triangle, by its winding.
+glm::dvec3 plane_normal(const PlacedMesh& mesh) {
+  const auto [a, b, c] = mesh.triangle(0);
+  return glm::normalize(glm::cross(b - a, c - a));
+}
+
 TEST(Obj, NormalsFollowTheInverseTranspose) {
   glm::dmat4 m = glm::scale(glm::dmat4(1.0), glm::dvec3(2, 1, 1));
   m = glm::translate(glm::dmat4(1.0), glm::dvec3(5, 0, 0)) * m;
-  const TriangleMesh mesh = read("v 0 0 0\nv -1 1 0\nv 0 0 1\nvn 30 30 0\nf 1//1 2//1 3//1\n", m);
-  EXPECT_EQ(mesh.positions[1], glm::dvec3(3, 1, 0));
-  const glm::dvec3 expected = glm::normalize(glm::dvec3(0.5, 1, 0));
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(mesh.normals[0][i], expected[i], 1e-15);
-  const glm::dvec3 ng =
-      glm::normalize(glm::cross(mesh.positions[1] - mesh.positions[0], mesh.positions[2] - mesh.positions[0]));
-  EXPECT_NEAR(glm::dot(ng, mesh.normals[0]), 1.0, 1e-15);
+  const TriangleMesh mesh = read("v 0 0 0\nv -1 1 0\nv 0 0 1\nvn 30 30 0\nf 1//1 2//1 3//1\n");
+  EXPECT_EQ(mesh.positions[1], glm::dvec3(-1, 1, 0)) << "the file's coordinates are the mesh's";
+  EXPECT_NEAR(glm::length(mesh.normals[0] - glm::normalize(glm::dvec3(1, 1, 0))), 0.0, 1e-15);
+  const PlacedMesh placed(mesh, Instance{.world_from_object = m});
+  EXPECT_EQ(placed.position(1), glm::dvec3(3, 1, 0));
+  EXPECT_NEAR(glm::length(placed.normal(0) - glm::normalize(glm::dvec3(0.5, 1, 0))), 0.0, 1e-15);
+  EXPECT_NEAR(glm::dot(plane_normal(placed), placed.normal(0)), 1.0, 1e-15);
+}
+
+TEST(Obj, MirrorsKeepTheSideOfTheNormalsAndFlippingTurnsIt) {
+  const TriangleMesh mesh = read(kThree + "vn 0 0 1\nf 1//1 2//1 3//1\n");
+  const glm::dmat4 plain(1.0), across = glm::scale(plain, glm::dvec3(-1, 1, 1)),
+                               along = glm::scale(plain, glm::dvec3(1, 1, -2));
+  struct Case {
+    glm::dmat4 m;
+    bool flip;
+    double side;  // of the world's Z axis, to which the normal points
+  };
+  for (const Case& c : {Case{plain, false, 1.0},
+                        {across, false, 1.0},
+                        {along, false, -1.0},
+                        {across * along, false, -1.0},
+                        {plain, true, -1.0},
+                        {across, true, -1.0},
+                        {along, true, 1.0},
+                        {across * along, true, 1.0}}) {
+    const PlacedMesh placed(mesh, Instance{.world_from_object = c.m, .flip_normals = c.flip});
+    EXPECT_EQ(placed.normal(0), glm::dvec3(0, 0, c.side));
+    EXPECT_EQ(plane_normal(placed), glm::dvec3(0, 0, c.side)) << "the winding follows the normals";
+  }
 }
 
 struct BadObj {
@@ -155,7 +184,7 @@ class BadMesh : public ::testing::TestWithParam<BadObj> {};
 TEST_P(BadMesh, IsRefusedAtItsPlace) {
   const BadObj& bad = GetParam();
   Diagnostics diagnostics;
-  EXPECT_FALSE(read_obj(memory_source(bad.text), "m.obj", glm::dmat4(1.0), diagnostics).has_value());
+  EXPECT_FALSE(read_obj(memory_source(bad.text), "m.obj", diagnostics).has_value());
   ASSERT_EQ(diagnostics.error_count(), 1u);
   const Diagnostic& error = diagnostics.list().back();
   EXPECT_EQ(error.position.line, bad.line) << to_string(error);
@@ -221,8 +250,8 @@ INSTANTIATE_TEST_SUITE_P(Obj, BadMesh, ::testing::ValuesIn(kBadMeshes), name_of)
 
 TEST(Obj, WarnsOnceAboutUnknownLinesAndCountsDegenerateTriangles) {
   Diagnostics diagnostics;
-  const auto mesh = read_obj(memory_source("hello\nworld\nl 1 2\n" + kThree + "f 1 2 3\nf 1 1 2\nf 1 2 2\n"), "m.obj",
-                             glm::dmat4(1.0), diagnostics);
+  const auto mesh =
+      read_obj(memory_source("hello\nworld\nl 1 2\n" + kThree + "f 1 2 3\nf 1 1 2\nf 1 2 2\n"), "m.obj", diagnostics);
   ASSERT_TRUE(mesh.has_value());
   EXPECT_EQ(mesh->triangles.size(), 3u) << "triangles without area are kept";
   ASSERT_EQ(diagnostics.list().size(), 2u) << all_messages(diagnostics);
@@ -358,7 +387,8 @@ TEST(Obj, ConcaveFaceOfAFile) {
   const TriangleMesh mesh = read("v 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nv 0 0 0\nf 1 2 3 4\n");
   ASSERT_EQ(mesh.triangles.size(), 2u);
   double area = 0.0;
-  for (const glm::uvec3& t : mesh.triangles) area += triangle_area(mesh, t);
+  for (const glm::uvec3& t : mesh.triangles)
+    area += triangle_area({mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]});
   EXPECT_NEAR(area, 1.0, 1e-12);
 }
 
@@ -405,7 +435,7 @@ TEST(Obj, TablesAreFreedAsSoonAsTheyAreRead) {
   if (child == 0) {
     const long before = largest_memory();
     Diagnostics diagnostics;
-    const auto mesh = read_obj(mesh_source(kCount), "m.obj", glm::dmat4(1.0), diagnostics);
+    const auto mesh = read_obj(mesh_source(kCount), "m.obj", diagnostics);
     if (!mesh || mesh->positions.size() != kCount || mesh->normals.size() != kCount) _exit(255);
     _exit(static_cast<int>((largest_memory() - before) / kCount));
   }

@@ -10,6 +10,7 @@
 #include "formats/nori/plugins.h"
 #include "formats_testing.h"
 #include "scene/check.h"
+#include "scene/placed.h"
 
 namespace etendue::testing {
 namespace {
@@ -24,6 +25,16 @@ Scene read_good(std::string_view text, const ReadOptions& options = {}) {
   Parsed parsed = parse(text, options);
   EXPECT_TRUE(parsed.file.has_value()) << all_messages(parsed.diagnostics);
   return parsed.scene();
+}
+
+const Bsdf& bsdf_of(const Scene& scene, std::size_t instance) {
+  return scene.bsdf_of(scene.instances[instance]);
+}
+Sphere sphere_of(const Scene& scene, std::size_t instance) {
+  return placed_sphere(std::get<Sphere>(scene.shape_of(scene.instances[instance])), scene.instances[instance]);
+}
+const TriangleMesh& mesh_of(const Scene& scene, std::size_t instance) {
+  return std::get<TriangleMesh>(scene.shape_of(scene.instances[instance]));
 }
 
 glm::dmat4 transform(const std::string& operations) {
@@ -67,20 +78,21 @@ TEST(SceneReader, EverythingThatCanBeSaid) {
   EXPECT_EQ(scene.file, "s.xml");
   expect_near(scene.sky.top, {0.5, 0.6, 0.7});
   expect_near(scene.sky.horizon, {1, 2, 3});
-  ASSERT_EQ(scene.shapes.size(), 4u);
-  EXPECT_EQ(scene.shapes[0].name, "a b.obj");
-  EXPECT_EQ(scene.shapes[0].position.line, 5);
-  EXPECT_EQ(scene.shapes[0].position.column, 3);
-  expect_near(std::get<TriangleMesh>(scene.shapes[0].geometry).positions[1], {2, 2, 3});
-  expect_near(std::get<DiffuseBsdf>(scene.shapes[0].bsdf).albedo, {0.1, 0.2, 0.3});
-  expect_near(scene.shapes[0].emitter->radiance, {1, 20, 3.5});
-  expect_near(std::get<Sphere>(scene.shapes[1].geometry).center, {1, 2, 3});
-  EXPECT_EQ(std::get<Sphere>(scene.shapes[1].geometry).radius, 2.5);
-  EXPECT_EQ(std::get<DielectricBsdf>(scene.shapes[1].bsdf).int_ior, 1.33);
-  EXPECT_EQ(std::get<DielectricBsdf>(scene.shapes[1].bsdf).ext_ior, 1.1);
-  EXPECT_TRUE(std::holds_alternative<MirrorBsdf>(scene.shapes[2].bsdf));
-  expect_near(std::get<DiffuseBsdf>(scene.shapes[3].bsdf).albedo, glm::dvec3(0.5));
-  EXPECT_FALSE(scene.shapes[3].emitter.has_value());
+  ASSERT_EQ(scene.instances.size(), 4u);
+  EXPECT_EQ(scene.instances[0].name, "a b.obj");
+  EXPECT_EQ(scene.instances[0].position.line, 5);
+  EXPECT_EQ(scene.instances[0].position.column, 3);
+  expect_near(mesh_of(scene, 0).positions[1], {1, 0, 0});
+  expect_near(PlacedMesh(mesh_of(scene, 0), scene.instances[0]).position(1), {2, 2, 3});
+  expect_near(std::get<DiffuseBsdf>(bsdf_of(scene, 0)).albedo, {0.1, 0.2, 0.3});
+  expect_near(scene.emitter_of(scene.instances[0])->radiance, {1, 20, 3.5});
+  expect_near(sphere_of(scene, 1).center, {1, 2, 3});
+  EXPECT_EQ(sphere_of(scene, 1).radius, 2.5);
+  EXPECT_EQ(std::get<DielectricBsdf>(bsdf_of(scene, 1)).int_ior, 1.33);
+  EXPECT_EQ(std::get<DielectricBsdf>(bsdf_of(scene, 1)).ext_ior, 1.1);
+  EXPECT_TRUE(std::holds_alternative<MirrorBsdf>(bsdf_of(scene, 2)));
+  expect_near(std::get<DiffuseBsdf>(bsdf_of(scene, 3)).albedo, glm::dvec3(0.5));
+  EXPECT_FALSE(scene.instances[3].emitter.has_value());
   EXPECT_EQ(scene.integrator.type, Integrator::Type::path);
   EXPECT_EQ(scene.integrator.max_depth, 7u);
   EXPECT_TRUE(scene.integrator.nee);
@@ -115,10 +127,10 @@ TEST(SceneReader, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(scene.integrator.rr_depth, 5u);
   EXPECT_EQ(scene.sky.top, glm::dvec3(0.0));
   EXPECT_EQ(scene.sky.horizon, glm::dvec3(0.0));
-  EXPECT_EQ(std::get<DiffuseBsdf>(scene.shapes[0].bsdf).albedo, glm::dvec3(0.5));
-  EXPECT_EQ(std::get<DielectricBsdf>(scene.shapes[1].bsdf).int_ior, 1.5046);
-  EXPECT_EQ(std::get<DielectricBsdf>(scene.shapes[1].bsdf).ext_ior, 1.000277);
-  EXPECT_EQ(std::get<Sphere>(scene.shapes[0].geometry).radius, 1.0);
+  EXPECT_EQ(std::get<DiffuseBsdf>(bsdf_of(scene, 0)).albedo, glm::dvec3(0.5));
+  EXPECT_EQ(std::get<DielectricBsdf>(bsdf_of(scene, 1)).int_ior, 1.5046);
+  EXPECT_EQ(std::get<DielectricBsdf>(bsdf_of(scene, 1)).ext_ior, 1.000277);
+  EXPECT_EQ(sphere_of(scene, 0).radius, 1.0);
 }
 
 TEST(SceneReader, FiltersAndTheirDefaults) {
@@ -309,7 +321,7 @@ TEST(SceneReader, EveryRowOfTheTableCanBeUsedWithItsDefaults) {
 TEST(SceneReader, ReferencesInAttributes) {
   const Scene scene =
       read_good(scene_around("<mesh type='obj'><string name='filename' value='a&amp;b&#x20ac;&#65;.obj'/></mesh>"));
-  EXPECT_EQ(scene.shapes[0].name, "a&b€A.obj");
+  EXPECT_EQ(scene.instances[0].name, "a&b€A.obj");
 }
 
 TEST(SceneReader, NumbersDoNotDependOnTheLocale) {
@@ -318,9 +330,7 @@ TEST(SceneReader, NumbersDoNotDependOnTheLocale) {
   for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8"}) {
     if (std::setlocale(LC_ALL, name) == nullptr) continue;
     EXPECT_EQ(
-        std::get<Sphere>(read_good(scene_around("<mesh type=\"sphere\"><float name=\"radius\" value=\"2.5\"/></mesh>"))
-                             .shapes[0]
-                             .geometry)
+        sphere_of(read_good(scene_around("<mesh type=\"sphere\"><float name=\"radius\" value=\"2.5\"/></mesh>")), 0)
             .radius,
         2.5);
   }

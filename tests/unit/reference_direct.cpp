@@ -28,7 +28,7 @@ TEST(ReferenceDirect, CourseScenes) {
     EXPECT_NEAR(0.5 / kPi * polygon_irradiance({v[0], v[1], v[2]}, {0, 1, 0}), test.reference, 2e-6);
     for (const Strategy& strategy : kStrategies) {
       Scene scene = floor_scene();
-      scene.shapes.push_back(shape(triangle(v[0], v[1], v[2]), diffuse(0.0), Vec3(1.0)));
+      add(scene, triangle(v[0], v[1], v[2]), diffuse(0.0), Vec3(1.0));
       set_strategy(scene, strategy);
       const Estimate e = estimate(scene, 200000);
       EXPECT_LT(e.t(test.reference), kMaxT)
@@ -55,7 +55,7 @@ double add_random_lights(Scene& scene, int count, std::mt19937_64& random) {
     if (i % 2 == 1) {
       const Sphere sphere{.center = distance * toward, .radius = room * (0.2 + 0.8 * u(random))};
       reflected += radiance * sphere_irradiance(sphere, {0, 1, 0});
-      scene.shapes.push_back(shape(sphere, diffuse(0.0), Vec3(radiance)));
+      add(scene, sphere, diffuse(0.0), Vec3(radiance));
       continue;
     }
     const Frame frame(-toward);
@@ -65,9 +65,9 @@ double add_random_lights(Scene& scene, int count, std::mt19937_64& random) {
       p[k] = distance * toward + frame.to_world(room * Vec3(std::cos(angle), std::sin(angle), 0.3 * u(random)));
     }
     reflected += radiance * polygon_irradiance({p[0], p[1], p[2]}, {0, 1, 0});
-    scene.shapes.push_back(shape(triangle(p[0], p[1], p[2]), diffuse(0.0), Vec3(radiance)));
+    add(scene, triangle(p[0], p[1], p[2]), diffuse(0.0), Vec3(radiance));
   }
-  const auto& floor = std::get<DiffuseBsdf>(scene.shapes[0].bsdf);
+  const auto& floor = std::get<DiffuseBsdf>(scene.materials[0].bsdf);
   return reflected * luminance(floor.albedo) / kPi;
 }
 

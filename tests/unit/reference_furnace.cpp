@@ -17,7 +17,7 @@ Scene cube_furnace(double albedo) {
   scene.camera.world_from_camera = look_at({0, 0, 0}, {0.3, 0.2, 1}, {0, 1, 0});
   scene.integrator.max_depth = 15;
   scene.integrator.rr_depth = 0;
-  scene.shapes.push_back(shape(box(Vec3(-0.5), Vec3(0.5), true), diffuse(albedo), Vec3(1.0)));
+  add(scene, box(Vec3(-0.5), Vec3(0.5), true), diffuse(albedo), Vec3(1.0));
   return scene;
 }
 
@@ -61,23 +61,23 @@ TEST(ReferenceFurnace, RouletteEndsInTheInfiniteSeries) {
   }
 }
 
-/// `shape` alone in a black room whose walls emit 1.
-Scene in_shining_room(Shape inner) {
+/// `inner` alone in a black room whose walls emit 1.
+Scene in_shining_room(Body inner) {
   Scene scene;
   scene.camera.width = scene.camera.height = 4;
   scene.camera.fov = 14;
   scene.camera.world_from_camera = look_at({0.2, 0.3, -3}, {0, 0, 0}, {0, 1, 0});
   scene.integrator.max_depth = 6;
   scene.integrator.rr_depth = 0;
-  scene.shapes.push_back(shape(box(Vec3(-4.0), Vec3(4.0), true), diffuse(0.0), Vec3(1.0)));
-  scene.shapes.push_back(std::move(inner));
+  add(scene, box(Vec3(-4.0), Vec3(4.0), true), diffuse(0.0), Vec3(1.0));
+  add(scene, std::move(inner));
   return scene;
 }
 
 TEST(ReferenceFurnace, ShiningSphereAddsItsReflection) {
   // Convex, so it sees nothing but the room: L = Le + albedo · 1.
   for (const Strategy& strategy : kStrategies) {
-    Scene scene = in_shining_room(shape(Sphere{Vec3(0.0), 1.0}, diffuse(0.7), Vec3(3.0)));
+    Scene scene = in_shining_room(Body{Sphere{Vec3(0.0), 1.0}, diffuse(0.7), Vec3(3.0)});
     set_strategy(scene, strategy);
     const Estimate e = estimate(scene, 4000);
     EXPECT_NEAR(e.mean, 3.7, 1e-6 + kMaxT * e.standard_error) << strategy.name;
@@ -87,8 +87,8 @@ TEST(ReferenceFurnace, ShiningSphereAddsItsReflection) {
 
 TEST(ReferenceFurnace, ShiningSphereAlone) {
   // Nothing else to see: its own emission, and under a white sky that and the albedo.
-  Scene scene = in_shining_room(shape(Sphere{Vec3(0.0), 1.0}, diffuse(0.7), Vec3(3.0)));
-  scene.shapes.erase(scene.shapes.begin());
+  Scene scene = in_shining_room(Body{Sphere{Vec3(0.0), 1.0}, diffuse(0.7), Vec3(3.0)});
+  scene.instances.erase(scene.instances.begin());
   EXPECT_NEAR(estimate(scene, 1000).mean, 3.0, 1e-9);
   scene.sky.top = scene.sky.horizon = Vec3(1.0);
   EXPECT_NEAR(estimate(scene, 1000).mean, 3.7, 1e-6);
@@ -99,7 +99,7 @@ TEST(ReferenceFurnace, SkyIsAGradientThatNextEventEstimationLeavesAlone) {
   scene.sky.top = Vec3(2.0);
   scene.sky.horizon = Vec3(0.5);
   // A lamp too small and dim to matter, so that NEE has something to do.
-  scene.shapes.push_back(shape(Sphere{{0, 50, 0}, 1e-9}, diffuse(0.0), Vec3(1e-9)));
+  add(scene, Sphere{{0, 50, 0}, 1e-9}, diffuse(0.0), Vec3(1e-9));
   // albedo/π ∫ (h + (t − h) cos) cos dω = albedo (h + 2/3 (t − h)).
   for (const Strategy& strategy : kStrategies) {
     set_strategy(scene, strategy);
@@ -110,12 +110,12 @@ TEST(ReferenceFurnace, SkyIsAGradientThatNextEventEstimationLeavesAlone) {
 
 TEST(ReferenceFurnace, GlassIsInvisibleInWhite) {
   // Whatever a path does in glass that absorbs nothing, it ends at radiance 1, and η² has come and gone.
-  const std::vector<Shape> bodies{
-      shape(Sphere{Vec3(0.0), 1.0}, DielectricBsdf{}),
-      shape(Sphere{Vec3(0.0), 1.0}, DielectricBsdf{.int_ior = 1.0, .ext_ior = 1.5}),
-      shape(box({-1, -1, -0.1}, {1, 1, 0.1}, false), DielectricBsdf{.int_ior = 2.0, .ext_ior = 1.0}),
+  const std::vector<Body> bodies{
+      Body{Sphere{Vec3(0.0), 1.0}, DielectricBsdf{}},
+      Body{Sphere{Vec3(0.0), 1.0}, DielectricBsdf{.int_ior = 1.0, .ext_ior = 1.5}},
+      Body{box({-1, -1, -0.1}, {1, 1, 0.1}, false), DielectricBsdf{.int_ior = 2.0, .ext_ior = 1.0}},
   };
-  for (const Shape& body : bodies) {
+  for (const Body& body : bodies) {
     Scene scene = in_shining_room(body);
     scene.integrator.max_depth = 4000;  // long enough that what total reflection keeps inside is lost below 1e-3
     for (const Strategy& strategy : kStrategies) {
@@ -131,15 +131,15 @@ TEST(ReferenceFurnace, GlassIsInvisibleInWhite) {
 }
 
 TEST(ReferenceFurnace, HollowSphereIsInvisibleInWhite) {
-  Scene scene = in_shining_room(shape(Sphere{Vec3(0.0), 1.0}, DielectricBsdf{}));
-  scene.shapes.push_back(shape(Sphere{Vec3(0.0), 0.9}, DielectricBsdf{.int_ior = 1.000277, .ext_ior = 1.5046}));
+  Scene scene = in_shining_room(Body{Sphere{Vec3(0.0), 1.0}, DielectricBsdf{}});
+  add(scene, Sphere{Vec3(0.0), 0.9}, DielectricBsdf{.int_ior = 1.000277, .ext_ior = 1.5046});
   scene.integrator.max_depth = 1000;
   const Estimate e = estimate(scene, 300);
   EXPECT_NEAR(e.mean, 1.0, 1e-6);
 }
 
 TEST(ReferenceFurnace, MirrorIsInvisibleInWhite) {
-  Scene scene = in_shining_room(shape(Sphere{Vec3(0.0), 1.0}, MirrorBsdf{}));
+  Scene scene = in_shining_room(Body{Sphere{Vec3(0.0), 1.0}, MirrorBsdf{}});
   for (const Strategy& strategy : kStrategies) {
     set_strategy(scene, strategy);
     EXPECT_NEAR(estimate(scene, 100).mean, 1.0, 1e-7) << strategy.name;
@@ -150,7 +150,7 @@ TEST(ReferenceFurnace, RadianceInsideAMediumIsLargerByItsSquaredIndex) {
   // At the centre of the sphere every ray meets the surface at a right angle and leaves sooner or later.
   Scene scene;
   scene.camera = pixel_camera({0, 0, 0}, {0.1, 0.2, 1}, 120);
-  scene.shapes.push_back(shape(Sphere{Vec3(0.0), 1.0}, DielectricBsdf{.int_ior = 1.7, .ext_ior = 1.0}));
+  add(scene, Sphere{Vec3(0.0), 1.0}, DielectricBsdf{.int_ior = 1.7, .ext_ior = 1.0});
   scene.sky.top = scene.sky.horizon = Vec3(1.0);
   scene.integrator.max_depth = 100;
   scene.integrator.rr_depth = 0;
@@ -167,7 +167,7 @@ TEST(ReferenceFurnace, TotalReflectionKeepsLightInside) {
   Scene scene;
   scene.camera = pixel_camera({0.1, 0.02, -0.05}, Vec3(0.1, 0.02, -0.05) + Vec3(1, 1, 1), 1e-6, {0, 1, 0});
   scene.camera.near_clip = 0.0;
-  scene.shapes.push_back(shape(box(Vec3(-1.0), Vec3(1.0), false), DielectricBsdf{.int_ior = 1.5, .ext_ior = 1.0}));
+  add(scene, box(Vec3(-1.0), Vec3(1.0), false), DielectricBsdf{.int_ior = 1.5, .ext_ior = 1.0});
   scene.sky.top = scene.sky.horizon = Vec3(1.0);
   scene.integrator.max_depth = 60;
   scene.integrator.rr_depth = 0;

@@ -5,10 +5,12 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "reference/intersect.h"
 #include "reference/world.h"
 #include "reference_scenes.h"
+#include "scene/placed.h"
 
 namespace etendue::reference::test {
 namespace {
@@ -37,10 +39,10 @@ Scene random_soup(std::mt19937_64& random, int triangles, int spheres) {
     mesh.positions.insert(mesh.positions.end(), v.begin(), v.end());
     mesh.triangles.push_back({base, base + 1, base + 2});
   }
-  scene.shapes.push_back(shape(mesh, diffuse(0.5)));
+  add(scene, mesh, diffuse(0.5));
   for (int i = 0; i < spheres; ++i) {
     const Vec3 center = random_point(random, 1.0);
-    scene.shapes.push_back(shape(Sphere{center, 0.2 * u(random)}, diffuse(0.5)));
+    add(scene, Sphere{center, 0.2 * u(random)}, diffuse(0.5));
   }
   return scene;
 }
@@ -49,14 +51,15 @@ Scene random_soup(std::mt19937_64& random, int triangles, int spheres) {
 double brute_force(const Scene& scene, const Ray& ray) {
   double t = ray.t_max;
   const TriangleTest test(ray);
-  for (const Shape& s : scene.shapes) {
-    if (const auto* sphere = std::get_if<Sphere>(&s.geometry)) {
-      t = intersect_sphere(ray, sphere->center, sphere->radius, t).value_or(t);
+  for (const Instance& instance : scene.instances) {
+    if (const auto* sphere = std::get_if<Sphere>(&scene.shape_of(instance))) {
+      const Sphere s = placed_sphere(*sphere, instance);
+      t = intersect_sphere(ray, s.center, s.radius, t).value_or(t);
       continue;
     }
-    const auto& mesh = std::get<TriangleMesh>(s.geometry);
-    for (const glm::uvec3& i : mesh.triangles) {
-      const Vec3 &a = mesh.positions[i.x], &b = mesh.positions[i.y], &c = mesh.positions[i.z];
+    const PlacedMesh mesh(std::get<TriangleMesh>(scene.shape_of(instance)), instance);
+    for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
+      const auto [a, b, c] = mesh.triangle(i);
       if (is_degenerate(a, b, c)) continue;
       if (const auto hit = test(a, b, c, t)) t = hit->t;
     }
@@ -99,7 +102,7 @@ TEST(ReferenceBvh, CoincidentPrimitivesEndInLeaves) {
   Scene scene;
   TriangleMesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.triangles.assign(10000, {0, 1, 2});
-  scene.shapes.push_back(shape(mesh, diffuse(0.5)));
+  add(scene, mesh, diffuse(0.5));
   const World world(scene);
   EXPECT_TRUE(world.closest_hit({.origin = {0.2, 0.2, 1}, .direction = {0, 0, -1}}));
   EXPECT_FALSE(world.closest_hit({.origin = {0.9, 0.9, 1}, .direction = {0, 0, -1}}));
@@ -113,7 +116,7 @@ TEST(ReferenceIntersect, DegenerateTrianglesAreNeverHit) {
   EXPECT_FALSE(is_degenerate({0, 0, 0}, {1e-6, 0, 0}, {0, 1e-6, 0}));
   EXPECT_FALSE(is_degenerate({0, 0, 0}, {1e5, 0, 0}, {0, 1e-3, 0}));
   Scene scene;
-  scene.shapes.push_back(shape(triangle({0, 0, 0}, {2, 0, 0}, {1, 0, 0}), diffuse(0.5), Vec3(1.0)));
+  add(scene, triangle({0, 0, 0}, {2, 0, 0}, {1, 0, 0}), diffuse(0.5), Vec3(1.0));
   const World world(scene);
   EXPECT_TRUE(world.lights().empty());
   EXPECT_FALSE(world.closest_hit({.origin = {1, 0, 1}, .direction = {0, 0, -1}}));
@@ -146,7 +149,7 @@ TEST(ReferenceIntersect, ClosedMeshesLeakNothingAtEdgesAndVertices) {
     }
   }
   Scene scene;
-  scene.shapes.push_back(shape(mesh, diffuse(0.5)));
+  add(scene, mesh, diffuse(0.5));
   const World world(scene);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   int leaks = 0;
@@ -201,11 +204,11 @@ Scene small_room(double scale, const Vec3& shift) {
   scene.camera.world_from_camera = look_at(at({0.1, 0.2, -0.9}), at({0, -0.1, 0}), {0, 1, 0});
   scene.integrator.max_depth = 8;
   scene.integrator.rr_depth = 0;
-  scene.shapes.push_back(shape(mesh(box(Vec3(-1.0), Vec3(1.0), true)), diffuse(0.6)));
-  scene.shapes.push_back(shape(mesh(quad({-0.3, 0.98, -0.3}, {0.6, 0, 0}, {0, 0, 0.6})), diffuse(0.5), Vec3(5.0)));
-  scene.shapes.push_back(shape(Sphere{at({-0.5, -0.6, 0.2}), 0.35 * scale}, diffuse(0.7)));
-  scene.shapes.push_back(shape(Sphere{at({0.5, -0.5, 0.1}), 0.3 * scale}, DielectricBsdf{}));
-  scene.shapes.push_back(shape(Sphere{at({0.3, 0.5, 0.6}), 0.1 * scale}, diffuse(0.2), Vec3(8.0)));
+  add(scene, mesh(box(Vec3(-1.0), Vec3(1.0), true)), diffuse(0.6));
+  add(scene, mesh(quad({-0.3, 0.98, -0.3}, {0.6, 0, 0}, {0, 0, 0.6})), diffuse(0.5), Vec3(5.0));
+  add(scene, Sphere{at({-0.5, -0.6, 0.2}), 0.35 * scale}, diffuse(0.7));
+  add(scene, Sphere{at({0.5, -0.5, 0.1}), 0.3 * scale}, DielectricBsdf{});
+  add(scene, Sphere{at({0.3, 0.5, 0.6}), 0.1 * scale}, diffuse(0.2), Vec3(8.0));
   return scene;
 }
 
@@ -241,7 +244,7 @@ TEST(ReferenceScale, NoPathLeavesAClosedRoom) {
   for (const double scale : {1e-3, 1.0, 1e4}) {
     for (const double shift : {0.0, 1000.0}) {
       Scene scene = small_room(scale, Vec3(shift));
-      for (Shape& s : scene.shapes) s.emitter.reset();
+      for (Instance& i : scene.instances) i.emitter.reset();
       scene.sky.top = scene.sky.horizon = Vec3(1.0);
       scene.integrator.max_depth = 20;
       const Estimate e = estimate(scene, 100);
@@ -253,13 +256,12 @@ TEST(ReferenceScale, NoPathLeavesAClosedRoom) {
 TEST(ReferenceScale, DirectLightIsTheSameAtAnyScale) {
   for (const double scale : {1e-3, 1e3}) {
     Scene scene = floor_scene();
-    scene.shapes.push_back(shape(
+    add(scene,
         triangle({-0.17487, 0.447916, 0.367201}, {-0.405259, 0.249607, -0.354079}, {0.356029, 0.0918984, -0.132271}),
-        diffuse(0.0), Vec3(1.0)));
+        diffuse(0.0), Vec3(1.0));
     scene.camera.world_from_camera[3] = glm::dvec4(0, 0.01 * scale, 0, 1);
     scene.camera.near_clip = 0.0;
-    for (Shape& s : scene.shapes)
-      for (Vec3& p : std::get<TriangleMesh>(s.geometry).positions) p *= scale;
+    for (Instance& i : scene.instances) i.world_from_object = glm::scale(glm::dmat4(1.0), Vec3(scale));
     const Estimate e = estimate(scene, 200000);
     EXPECT_LT(e.t(0.26174), kMaxT) << scale << ": " << e.mean;
   }

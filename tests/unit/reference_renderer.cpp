@@ -24,11 +24,11 @@ Scene decisions_scene() {
   scene.integrator.rr_depth = 3;
   TriangleMesh room = box(Vec3(-1.0), Vec3(1.0), true);
   room.triangles.resize(8);  // open: some paths leave
-  scene.shapes.push_back(shape(room, DiffuseBsdf{.albedo = {0.7, 0.5, 0.4}}));
-  scene.shapes.push_back(shape(quad({-0.4, 0.9, -0.4}, {0.8, 0, 0}, {0, 0, 0.8}), diffuse(0.0), Vec3(4, 5, 6)));
-  scene.shapes.push_back(shape(Sphere{{0.6, -0.5, 0.5}, 0.35}, DielectricBsdf{}));
-  scene.shapes.push_back(shape(Sphere{{-0.5, -0.5, 0.4}, 0.35}, MirrorBsdf{}));
-  scene.shapes.push_back(shape(Sphere{{0.0, 0.2, 0.6}, 0.1}, diffuse(0.5), Vec3(2, 3, 4)));
+  add(scene, room, DiffuseBsdf{.albedo = {0.7, 0.5, 0.4}});
+  add(scene, quad({-0.4, 0.9, -0.4}, {0.8, 0, 0}, {0, 0, 0.8}), diffuse(0.0), Vec3(4, 5, 6));
+  add(scene, Sphere{{0.6, -0.5, 0.5}, 0.35}, DielectricBsdf{});
+  add(scene, Sphere{{-0.5, -0.5, 0.4}, 0.35}, MirrorBsdf{});
+  add(scene, Sphere{{0.0, 0.2, 0.6}, 0.1}, diffuse(0.5), Vec3(2, 3, 4));
   scene.sky.top = {0.1, 0.2, 0.4};
   return scene;
 }
@@ -98,13 +98,13 @@ std::uint32_t fold(const std::vector<PathVertex>& vertices) {
   std::uint32_t h = 0x811c9dc5u;
   const auto word = [&](std::uint32_t w) { h = (h ^ w) * 0x01000193u; };
   for (const PathVertex& v : vertices) {
-    if (v.shape == PathVertex::kNone) {
+    if (v.instance == PathVertex::kNone) {
       word(0);
       continue;
     }
-    word(v.shape + 1), word(v.primitive + 1);
-    if (v.light_shape != PathVertex::kNone)
-      word(v.light_shape + 1), word(v.light_primitive + 1), word(v.light_contributed);
+    word(v.instance + 1), word(v.primitive + 1);
+    if (v.light_instance != PathVertex::kNone)
+      word(v.light_instance + 1), word(v.light_primitive + 1), word(v.light_contributed);
     if (v.lobe != PathVertex::kNone) word(v.lobe);
     if (v.survived != PathVertex::kNone) word(v.survived);
   }
@@ -144,7 +144,7 @@ TEST(ReferenceRenderer, TurnsDoNotDependOnStrategy) {
     const auto renderer = make_reference_renderer(scene, {});
     auto& list = turns.emplace_back();
     for (const SampleId& id : ids)
-      for (const PathVertex& v : renderer->trace_path(id)) list.emplace_back(v.shape, v.lobe);
+      for (const PathVertex& v : renderer->trace_path(id)) list.emplace_back(v.instance, v.lobe);
   }
   EXPECT_EQ(turns[0], turns[1]);
   EXPECT_EQ(turns[0], turns[2]);
@@ -175,10 +175,11 @@ TEST(ReferenceRenderer, RouletteGoesByThroughputWhateverTheMedium) {
   scene.camera = pixel_camera({0.1, 0, 0}, {0, 0, 1}, 60, {0, 1, 0});
   scene.integrator.rr_depth = 2;
   scene.integrator.max_depth = 1000;
-  scene.shapes.push_back(shape(box(Vec3(-1.0), Vec3(1.0), true), diffuse(0.6)));
+  add(scene, box(Vec3(-1.0), Vec3(1.0), true), diffuse(0.6));
   // Expected plays: 1 + 0.36/(1 − 0.6) = 1.9 a path; survivals: 0.36/(1 − 0.6) = 0.9.
   EXPECT_NEAR(survival(scene, 20000), 0.9 / 1.9, 0.015);  // 5 standard deviations
-  scene.shapes[0] = shape(Sphere{Vec3(0.0), 1.0}, DielectricBsdf{.int_ior = 1.8, .ext_ior = 1.0});
+  scene.shapes[0] = Sphere{Vec3(0.0), 1.0};
+  scene.materials[0].bsdf = DielectricBsdf{.int_ior = 1.8, .ext_ior = 1.0};
   scene.camera.world_from_camera = look_at({0, 0, -3}, {0, 0, 0}, {0, 1, 0});
   scene.camera.fov = 36;
   scene.integrator.rr_depth = 1;
@@ -188,7 +189,7 @@ TEST(ReferenceRenderer, RouletteGoesByThroughputWhateverTheMedium) {
 TEST(ReferenceRenderer, LongPathsAreRecordedUpToTheLimit) {
   Scene scene;
   scene.camera = pixel_camera({0, 0, 0}, {0, 0, 1}, 1e-6, {0, 1, 0});
-  scene.shapes.push_back(shape(box(Vec3(-1.0), Vec3(1.0), true), MirrorBsdf{}));
+  add(scene, box(Vec3(-1.0), Vec3(1.0), true), MirrorBsdf{});
   scene.integrator.max_depth = 1000;
   scene.integrator.rr_depth = 0;
   const auto renderer = make_reference_renderer(scene, {});
@@ -232,7 +233,7 @@ TEST(ReferenceRenderer, RejectedSamplesAreLocated) {
   // A lamp too bright for float32, visible in the middle of the image only.
   Scene scene;
   scene.camera.width = 40, scene.camera.height = 20, scene.camera.fov = 60;
-  scene.shapes.push_back(shape(Sphere{{0, 0, 5}, 0.5}, diffuse(0.0), Vec3(1e60)));
+  add(scene, Sphere{{0, 0, 5}, 0.5}, diffuse(0.0), Vec3(1e60));
   Film film(40, 20, kExponent);
   for (const unsigned threads : {1u, 3u}) {
     const ThreadCount guard(threads);

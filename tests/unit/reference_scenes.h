@@ -44,12 +44,18 @@ inline TriangleMesh box(const Vec3& lo, const Vec3& hi, bool inward) {
   return mesh;
 }
 
-inline Shape shape(Geometry geometry, Bsdf bsdf, std::optional<Vec3> radiance = std::nullopt) {
-  Shape result;
-  result.geometry = std::move(geometry);
-  result.bsdf = bsdf;
-  if (radiance) result.emitter = AreaEmitter{*radiance};
-  return result;
+/// A shape and its looks, with which it can be added to scenes.
+struct Body {
+  Shape shape;
+  Bsdf bsdf;
+  std::optional<Vec3> radiance = std::nullopt;
+};
+inline Instance& add(Scene& scene, Body body) {
+  return scene.add(std::move(body.shape), body.bsdf,
+                   body.radiance ? std::optional(AreaEmitter{*body.radiance}) : std::nullopt);
+}
+inline Instance& add(Scene& scene, Shape shape, Bsdf bsdf, std::optional<Vec3> radiance = std::nullopt) {
+  return add(scene, Body{std::move(shape), bsdf, radiance});
 }
 inline DiffuseBsdf diffuse(double albedo) {
   return {.albedo = Vec3(albedo)};
@@ -127,7 +133,7 @@ inline Scene floor_scene(double albedo = 0.5) {
   scene.camera = pixel_camera({0, 0.01, 0}, {0, 0, 0});
   scene.integrator.max_depth = 2;
   scene.integrator.rr_depth = 0;
-  scene.shapes.push_back(shape(quad({-10, 0, -10}, {0, 0, 20}, {20, 0, 0}), diffuse(albedo)));
+  add(scene, quad({-10, 0, -10}, {0, 0, 20}, {20, 0, 0}), diffuse(albedo));
   return scene;
 }
 

@@ -20,11 +20,9 @@ TEST(ReferenceTransport, WindowTransmitsAndReflectsAllOrders) {
       scene.camera = pixel_camera({0, 0, -2}, {0, 0, 0}, 1e-6, {0, 1, 0});
       scene.integrator.max_depth = 200;
       scene.integrator.rr_depth = 0;
-      scene.shapes.push_back(
-          shape(box({-1, -1, -0.1}, {1, 1, 0.1}, false), DielectricBsdf{.int_ior = n, .ext_ior = 1.0}));
-      scene.shapes.push_back(
-          shape(behind ? quad({-9, -9, 3}, {0, 18, 0}, {18, 0, 0}) : quad({-9, -9, -3}, {18, 0, 0}, {0, 18, 0}),
-                diffuse(0.0), Vec3(1.0)));
+      add(scene, box({-1, -1, -0.1}, {1, 1, 0.1}, false), DielectricBsdf{.int_ior = n, .ext_ior = 1.0});
+      add(scene, behind ? quad({-9, -9, 3}, {0, 18, 0}, {18, 0, 0}) : quad({-9, -9, -3}, {18, 0, 0}, {0, 18, 0}),
+          diffuse(0.0), Vec3(1.0));
       const double f = fresnel_dielectric(1.0, 1.0, n).reflectance;
       const double expected = behind ? (1 - f) / (1 + f) : 2 * f / (1 + f);
       for (const Strategy& strategy : kStrategies) {
@@ -39,24 +37,24 @@ TEST(ReferenceTransport, WindowTransmitsAndReflectsAllOrders) {
 TEST(ReferenceTransport, MirrorsShowEmittersInFullAndTheirBacksBlack) {
   Scene scene;
   scene.camera = pixel_camera({0, 1, 0}, {1, 0, 0}, 1e-6, {0, 0, 1});
-  scene.shapes.push_back(shape(quad({-10, 0, -10}, {0, 0, 20}, {20, 0, 0}), MirrorBsdf{}));
-  scene.shapes.push_back(shape(quad({3, -5, -5}, {0, 0, 10}, {0, 10, 0}), MirrorBsdf{}));              // normal −x
-  scene.shapes.push_back(shape(quad({-3, -5, -5}, {0, 20, 0}, {0, 0, 10}), diffuse(0.0), Vec3(2.5)));  // shines to +x
+  add(scene, quad({-10, 0, -10}, {0, 0, 20}, {20, 0, 0}), MirrorBsdf{});
+  add(scene, quad({3, -5, -5}, {0, 0, 10}, {0, 10, 0}), MirrorBsdf{});              // normal −x
+  add(scene, quad({-3, -5, -5}, {0, 20, 0}, {0, 0, 10}), diffuse(0.0), Vec3(2.5));  // shines to +x
   for (const Strategy& strategy : kStrategies) {
     set_strategy(scene, strategy);
     EXPECT_NEAR(estimate(scene, 100).mean, 2.5, 1e-6) << strategy.name;
     Scene turned = scene;  // the second mirror from behind is black, and so is the emitter's back
-    std::swap(std::get<TriangleMesh>(turned.shapes[1].geometry).triangles[0].x,
-              std::get<TriangleMesh>(turned.shapes[1].geometry).triangles[0].y);
-    std::swap(std::get<TriangleMesh>(turned.shapes[1].geometry).triangles[1].x,
-              std::get<TriangleMesh>(turned.shapes[1].geometry).triangles[1].y);
+    std::swap(std::get<TriangleMesh>(turned.shapes[1]).triangles[0].x,
+              std::get<TriangleMesh>(turned.shapes[1]).triangles[0].y);
+    std::swap(std::get<TriangleMesh>(turned.shapes[1]).triangles[1].x,
+              std::get<TriangleMesh>(turned.shapes[1]).triangles[1].y);
     EXPECT_EQ(estimate(turned, 100).mean, 0.0) << strategy.name;
   }
 }
 
 TEST(ReferenceTransport, ALampInItsOwnLightIsOneSided) {
   Scene scene = floor_scene();
-  scene.shapes.push_back(shape(quad({-1, 1, -1}, {0, 0, 2}, {2, 0, 0}), diffuse(0.0), Vec3(1.0)));  // shines upward
+  add(scene, quad({-1, 1, -1}, {0, 0, 2}, {2, 0, 0}), diffuse(0.0), Vec3(1.0));  // shines upward
   for (const Strategy& strategy : kStrategies) {
     set_strategy(scene, strategy);
     EXPECT_EQ(estimate(scene, 10000).mean, 0.0) << strategy.name;
@@ -67,8 +65,8 @@ TEST(ReferenceTransport, AnOccluderHidesWhatItCovers) {
   // A screen over the half-space x < 0 leaves exactly half of a symmetric lamp's light.
   Scene scene = floor_scene();
   const TriangleMesh lamp = quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
-  scene.shapes.push_back(shape(lamp, diffuse(0.0), Vec3(1.0)));
-  scene.shapes.push_back(shape(quad({-5, 0.5, -5}, {5, 0, 0}, {0, 0, 10}), diffuse(0.0)));
+  add(scene, lamp, diffuse(0.0), Vec3(1.0));
+  add(scene, quad({-5, 0.5, -5}, {5, 0, 0}, {0, 0, 10}), diffuse(0.0));
   const double expected = 0.25 / kPi * polygon_irradiance(lamp.positions, {0, 1, 0});
   for (const Strategy& strategy : kStrategies) {
     set_strategy(scene, strategy);
@@ -84,15 +82,15 @@ Scene busy_room() {
   scene.camera.world_from_camera = look_at({0, 0, -0.95}, {0, -0.1, 0.2}, {0, 1, 0});
   scene.integrator.max_depth = 7;
   scene.integrator.rr_depth = 0;
-  scene.shapes.push_back(shape(box(Vec3(-1.0), Vec3(1.0), true), DiffuseBsdf{.albedo = {0.7, 0.5, 0.4}}));
-  scene.shapes.push_back(shape(quad({-0.4, 0.9, -0.4}, {0.8, 0, 0}, {0, 0, 0.8}), diffuse(0.5), Vec3(4, 5, 6)));
-  scene.shapes.push_back(shape(Sphere{{0.6, -0.5, 0.5}, 0.25}, diffuse(0.1), Vec3(3, 2, 1)));
-  scene.shapes.push_back(shape(Sphere{{0.6, -0.5, 0.5}, 0.35}, DielectricBsdf{}));  // around that lamp
-  scene.shapes.push_back(shape(Sphere{{-0.5, -0.5, 0.4}, 0.35}, MirrorBsdf{}));
+  add(scene, box(Vec3(-1.0), Vec3(1.0), true), DiffuseBsdf{.albedo = {0.7, 0.5, 0.4}});
+  add(scene, quad({-0.4, 0.9, -0.4}, {0.8, 0, 0}, {0, 0, 0.8}), diffuse(0.5), Vec3(4, 5, 6));
+  add(scene, Sphere{{0.6, -0.5, 0.5}, 0.25}, diffuse(0.1), Vec3(3, 2, 1));
+  add(scene, Sphere{{0.6, -0.5, 0.5}, 0.35}, DielectricBsdf{});  // around that lamp
+  add(scene, Sphere{{-0.5, -0.5, 0.4}, 0.35}, MirrorBsdf{});
   TriangleMesh tent = triangle({-0.3, -0.9, -0.2}, {0.0, -0.9, 0.4}, {0.3, -0.9, -0.2});
   tent.normals = {glm::normalize(Vec3(-0.4, 1, -0.3)), glm::normalize(Vec3(0, 1, 0.5)),
                   glm::normalize(Vec3(0.4, 1, -0.3))};
-  scene.shapes.push_back(shape(tent, diffuse(0.8)));
+  add(scene, tent, diffuse(0.8));
   return scene;
 }
 
@@ -139,18 +137,18 @@ TEST(ReferenceTransport, DepthCountsSegments) {
 TEST(ReferenceTransport, ShadingNormalsLeakNoLight) {
   // Normals tilted so far that part of the sampled hemisphere lies under the surface: nothing from there counts.
   Scene scene = floor_scene(1.0);
-  auto& floor = std::get<TriangleMesh>(scene.shapes[0].geometry);
+  auto& floor = std::get<TriangleMesh>(scene.shapes[0]);
   const Vec3 tilted = glm::normalize(Vec3(1.0, 0.5, 0.0));
   floor.normals.assign(floor.positions.size(), tilted);
   // Below the floor everything shines, above nothing does.
-  scene.shapes.push_back(shape(quad({-10, -1, -10}, {0, 0, 20}, {20, 0, 0}), diffuse(0.0), Vec3(1.0)));
+  add(scene, quad({-10, -1, -10}, {0, 0, 20}, {20, 0, 0}), diffuse(0.0), Vec3(1.0));
   for (const Strategy& strategy : kStrategies) {
     set_strategy(scene, strategy);
     EXPECT_EQ(estimate(scene, 10000).mean, 0.0) << strategy.name;
   }
   // A lamp all around above: ∫ max(0, ns·w)/π over the directions above the floor = (1 + cos tilt)/2, as the view
   // factor of a tilted plane to the sky.
-  scene.shapes.pop_back();
+  scene.instances.pop_back();
   scene.sky.top = scene.sky.horizon = Vec3(1.0);
   const Estimate e = estimate(scene, 200000);
   EXPECT_LT(e.t(0.5 * (1.0 + tilted.y)), kMaxT) << e.mean;
@@ -158,12 +156,12 @@ TEST(ReferenceTransport, ShadingNormalsLeakNoLight) {
 
 TEST(ReferenceTransport, ABlackSideEndsThePathBeforeAnyLightIsSampled) {
   Scene scene = floor_scene();
-  scene.shapes.push_back(shape(Sphere{{0, -1, 0}, 0.2}, diffuse(0.0), Vec3(1.0)));
+  add(scene, Sphere{{0, -1, 0}, 0.2}, diffuse(0.0), Vec3(1.0));
   scene.camera = pixel_camera({0, -0.01, 0}, {0, 0, 0});  // the floor from below
   const auto path = make_reference_renderer(scene, {})->trace_path({0, 0});
   ASSERT_EQ(path.size(), 1u);
-  EXPECT_EQ(path[0].shape, 0u);
-  EXPECT_EQ(path[0].light_shape, PathVertex::kNone);
+  EXPECT_EQ(path[0].instance, 0u);
+  EXPECT_EQ(path[0].light_instance, PathVertex::kNone);
   EXPECT_EQ(path[0].lobe, 0u);
   EXPECT_EQ(path[0].radiance, glm::vec3(0.0f));
 }
@@ -186,7 +184,7 @@ TEST(ReferenceTransport, NormalsIntegrator) {
   const auto record = renderer->trace_samples(std::vector<SampleId>{{0, 0}})[0];
   EXPECT_EQ(record.radiance, glm::vec3(0.5f, 1.0f, 0.5f));
   EXPECT_EQ(record.segments, 1u);
-  scene.shapes.clear();
+  scene.instances.clear();
   EXPECT_EQ(make_reference_renderer(scene, {})->trace_samples(std::vector<SampleId>{{0, 0}})[0].radiance,
             glm::vec3(0.0f));
 }

@@ -96,7 +96,7 @@ class FakeRenderer : public Renderer {
     float scale = 1.0f;
     for (std::uint32_t bounce = 0; bounce < 3; ++bounce) {
       PathVertex v;
-      v.shape = static_cast<std::uint32_t>(u(10 + bounce) * 5.0f);
+      v.instance = static_cast<std::uint32_t>(u(10 + bounce) * 5.0f);
       v.primitive = 0;
       v.lobe = every(defects_.flip_every, 5) && bounce == 2 ? 2 : 1;
       float x = v.lobe == 2 ? 2.0f * u(50 + bounce) : 2.0f * u(20 + bounce);  // mean 1
@@ -107,7 +107,7 @@ class FakeRenderer : public Renderer {
       if (every(defects_.nan_every, 6) && bounce == 1) x = std::numeric_limits<float>::quiet_NaN();
       scale *= 0.5f;
       record.radiance += glm::vec3(x * scale * (1.5f / 0.875f));
-      for (const std::uint32_t word : {v.shape + 1, v.primitive + 1, v.lobe})
+      for (const std::uint32_t word : {v.instance + 1, v.primitive + 1, v.lobe})
         record.signature = (record.signature ^ word) * 0x01000193u;
       v.radiance = record.radiance;
       if (path) path->push_back(v);

@@ -14,20 +14,24 @@ namespace {
 
 using testing::HasSubstr;
 
-Shape ball(const glm::dvec3& center, double radius, const Bsdf& bsdf = DiffuseBsdf{}) {
-  return {.geometry = Sphere{center, radius}, .bsdf = bsdf, .name = "ball"};
+/// A sphere to be added to a scene.
+struct Ball {
+  Sphere sphere;
+  Bsdf bsdf;
+  std::optional<AreaEmitter> emitter;
+  const char* name;
+};
+Ball ball(const glm::dvec3& center, double radius, const Bsdf& bsdf = DiffuseBsdf{}) {
+  return {{center, radius}, bsdf, std::nullopt, "ball"};
 }
-Shape lamp(const glm::dvec3& center, double radius) {
-  Shape shape = ball(center, radius);
-  shape.emitter = AreaEmitter{glm::dvec3(5.0)};
-  shape.name = "lamp";
-  return shape;
+Ball lamp(const glm::dvec3& center, double radius) {
+  return {{center, radius}, DiffuseBsdf{}, AreaEmitter{glm::dvec3(5.0)}, "lamp"};
 }
 
 /// The camera stands in the origin and looks along +Z.
-Scene scene_of(std::vector<Shape> shapes) {
+Scene scene_of(const std::vector<Ball>& balls) {
   Scene scene;
-  scene.shapes = std::move(shapes);
+  for (const Ball& b : balls) scene.add(b.sphere, b.bsdf, b.emitter).name = b.name;
   return scene;
 }
 

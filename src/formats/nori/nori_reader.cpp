@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "formats/nori/object.h"
 #include "formats/obj/obj_reader.h"
 #include "formats/xml/xml_document.h"
+#include "scene/invariants.h"
 
 namespace etendue {
 namespace {
@@ -57,16 +59,29 @@ class SceneReader {
     scene.file = path_;
     scene.position = object.position();
     scene.sky = {object.get<glm::dvec3>("sky_top"), object.get<glm::dvec3>("sky_horizon")};
-    check_radiance(scene.sky.top, object.position_of("sky_top"));
-    check_radiance(scene.sky.horizon, object.position_of("sky_horizon"));
     if (const auto integrator = read_only_child(object, "integrator"))
       scene.integrator = read_integrator(*integrator, object);
     if (const auto camera = read_only_child(object, "camera")) scene.camera = read_camera(*camera);
     scene.sampler = read_sampler(object);
     for (const XmlElement* mesh : object.children("mesh")) {
-      if (const auto child = Object::read(*mesh, context_)) read_shape(*child, scene);
+      if (const auto child = Object::read(*mesh, context_)) read_instance(*child, scene);
     }
+    remember_fields(object, {"sky_top", "sky_horizon"});
+    check_invariants(scene, sink_, [this](const SourcePosition& where, std::string_view field) {
+      const auto found = fields_.find({where.line, where.column, std::string(field)});
+      return found == fields_.end() ? std::nullopt : std::optional(found->second);
+    });
     return scene;
+  }
+
+  /// Where the file gives fields of scene.h that are checked once the scene is whole; properties have the same names
+  /// in camel case.
+  void remember_fields(const Object& object, std::initializer_list<const char*> names) {
+    for (const char* name : names) remember_field(object, name, name);
+  }
+  void remember_field(const Object& object, const char* property, const char* field) {
+    if (object.given(property))
+      fields_[{object.position().line, object.position().column, field}] = object.position_of(property);
   }
 
   /// The object of a tag of which there is at most one; nothing if it is missing or unusable.
@@ -141,28 +156,16 @@ class SceneReader {
     Camera camera;
     camera.position = object.position();
     const auto width = object.get<std::int64_t>("width"), height = object.get<std::int64_t>("height");
-    if (width * height > kMaxPixels) {
-      sink_.error(object.position_of("width"), fmt::format("the film has {} × {} = {} pixels; at most {} are supported",
-                                                           width, height, width * height, kMaxPixels));
-    }
     camera.width = to_uint32(width);
     camera.height = to_uint32(height);
     camera.fov = object.get<double>("fov");
     camera.near_clip = object.get<double>("nearClip");
     camera.far_clip = object.get<double>("farClip");
-    if (!(camera.near_clip < camera.far_clip)) {
-      const char* name = object.given("farClip") ? "farClip" : "nearClip";
-      sink_.error(object.position_of(name),
-                  fmt::format("nearClip {} is not less than farClip {}; nothing would be visible", camera.near_clip,
-                              camera.far_clip));
-    }
     camera.world_from_camera = object.matrix("toWorld");
-    const glm::dvec3 origin(camera.world_from_camera[3]);
-    if (!(std::max({std::abs(origin.x), std::abs(origin.y), std::abs(origin.z)}) <= kMaxCoordinate)) {
-      sink_.error(object.position_of("toWorld"),
-                  fmt::format("the camera stands at {} {} {}; coordinates up to {} are supported", origin.x, origin.y,
-                              origin.z, kMaxCoordinate));
-    }
+    remember_fields(object, {"width", "fov"});
+    remember_field(object, "nearClip", "near_clip");
+    remember_field(object, "farClip", "far_clip");
+    remember_field(object, "toWorld", "world_from_camera");
     camera.filter = read_filter(object);
     return camera;
   }
@@ -201,24 +204,29 @@ class SceneReader {
     return {Sampler::Type::sobol, count, static_cast<std::uint32_t>(std::bit_width(size)) - 1};
   }
 
-  void read_shape(const Object& object, Scene& scene) {
-    Shape shape;
-    shape.position = object.position();
+  void read_instance(const Object& object, Scene& scene) {
+    Material material{.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = object.position()};
     const auto bsdf = read_only_child(object, "bsdf");
-    if (bsdf) shape.bsdf = read_bsdf(*bsdf);
+    if (bsdf) material = {.bsdf = read_bsdf(*bsdf), .name = bsdf->plugin().type, .position = bsdf->position()};
+    std::optional<AreaEmitter> area_emitter;
     const auto emitter = read_only_child(object, "emitter");
-    if (emitter) shape.emitter = read_emitter(*emitter);
-    const bool is_sphere = std::string_view(object.plugin().type) == "sphere";
-    if (is_sphere) {
-      shape.name = "sphere";
-      shape.geometry = Sphere{object.get<glm::dvec3>("center"), object.get<double>("radius")};
+    if (emitter) area_emitter = read_emitter(*emitter);
+    std::string name = "sphere";
+    Shape shape;
+    if (std::string_view(object.plugin().type) == "sphere") {
+      shape = Sphere{object.get<glm::dvec3>("center"), object.get<double>("radius")};
+      remember_fields(object, {"radius"});
     } else {
-      std::optional<TriangleMesh> mesh = read_mesh(object, shape.name);
+      std::optional<TriangleMesh> mesh = read_mesh(object, name);
       if (!mesh) return;
-      if (emitter) check_emitter_area(*mesh, shape.name, emitter->position());
-      shape.geometry = std::move(*mesh);
+      shape = std::move(*mesh);
     }
-    scene.shapes.push_back(std::move(shape));
+    Instance& instance = scene.add(std::move(shape), material.bsdf, area_emitter);
+    scene.materials.back() = std::move(material);
+    instance.name = std::move(name);
+    instance.position = object.position();
+    if (object.plugin().find("toWorld") != nullptr) instance.world_from_object = object.matrix("toWorld");
+    remember_field(object, "toWorld", "world_from_object");
   }
 
   Bsdf read_bsdf(const Object& object) {
@@ -243,20 +251,11 @@ class SceneReader {
 
   AreaEmitter read_emitter(const Object& object) {
     const auto radiance = object.get<glm::dvec3>("radiance");
-    check_radiance(radiance, object.position_of("radiance"));
+    remember_fields(object, {"radiance"});
     if (object.given("radiance") && radiance == glm::dvec3(0.0)) {
       sink_.warning(object.position_of("radiance"), "radiance 0 0 0: this emitter sends no light");
     }
-    return {radiance};
-  }
-
-  void check_radiance(const glm::dvec3& radiance, const SourcePosition& position) {
-    for (const double component : {radiance.x, radiance.y, radiance.z}) {
-      if (!(component > 0.0 && component < kMinRadiance)) continue;
-      sink_.error(position, fmt::format("radiance {} is too small for single precision; use 0 or at least {}",
-                                        component, kMinRadiance));
-      return;
-    }
+    return {radiance, object.position()};
   }
 
   std::optional<TriangleMesh> read_mesh(const Object& object, std::string& name) {
@@ -271,18 +270,11 @@ class SceneReader {
     const fs::path path = fs::path(path_).parent_path() / filename;
     name = path.filename().string();
     note_if_outside(path, position);
-    const glm::dmat4 world_from_object = object.matrix("toWorld");
-    if (glm::determinant(glm::dmat3(world_from_object)) < 0.0) {
-      sink_.warning(object.position_of("toWorld"),
-                    "this transform mirrors the mesh (its determinant is negative): the winding turns around, and with "
-                    "it the side that emits and reflects");
-    }
     if (sink_.error_count() >= kMaxErrorsBeforeMeshes) return std::nullopt;
-    return load_mesh(path.string(), world_from_object, position);
+    return load_mesh(path.string(), position);
   }
 
-  std::optional<TriangleMesh> load_mesh(const std::string& path, const glm::dmat4& world_from_object,
-                                        const SourcePosition& position) {
+  std::optional<TriangleMesh> load_mesh(const std::string& path, const SourcePosition& position) {
     if (too_many_meshes_) return std::nullopt;
     std::error_code unknown;
     const std::uintmax_t bytes = fs::file_size(path, unknown);
@@ -290,7 +282,7 @@ class SceneReader {
     if (exceeds(mesh_bytes_, kMaxMeshBytes, "bytes of OBJ files", position)) return std::nullopt;
     std::optional<TriangleMesh> mesh;
     try {
-      mesh = load_mesh_(path, world_from_object, sink_);
+      mesh = load_mesh_(path, sink_);
     } catch (const Error& error) {  // the file cannot be opened or read: say who asked for it
       const bool missing = !fs::exists(path, unknown) && !unknown;
       const char* remedy = missing ? "; names are relative to the folder of the scene file" : "";
@@ -326,13 +318,6 @@ class SceneReader {
     if (outside)
       sink_.note(position,
                  fmt::format("mesh {} lies outside the folder of the scene file", text::quoted(target.string())));
-  }
-
-  void check_emitter_area(const TriangleMesh& mesh, const std::string& name, const SourcePosition& position) {
-    const bool has_area = std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
-                                      [&](const glm::uvec3& t) { return triangle_area(mesh, t) > 0.0; });
-    if (!has_area)
-      sink_.error(position, fmt::format("the emitter's mesh {} has no area; it cannot send light", text::quoted(name)));
   }
 
   std::vector<TestBsdf> read_test_bsdfs(const Object& test) {
@@ -404,8 +389,15 @@ class SceneReader {
     return test;
   }
 
+  struct Field {
+    int line, column;  ///< of the object's tag
+    std::string name;  ///< in scene.h
+    auto operator<=>(const Field&) const = default;
+  };
+
   ReadContext& context_;
   Diagnostics& sink_;
+  std::map<Field, SourcePosition> fields_;
   const MeshLoader& load_mesh_;
   std::string path_;
   std::size_t triangles_ = 0, vertices_ = 0;

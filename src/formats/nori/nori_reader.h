@@ -12,8 +12,7 @@
 namespace etendue {
 
 /// Loads the mesh of an OBJ file named in a scene; nothing after reporting an error.
-using MeshLoader = std::function<std::optional<TriangleMesh>(
-    const std::string& path, const glm::dmat4& world_from_object, Diagnostics& diagnostics)>;
+using MeshLoader = std::function<std::optional<TriangleMesh>(const std::string& path, Diagnostics& diagnostics)>;
 
 /// Reads from memory: `file` names the text in messages and gives the folder that filenames are relative to.
 std::optional<SceneFile> parse_scene_file(std::string text, const std::string& file, const ReadOptions& options,

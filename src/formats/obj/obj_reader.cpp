@@ -16,6 +16,7 @@
 #include "formats/line_reader.h"
 #include "formats/nori/plugins.h"
 #include "formats/obj/polygon.h"
+#include "scene/placed.h"
 
 namespace etendue {
 namespace {
@@ -57,7 +58,7 @@ class Tokens {
   std::size_t at_, begin_ = 0;
 };
 
-/// What the faces refer to: as in the file, but in world space.
+/// What the faces refer to, as in the file.
 struct RawMesh {
   std::vector<glm::dvec3> positions;
   std::vector<glm::dvec3> normals;  ///< unit, or 0 where the file's normal has no direction
@@ -67,13 +68,8 @@ struct RawMesh {
 
 class ObjParser {
  public:
-  ObjParser(const ByteSource& source, const std::string& file, const glm::dmat4& world_from_object,
-            Diagnostics& diagnostics)
-      : lines_(source, file, ObjLimits::kMaxLine),
-        file_(file),
-        world_from_object_(world_from_object),
-        normal_matrix_(glm::transpose(glm::inverse(glm::dmat3(world_from_object)))),
-        diagnostics_(diagnostics) {}
+  ObjParser(const ByteSource& source, const std::string& file, Diagnostics& diagnostics)
+      : lines_(source, file, ObjLimits::kMaxLine), file_(file), diagnostics_(diagnostics) {}
 
   /// False after a reported error.
   bool parse() {
@@ -166,11 +162,11 @@ class ObjParser {
     // Three coordinates, then perhaps a weight (for curves only) or a colour, as some exporters write.
     std::array<double, 8> n{};
     parse_numbers(tokens, n, 3, 7, "a vertex");
-    const glm::dvec3 p(world_from_object_ * glm::dvec4(n[0], n[1], n[2], 1.0));
+    const glm::dvec3 p(n[0], n[1], n[2]);
     const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     if (!(largest <= kMaxCoordinate)) {
-      throw ObjError{0, fmt::format("the vertex lies at {} {} {} in world space; coordinates up to {} are supported",
-                                    p.x, p.y, p.z, kMaxCoordinate)};
+      throw ObjError{0, fmt::format("the vertex lies at {} {} {}; coordinates up to {} are supported", p.x, p.y, p.z,
+                                    kMaxCoordinate)};
     }
     mesh_.positions.back() = p;
   }
@@ -181,13 +177,7 @@ class ObjParser {
     std::array<double, 8> n{};
     parse_numbers(tokens, n, 3, 3, "a normal");
     const double largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
-    glm::dvec3 normal(0.0);
-    if (largest > 0.0) {
-      const glm::dvec3 world = normal_matrix_ * (glm::dvec3(n[0], n[1], n[2]) / largest);
-      const double size = std::max({std::abs(world.x), std::abs(world.y), std::abs(world.z)});
-      if (size > 0.0 && std::isfinite(size)) normal = glm::normalize(world / size);
-    }
-    mesh_.normals.back() = normal;
+    if (largest > 0.0) mesh_.normals.back() = glm::normalize(glm::dvec3(n[0], n[1], n[2]) / largest);
   }
 
   void parse_texture(Tokens& tokens) {
@@ -284,8 +274,6 @@ class ObjParser {
 
   LineReader lines_;
   const std::string& file_;
-  glm::dmat4 world_from_object_;
-  glm::dmat3 normal_matrix_;
   Diagnostics& diagnostics_;
   RawMesh mesh_;
   std::size_t textures_ = 0;
@@ -438,9 +426,8 @@ void warn_degenerate(const TriangleMesh& mesh, const std::string& file, Diagnost
 
 }  // namespace
 
-std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file,
-                                     const glm::dmat4& world_from_object, Diagnostics& diagnostics) {
-  ObjParser parser(source, file, world_from_object, diagnostics);
+std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file, Diagnostics& diagnostics) {
+  ObjParser parser(source, file, diagnostics);
   if (!parser.parse()) return std::nullopt;
   std::optional<TriangleMesh> mesh = VertexSplitter(parser.mesh()).split();
   if (mesh) {
@@ -453,11 +440,9 @@ std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string
   return mesh;
 }
 
-std::optional<TriangleMesh> read_obj(const std::string& path, const glm::dmat4& world_from_object,
-                                     Diagnostics& diagnostics) {
+std::optional<TriangleMesh> read_obj(const std::string& path, Diagnostics& diagnostics) {
   InputFile file(path);
-  return read_obj([&](char* buffer, std::size_t capacity) { return file.read(buffer, capacity); }, path,
-                  world_from_object, diagnostics);
+  return read_obj([&](char* buffer, std::size_t capacity) { return file.read(buffer, capacity); }, path, diagnostics);
 }
 
 }  // namespace etendue

@@ -7,8 +7,6 @@
 #include <optional>
 #include <string>
 
-#include <glm/glm.hpp>
-
 #include "scene/diagnostics.h"
 #include "scene/limits.h"
 #include "scene/scene.h"
@@ -24,15 +22,13 @@ struct ObjLimits {
 /// Fills a buffer with the next bytes of a file and returns how many there were; 0 at the end.
 using ByteSource = std::function<std::size_t(char* buffer, std::size_t capacity)>;
 
-/// Reads `v`, `vt`, `vn` and `f` lines into one mesh in world space; groups, materials and smoothing groups are
-/// ignored. Positions go through `world_from_object`, normals through its inverse transpose. Polygons are triangulated,
+/// Reads `v`, `vt`, `vn` and `f` lines into one mesh in object space; groups, materials and smoothing groups are
+/// ignored. Polygons are triangulated,
 /// vertices with several normals are split, vertices no face uses are left out. Where only some faces have normals, the
 /// others get that of their plane. Lines with errors are reported, with line and column, and skipped, up to 20 of them;
 /// then there is no mesh. Warnings are reported too.
-std::optional<TriangleMesh> read_obj(const std::string& path, const glm::dmat4& world_from_object,
-                                     Diagnostics& diagnostics);
+std::optional<TriangleMesh> read_obj(const std::string& path, Diagnostics& diagnostics);
 /// The same from any source of bytes; `file` is for messages.
-std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file,
-                                     const glm::dmat4& world_from_object, Diagnostics& diagnostics);
+std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace etendue

@@ -4,23 +4,24 @@
 #ifndef BRUTE_FORCE_GLSL
 #define BRUTE_FORCE_GLSL
 
-#include "intersect.glsl"
+#include "surface.glsl"
 #include "test_types.h"
 
 uint listed_count() { return uint(textureSize(geometry_texels)); }
 
 // Tests the i-th listed primitive.
-bool intersect_listed(RayFrame rf, uint i, inout Hit hit) {
+bool intersect_listed(RayFrame rf, uint i, inout Nearest nearest) {
   const uvec4 entry = load_geometry(i);
   if (entry.w != kListed) return false;  // a triangle's vertices, a normal, or the one texel of an empty buffer
-  return intersect_primitive(rf, fetch_record(entry.x), entry.x, hit);
+  return intersect_primitive(rf, fetch_record(entry.x), entry.x, nearest);
 }
 
 Hit trace_brute_force(Ray ray) {
   const RayFrame rf = make_ray_frame(ray);
-  Hit hit = Hit(ray.t_max, kNone);
-  for (uint i = 0u; i < listed_count(); ++i) intersect_listed(rf, i, hit);
-  return hit;
+  Nearest nearest = Nearest(ray.t_max, kNone);
+  for (uint i = 0u; i < listed_count(); ++i) intersect_listed(rf, i, nearest);
+  const bool found = nearest.slot != kNone;
+  return make_hit(ray, nearest.t, found, to_primitive(fetch_record(found ? nearest.slot : 0u)));
 }
 
 // Primitives that lie at exactly distance t: among them the choice is free.
@@ -28,8 +29,8 @@ uint count_ties(Ray ray, float t) {
   const RayFrame rf = make_ray_frame(ray);
   uint ties = 0u;
   for (uint i = 0u; i < listed_count(); ++i) {
-    Hit hit = Hit(ray.t_max, kNone);
-    if (intersect_listed(rf, i, hit) && hit.t == t) ++ties;
+    Nearest nearest = Nearest(ray.t_max, kNone);
+    if (intersect_listed(rf, i, nearest) && nearest.t == t) ++ties;
   }
   return ties;
 }

@@ -10,18 +10,14 @@ void main() {
   if (!lane_has_work()) return;
   const SpawnCase c = inputs[lane()];
   const Ray ray = Ray(c.o, 0.0, c.d, kInfinity);
-  const Hit hit = walk(ray, false);
+  const Hit hit = walk_hit(walk(ray, false));
   SpawnAnswer a = SpawnAnswer(vec3(0.0), kNone, vec3(0.0), kNone, 0.0, kInfinity, kNone, kNone);
-  if (hit.slot != kNone) {
-    Shape shape;
-    const Surface s = make_surface(ray, hit, shape);
-    const Hit next = walk(spawn_ray(s.p, s.ng, s.error, c.wi), false);
-    a = SpawnAnswer(s.p, s.shape, s.ng, s.primitive, s.error, next.t, kNone, kNone);
-    if (next.slot != kNone) {
-      const Primitive p = fetch_primitive(next.slot);
-      a.next_shape = p.shape;
-      a.next_primitive = p.primitive;
-    }
+  if (hit.instance != kNone) {
+    const Surface s = make_surface(ray, hit, fetch_instance(hit.instance));
+    const Hit next = walk_hit(walk(spawn_ray(s.p, s.ng, s.error, c.wi), false));
+    a = SpawnAnswer(s.p, s.instance, s.ng, s.primitive, s.error, next.t, kNone, kNone);
+    a.next_instance = next.instance;
+    if (next.instance != kNone) a.next_primitive = next.primitive;
   }
   outputs[lane()] = a;
 }

@@ -61,7 +61,7 @@ struct FrameAnswer {
 // One call of each function of the contract in bsdf.glsl; wi is for eval and pdf.
 struct BsdfCase {
   vec3 albedo;
-  uint bsdf;
+  uint header;  // kMaterial*
   float int_ior, ext_ior;
   vec2 u;
   vec3 wo;
@@ -98,7 +98,7 @@ struct LightAnswer {
   vec3 ng;
   float error;
   vec3 radiance;
-  uint shape;
+  uint instance;
   uint primitive;
   uint pad0, pad1, pad2;
 };
@@ -113,7 +113,7 @@ struct RayCase {
 struct EmissionAnswer {
   vec3 radiance;
   float pdf;
-  uint shape, primitive;  // kNone: nothing hit
+  uint instance, primitive;  // kNone: nothing hit
   float t;
   uint pad0;
 };
@@ -139,10 +139,10 @@ struct IntersectAnswer {
 const uint kListed = 0x600du;  // in w of the table of triangle indices: x is a primitive's slot, for brute_force.glsl
 struct TraceAnswer {
   float t;
-  uint shape, primitive;  // kNone: no hit
-  uint any;               // 1 when the any-hit walk found something
+  uint instance, primitive;  // kNone: no hit
+  uint any;                  // 1 when the any-hit walk found something
   float brute_t;
-  uint brute_shape, brute_primitive;
+  uint brute_instance, brute_primitive;
   uint ties;  // primitives at exactly brute_t
 };
 
@@ -157,12 +157,12 @@ struct SpawnCase {
 };
 struct SpawnAnswer {
   vec3 p;
-  uint shape;  // kNone: the first ray hit nothing
+  uint instance;  // kNone: the first ray hit nothing
   vec3 ng;
   uint primitive;
   float error;
   float t;  // of the second ray
-  uint next_shape, next_primitive;
+  uint next_instance, next_primitive;
 };
 
 const uint kFilmSequence = 16u;  // samples that one lane adds to its slot
@@ -196,11 +196,12 @@ struct LoopAnswer {
 
 // One entry of each table of the scene, as the kernels fetch it.
 struct TablesAnswer {
-  Primitive primitive;
   Record record;
-  Shape shape;
-  LightShape light_shape;
+  Instance instance;
+  MaterialRecord material;
+  LightInstance light_instance;
   LightPrimitive light_primitive;
+  uvec4 light_threshold;  // x: that of the light primitive, fetched alone
   LightBounds left_bounds;
   LightPair light_pair;
   LightTrail light_trail;
@@ -210,7 +211,7 @@ struct TablesAnswer {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 352);
+static_assert(sizeof(TablesAnswer) == 368);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);
 static_assert(sizeof(FrameCase) == 32 && sizeof(FrameAnswer) == 64);

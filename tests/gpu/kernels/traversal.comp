@@ -10,19 +10,13 @@ void main() {
   if (!lane_has_work()) return;
   const RayCase c = inputs[lane()];
   const Ray ray = Ray(c.o, c.t_min, c.d, c.t_max);
-  const Hit hit = walk(ray, false);
-  const Hit any = walk(ray, true);
+  const Hit hit = walk_hit(walk(ray, false));
+  const bool any = walk_found(walk(ray, true));
   const Hit brute = trace_brute_force(ray);
-  TraceAnswer a = TraceAnswer(hit.t, kNone, kNone, any.slot != kNone ? 1u : 0u, brute.t, kNone, kNone, 0u);
-  if (hit.slot != kNone) {
-    const Primitive p = fetch_primitive(hit.slot);
-    a.shape = p.shape;
-    a.primitive = p.primitive;
-  }
-  if (brute.slot != kNone) {
-    const Primitive p = fetch_primitive(brute.slot);
-    a.brute_shape = p.shape;
-    a.brute_primitive = p.primitive;
+  TraceAnswer a = TraceAnswer(hit.t, hit.instance, kNone, any ? 1u : 0u, brute.t, brute.instance, kNone, 0u);
+  if (hit.instance != kNone) a.primitive = hit.primitive;
+  if (brute.instance != kNone) {
+    a.brute_primitive = brute.primitive;
     a.ties = count_ties(ray, brute.t);
   }
   outputs[lane()] = a;

@@ -4,7 +4,7 @@
 
 #include "trace.glsl"
 
-Hit walk(Ray ray, bool any_hit) {
+Walk walk(Ray ray, bool any_hit) {
   uint steps = 0u;
   return trace(ray, any_hit, 60000u, steps);
 }

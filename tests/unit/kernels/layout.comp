@@ -8,8 +8,8 @@ layout(push_constant) uniform PassBlock { Pass pass; };
 layout(set = 0, binding = 0, std140) uniform FrameBlock { Frame frame; };
 layout(set = 0, binding = 1, std430) buffer RecordBuffer { Record records[]; };
 layout(set = 0, binding = 2, std430) buffer PrimitiveBuffer { Primitive primitives[]; };
-layout(set = 0, binding = 3, std430) buffer ShapeBuffer { Shape shapes[]; };
-layout(set = 0, binding = 4, std430) buffer LightShapeBuffer { LightShape light_shapes[]; };
+layout(set = 0, binding = 3, std430) buffer InstanceBuffer { Instance instances[]; };
+layout(set = 0, binding = 4, std430) buffer LightInstanceBuffer { LightInstance light_instances[]; };
 layout(set = 0, binding = 5, std430) buffer LightPrimitiveBuffer { LightPrimitive light_primitives[]; };
 layout(set = 0, binding = 6, std430) buffer FilmBuffer { FilmSlot film[]; };
 layout(set = 0, binding = 7, std430) buffer ReportBuffer { ReportHead head; RejectedEntry rejected[]; };
@@ -23,6 +23,7 @@ layout(set = 0, binding = 14, std430) buffer ProbeResultBuffer { BsdfProbeResult
 layout(set = 0, binding = 15, std430) buffer LightPairBuffer { LightPair light_pairs[]; };
 layout(set = 0, binding = 16, std430) buffer LightBoundsBuffer { LightBounds light_bounds[]; };
 layout(set = 0, binding = 17, std430) buffer LightTrailBuffer { LightTrail light_trails[]; };
+layout(set = 0, binding = 19, std430) buffer MaterialBuffer { MaterialRecord materials[]; };
 
 layout(set = 0, binding = 18, std430) buffer SlotProfileBuffer { SlotProfile slot_profiles[]; };
 
@@ -30,15 +31,16 @@ void main() {
   slot_profiles[0].camera.x = 0u;
   records[0].a.x = pass.pad0 + frame.seed + requests[0].pixel + floatBitsToUint(ray_requests[0].t_min);
   primitives[0].kind = 0u;
-  shapes[0].bsdf = 0u;
-  light_shapes[0].threshold = 0u;
-  light_primitives[0].slot = 0u;
+  instances[0].material = 0u;
+  materials[0].header = 0u;
+  light_instances[0].threshold = 0u;
+  light_primitives[0].threshold = 0u;
   film[0].tail.x = 0u;
   head.stuck = 0u;
   rejected[0].pixel = 0u;
   results[0].stuck = 0u;
   ray_results[0].steps = 0u;
-  vertices[0].shape = 0u;
+  vertices[0].instance = 0u;
   probe_passes[0].seed = 0u;
   probe_results[0].lobe = 0u;
   light_pairs[0].left = 0u;

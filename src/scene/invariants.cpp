@@ -1,0 +1,273 @@
+#include "scene/invariants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "scene/limits.h"
+#include "scene/placed.h"
+
+namespace etendue {
+namespace {
+
+bool is_finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+double largest_coordinate(const glm::dvec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// Affine, finite and invertible.
+bool is_usable(const glm::dmat4& m) {
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 4; ++row) {
+      if (!std::isfinite(m[column][row])) return false;
+    }
+  }
+  const bool affine = m[0][3] == 0.0 && m[1][3] == 0.0 && m[2][3] == 0.0 && m[3][3] == 1.0;
+  // The determinant of tiny or huge axes leaves the range of a double; that of unit axes does not.
+  glm::dmat3 axes(m);
+  for (int a = 0; a < 3; ++a) {
+    const double length = largest_coordinate(axes[a]);
+    if (!(length > 0.0)) return false;
+    axes[a] /= length;
+  }
+  return affine && glm::determinant(axes) != 0.0;
+}
+
+/// Axes of equal length at right angles, but for rounding: what keeps a sphere a sphere.
+bool is_similarity(const glm::dmat4& m) {
+  constexpr double kTolerance = 1e-9;
+  const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
+  const double xx = glm::dot(x, x), yy = glm::dot(y, y), zz = glm::dot(z, z);
+  const double largest = std::max({xx, yy, zz});
+  return std::abs(xx - yy) <= kTolerance * largest && std::abs(xx - zz) <= kTolerance * largest &&
+         std::max({std::abs(glm::dot(x, y)), std::abs(glm::dot(y, z)), std::abs(glm::dot(z, x))}) <=
+             kTolerance * largest;
+}
+
+class Checker {
+ public:
+  Checker(const Scene& scene, Diagnostics& sink, const LocateField& locate)
+      : scene_(scene), sink_(sink), locate_(locate) {}
+
+  void check() {
+    check_camera();
+    check_sampler_and_integrator();
+    check_radiance(scene_.sky.top, scene_.position, "sky_top");
+    check_radiance(scene_.sky.horizon, scene_.position, "sky_horizon");
+    for (const AreaEmitter& emitter : scene_.emitters) check_radiance(emitter.radiance, emitter.position, "radiance");
+    for (const Material& material : scene_.materials)
+      std::visit([&](const auto& bsdf) { check_bsdf(bsdf, material); }, material.bsdf);
+    check_totals();
+    if (tables_fit()) {
+      for (const Instance& instance : scene_.instances) check_instance(instance);
+    }
+  }
+
+ private:
+  SourcePosition place(const SourcePosition& object, std::string_view field) const {
+    if (locate_) {
+      if (const auto position = locate_(object, field)) return *position;
+    }
+    return object;
+  }
+  void error(const SourcePosition& object, std::string_view field, std::string message) {
+    sink_.error(place(object, field), std::move(message));
+  }
+
+  void check_camera() {
+    const Camera& camera = scene_.camera;
+    const std::int64_t width = camera.width, height = camera.height;
+    if (width < 1 || height < 1 || width * height > kMaxPixels) {
+      error(camera.position, "width",
+            fmt::format("the film has {} × {} = {} pixels; at most {} are supported, and at least one", width, height,
+                        width * height, kMaxPixels));
+    }
+    if (!(camera.fov > 0.0 && camera.fov < 180.0))
+      error(camera.position, "fov",
+            fmt::format("the field of view is {} degrees; it must lie between 0 and 180", camera.fov));
+    if (!(camera.near_clip >= 0.0 && std::isfinite(camera.near_clip)) || !(camera.near_clip < camera.far_clip)) {
+      const bool far_given = locate_ && locate_(camera.position, "far_clip");
+      error(camera.position, far_given ? "far_clip" : "near_clip",
+            fmt::format("the near clipping distance {} is not less than the far one, {}; nothing would be visible",
+                        camera.near_clip, camera.far_clip));
+    }
+    const glm::dvec3 origin(camera.world_from_camera[3]);
+    if (!is_usable(camera.world_from_camera)) {
+      error(camera.position, "world_from_camera", "the camera's transform is not affine, finite and invertible");
+    } else if (!(largest_coordinate(origin) <= kMaxCoordinate)) {
+      error(camera.position, "world_from_camera",
+            fmt::format("the camera stands at {} {} {}; coordinates up to {} are supported", origin.x, origin.y,
+                        origin.z, kMaxCoordinate));
+    }
+    const ReconstructionFilter& filter = camera.filter;
+    const bool usable = filter.radius > 0.0 && std::isfinite(filter.radius) && filter.stddev > 0.0 &&
+                        std::isfinite(filter.stddev) && std::isfinite(filter.b) && std::isfinite(filter.c);
+    if (!usable)
+      error(camera.position, "filter",
+            fmt::format("the pixel filter has radius {}, standard deviation {}, B {} and C {}; they must be finite, "
+                        "radius and deviation above 0",
+                        filter.radius, filter.stddev, filter.b, filter.c));
+  }
+
+  void check_sampler_and_integrator() {
+    constexpr std::uint32_t kMaxSetBits = 12;
+    if (scene_.sampler.sample_count < 1)
+      error(scene_.position, "sample_count", "the sampler takes 0 samples a pixel; take at least 1");
+    if (scene_.sampler.set_bits > kMaxSetBits)
+      error(scene_.position, "set_bits",
+            fmt::format("a set of the sampler has 2^{} paths; at most 2^{} are supported", scene_.sampler.set_bits,
+                        kMaxSetBits));
+    if (scene_.integrator.max_depth < 1 || scene_.integrator.max_depth > Integrator::kUnlimitedDepth)
+      error(scene_.position, "max_depth",
+            fmt::format("paths of at most {} segments are asked for; 1 to {} are supported",
+                        scene_.integrator.max_depth, Integrator::kUnlimitedDepth));
+  }
+
+  void check_radiance(const glm::dvec3& radiance, const SourcePosition& object, std::string_view field) {
+    for (const double component : {radiance.x, radiance.y, radiance.z}) {
+      if (component == 0.0 || (component >= kMinRadiance && component <= kMaxRadiance)) continue;
+      const char* wrong =
+          component > 0.0 && component < kMinRadiance ? "too small for single precision" : "out of range";
+      return error(object, field,
+                   fmt::format("radiance {} is {}; use 0, or {} to {}", component, wrong, kMinRadiance, kMaxRadiance));
+    }
+  }
+
+  void check_bsdf(const DiffuseBsdf& bsdf, const Material& material) {
+    if (!is_finite(bsdf.albedo))
+      error(material.position, "albedo",
+            fmt::format("albedo {} {} {} is not finite", bsdf.albedo.x, bsdf.albedo.y, bsdf.albedo.z));
+  }
+  void check_bsdf(const MirrorBsdf&, const Material&) {}
+  void check_bsdf(const DielectricBsdf& bsdf, const Material& material) {
+    for (const double ior : {bsdf.int_ior, bsdf.ext_ior}) {
+      if (!(ior > 0.0 && std::isfinite(ior)))
+        error(material.position, "int_ior", fmt::format("the index of refraction {} is not above 0 and finite", ior));
+    }
+  }
+
+  void check_totals() {
+    std::size_t triangles = 0, vertices = 0;
+    for (const Shape& shape : scene_.shapes) {
+      if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+        triangles += mesh->triangles.size();
+        vertices += mesh->positions.size();
+      }
+    }
+    if (triangles > kMaxTriangles || vertices > kMaxVertices)
+      sink_.error(
+          scene_.position,
+          fmt::format("the scene has {} triangles and {} vertices; at most {} and {} are supported: use coarser "
+                      "meshes",
+                      triangles, vertices, kMaxTriangles, kMaxVertices));
+  }
+
+  /// Indices within their tables: whatever follows relies on it.
+  bool tables_fit() {
+    bool fit = true;
+    const auto within = [&](std::size_t index, std::size_t size, const char* table, const Instance& instance) {
+      if (index < size) return;
+      fit = false;
+      sink_.error(instance.position, fmt::format("{} refers to number {} of the scene's {}, of which there are {}",
+                                                 text::quoted(instance.name), index, table, size));
+    };
+    for (const Instance& instance : scene_.instances) {
+      within(instance.shape, scene_.shapes.size(), "shapes", instance);
+      within(instance.material, scene_.materials.size(), "materials", instance);
+      if (instance.emitter) within(*instance.emitter, scene_.emitters.size(), "emitters", instance);
+    }
+    return fit;
+  }
+
+  void check_instance(const Instance& instance) {
+    if (!is_usable(instance.world_from_object)) {
+      error(instance.position, "world_from_object",
+            fmt::format("the transform of {} is not affine, finite and invertible", text::quoted(instance.name)));
+      return;
+    }
+    const Shape& shape = scene_.shape_of(instance);
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) return check_sphere(*sphere, instance);
+    check_mesh(std::get<TriangleMesh>(shape), instance);
+  }
+
+  void check_sphere(const Sphere& sphere, const Instance& instance) {
+    if (!is_similarity(instance.world_from_object)) {
+      return error(instance.position, "world_from_object",
+                   fmt::format("the transform of the sphere {} scales it unevenly or shears it; use rotation, "
+                               "translation and uniform scale, or a mesh",
+                               text::quoted(instance.name)));
+    }
+    if (instance.flip_normals)
+      error(instance.position, "flip_normals", "the normals of a sphere cannot be flipped; use a mesh");
+    const Sphere placed = placed_sphere(sphere, instance);
+    if (!(placed.radius > 0.0) || !is_finite(placed.center) ||
+        !(largest_coordinate(placed.center) + placed.radius <= 4.0 * kMaxCoordinate)) {
+      error(instance.position, "radius",
+            fmt::format("the sphere has its centre at {} {} {} and radius {}; coordinates up to {} are supported",
+                        placed.center.x, placed.center.y, placed.center.z, placed.radius, kMaxCoordinate));
+    }
+  }
+
+  void check_mesh(const TriangleMesh& mesh, const Instance& instance) {
+    const std::size_t vertices = mesh.positions.size();
+    const bool lengths_fit =
+        (mesh.normals.empty() || mesh.normals.size() == vertices) &&
+        (mesh.vertex_colors.empty() || mesh.vertex_colors.size() == vertices) &&
+        (mesh.face_colors.empty() || mesh.face_colors.size() == mesh.triangles.size()) &&
+        std::all_of(mesh.uv_sets.begin(), mesh.uv_sets.end(), [&](const auto& uvs) { return uvs.size() == vertices; });
+    if (!lengths_fit) {
+      sink_.error(instance.position,
+                  fmt::format("an attribute of the mesh {} does not have an entry for each of its {} vertices, or of "
+                              "its {} triangles",
+                              text::quoted(instance.name), vertices, mesh.triangles.size()));
+    }
+    for (const glm::uvec3& t : mesh.triangles) {
+      if (std::max({t.x, t.y, t.z}) < vertices) continue;
+      return sink_.error(instance.position,
+                         fmt::format("a triangle of the mesh {} refers to vertex {}; it has {}",
+                                     text::quoted(instance.name), std::max({t.x, t.y, t.z}), vertices));
+    }
+    const PlacedMesh placed(mesh, instance);
+    for (std::uint32_t i = 0; i < vertices; ++i) {
+      const glm::dvec3 p = placed.position(i);
+      if (largest_coordinate(p) <= kMaxCoordinate) continue;
+      error(instance.position, "world_from_object",
+            fmt::format("a vertex of {} lies at {} {} {} in world space; coordinates up to {} are supported",
+                        text::quoted(instance.name), p.x, p.y, p.z, kMaxCoordinate));
+      return;
+    }
+    if (instance.emitter) check_area(placed, instance);
+  }
+
+  void check_area(const PlacedMesh& mesh, const Instance& instance) {
+    for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
+      if (triangle_area(mesh.triangle(i)) > 0.0) return;
+    }
+    sink_.error(scene_.emitter_of(instance)->position,
+                fmt::format("the emitter's mesh {} has no area; it cannot send light", text::quoted(instance.name)));
+  }
+
+  const Scene& scene_;
+  Diagnostics& sink_;
+  const LocateField& locate_;
+};
+
+}  // namespace
+
+void check_invariants(const Scene& scene, Diagnostics& diagnostics, const LocateField& locate) {
+  Checker(scene, diagnostics, locate).check();
+}
+
+void require_invariants(const Scene& scene) {
+  Diagnostics diagnostics;
+  check_invariants(scene, diagnostics);
+  diagnostics.throw_first_error();
+}
+
+}  // namespace etendue

@@ -1,0 +1,25 @@
+#pragma once
+/// What must hold for every scene, whoever made it: a reader, a test, a program that uses the library.
+
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "scene/diagnostics.h"
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// Where a field of the object at `object` stands in its file, by its name in scene.h; nothing where the file does not
+/// give it.
+using LocateField = std::function<std::optional<SourcePosition>(const SourcePosition& object, std::string_view field)>;
+
+/// Reports as errors what renderers rely on and the scene breaks: indices within their tables, finite numbers within
+/// the limits of scene/limits.h, near < far, invertible transforms, emitters with an area. Linear in the size of the
+/// scene. Without `locate` a finding has the position of its object.
+void check_invariants(const Scene& scene, Diagnostics& diagnostics, const LocateField& locate = {});
+
+/// Throws Error(scene_error) with the first finding of check_invariants, if there is one.
+void require_invariants(const Scene& scene);
+
+}  // namespace etendue

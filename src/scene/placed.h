@@ -1,0 +1,56 @@
+#pragma once
+/// Shapes as their instances put them into the world. Points are transformed as they are asked for, so that a large
+/// mesh is in memory once.
+
+#include <array>
+#include <cstdint>
+
+#include <glm/glm.hpp>
+
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// True where the instance turns its shape's winding around: a mirror does, and so does flip_normals.
+bool turns_winding(const Instance& instance);
+
+/// A mesh in world space. The winding of its triangles is that of their normals: where the instance turns it around,
+/// the second and third vertex of each triangle are exchanged. Refers to the mesh.
+class PlacedMesh {
+ public:
+  PlacedMesh(const TriangleMesh& mesh, const Instance& instance);
+
+  const TriangleMesh& mesh() const { return mesh_; }
+  std::size_t triangle_count() const { return mesh_.triangles.size(); }
+  bool has_normals() const { return !mesh_.normals.empty(); }
+  /// Indices of a triangle's vertices, in the order described above.
+  glm::uvec3 indices(std::size_t triangle) const {
+    const glm::uvec3 t = mesh_.triangles[triangle];
+    return turned_ ? glm::uvec3(t.x, t.z, t.y) : t;
+  }
+  glm::dvec3 position(std::uint32_t vertex) const {
+    return glm::dvec3(world_from_object_ * glm::dvec4(mesh_.positions[vertex], 1.0));
+  }
+  std::array<glm::dvec3, 3> triangle(std::size_t i) const {
+    const glm::uvec3 t = indices(i);
+    return {position(t.x), position(t.y), position(t.z)};
+  }
+  /// Unit vertex normal; only for meshes that have them.
+  glm::dvec3 normal(std::uint32_t vertex) const;
+
+ private:
+  const TriangleMesh& mesh_;
+  glm::dmat4 world_from_object_;
+  glm::dmat3 normal_matrix_;
+  bool turned_;
+};
+
+/// The sphere in world space: a similarity keeps it one.
+Sphere placed_sphere(const Sphere& sphere, const Instance& instance);
+
+/// Area of a triangle of the mesh in object space; 0 exactly where every instance of it has none.
+double triangle_area(const TriangleMesh& mesh, const glm::uvec3& triangle);
+/// Area of a triangle in squared units of its vertices.
+double triangle_area(const std::array<glm::dvec3, 3>& p);
+
+}  // namespace etendue
