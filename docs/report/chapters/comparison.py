@@ -8,10 +8,16 @@ from studio import ROOT
 SCENES = ["cbox-sphere", "cbox-bumpy"]
 
 
+def measured(spread):
+    if spread is None:
+        raise RuntimeError("a picture was too short to measure per processor second: take more samples")
+    return spread
+
+
 def ratio(row):
     """Etendue's rate per processor second over the other's, within one repetition each; none for Etendue itself."""
-    values = row.get("cpu_ratio")
-    return {"ratio": values["median"], "least": values["min"], "most": values["max"]} if values else {"ratio": 1.0, "least": 1.0, "most": 1.0}
+    values = measured(row.get("cpu_ratio", {"median": 1.0, "min": 1.0, "max": 1.0}))
+    return {"ratio": values["median"], "least": values["min"], "most": values["max"]}
 
 
 def run(studio):
@@ -25,7 +31,7 @@ def run(studio):
     samples, rays = [], []
     for name, part in zip(SCENES, report["samples"]):
         samples += [{"scene": name, "program": row["renderer"], "rate": row["samples_per_second"]["median"],
-                     "cpu_rate": row["samples_per_cpu_second"]["median"], **ratio(row)} for row in part["rows"] if "unsupported" not in row]
+                     "cpu_rate": measured(row["samples_per_cpu_second"])["median"], **ratio(row)} for row in part["rows"] if "unsupported" not in row]
     for name, part in zip(SCENES, report["rays"]):
         rays += [{"scene": name, "class": row["class"], "order": row["order"], "program": row["program"],
                   "rate": row["rays_per_second"]["median"], "cpu_rate": row["rays_per_cpu_second"]["median"], **ratio(row)}

@@ -4,23 +4,34 @@
     compare.py --etendue build/release/src/etendue --embree build/release/tests/bench/compare/embree_rays \\
                scenes/cbox-sphere.xml scenes/cbox-bumpy.xml
 
-Rays: `etendue bench` casts primary, diffuse and shadow rays and exports them; embree_rays casts the very same ones through the same
-triangles. Samples: every renderer found on PATH renders the exported scene at the same size, samples per pixel, path length and
-number of threads; its picture must have the mean luminance of Etendue's. Ratios are formed within one repetition, and their median is
-told with the extremes. `--etendue NAME=PATH` may be repeated: the first is what the others are held against. Python's standard
-library is all this needs. docs/benchmarks.md says what the figures mean.
+Rays: `etendue bench` casts primary, diffuse and shadow rays and exports them; embree_rays casts the very same ones
+through the same triangles. Samples: every renderer found on PATH renders the exported scene at the same size, samples
+per pixel, path length, pixel filter and number of threads, each time with another seed; the means of its pictures, of
+the whole and of blocks, must be Etendue's as far as chance allows. Ratios are formed within one repetition, and their
+median is told with the extremes. `--etendue NAME=PATH` may be repeated: the first is what the others are held against.
+Rays need nothing but Python's standard library, pictures numpy. docs/benchmarks.md says what the figures mean.
 """
+
 import argparse
 import json
 import os
 import re
+import shlex
+import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
+import xml.etree.ElementTree
 
+import table
 from renderers import ADAPTERS, Unsupported
+
+try:
+    import agreement
+except ModuleNotFoundError:  # numpy: comparisons of rays alone do without
+    agreement = None
 
 
 def say(text):
@@ -28,8 +39,37 @@ def say(text):
 
 
 def spread(values):
-    return {'median': statistics.median(values), 'min': min(values), 'max': max(values), 'count': len(values)} if values else None
+    """Median and extremes; None where there is no value, or where one could not be measured (None)."""
+    values = [] if None in values else values
+    return (
+        {'median': statistics.median(values), 'min': min(values), 'max': max(values), 'count': len(values)}
+        if values
+        else None
+    )
 
+
+def ratios(firsts, others):
+    """One a repetition; None where either was not measured."""
+    return [None if first is None or other is None else first / other for first, other in zip(firsts, others)]
+
+
+def box_filtered(scene, folder):
+    """The scene with the box filter: itself where it has no other, or a copy in `folder` with absolute file names."""
+    tree = xml.etree.ElementTree.parse(scene)
+    cameras = list(tree.iter('camera'))
+    if all([f.get('type') for f in camera.findall('rfilter')] == ['box'] for camera in cameras):
+        return scene
+    for camera in cameras:
+        for other in camera.findall('rfilter'):
+            camera.remove(other)
+        xml.etree.ElementTree.SubElement(camera, 'rfilter', type='box')
+    for name in tree.iter('string'):
+        if name.get('name') == 'filename':
+            name.set('value', os.path.join(os.path.dirname(os.path.abspath(scene)), name.get('value')))
+    os.makedirs(folder, exist_ok=True)
+    copy = os.path.join(folder, os.path.basename(scene))
+    tree.write(copy, encoding='utf-8', xml_declaration=True)
+    return copy
 
 
 class Run:
@@ -52,7 +92,7 @@ class Run:
         start = re.search(r'^\{', self.output, re.MULTILINE)
         if not start:
             raise RuntimeError(f'no JSON in the output:\n{self.output[-2000:]}')
-        return json.JSONDecoder().raw_decode(self.output[start.start():])[0]
+        return json.JSONDecoder().raw_decode(self.output[start.start() :])[0]
 
 
 class Etendue:
@@ -60,10 +100,16 @@ class Etendue:
         self.name, _, self.path = text.rpartition('=')
         self.name = self.name or 'etendue'
         self.options = options
+        self.device = self.driver = 'unknown'
 
     def bench(self, scene, *more):
         device = ['--device', self.options.device, '--threads', str(self.options.threads)]
-        return Run([self.path, 'bench', scene, *device, '--json', *more], self.options.threads).json()['scenes'][0]
+        report = Run([self.path, 'bench', scene, *device, '--json', *more], self.options.threads).json()
+        self.device, self.driver = report['device'], report['driver']
+        return report['scenes'][0]
+
+    def version(self):
+        return Run([self.path, '--version'], 1).output.strip()
 
     def rays(self, scene, *more):
         report = self.bench(scene, '--part', 'rays', '--rays', str(self.options.rays), '--repetitions', '1', *more)
@@ -71,24 +117,46 @@ class Etendue:
 
     def export(self, scene, folder):
         """Scene and rays; returns the folder of the scene."""
-        self.bench(scene, '--part', 'rays', '--rays', str(self.options.rays), '--size', self.options.size, '--repetitions', '0', '--export',
-                   folder)
+        self.bench(
+            scene,
+            '--part',
+            'rays',
+            '--rays',
+            str(self.options.rays),
+            '--size',
+            self.options.size,
+            '--repetitions',
+            '0',
+            '--export',
+            folder,
+        )
         return os.path.join(folder, os.path.splitext(os.path.basename(scene))[0])
 
-    def render(self, scene, spp, out):
+    def render(self, scene, spp, out, seed):
         """Seconds of rendering, compilation of the kernel left out, and CPU seconds of the whole process."""
-        run = Run([self.path, 'render', scene, '--device', self.options.device, '--threads', str(self.options.threads), '--size',
-                   self.options.size, '--spp', str(spp), '-o', out, '--json'], self.options.threads)
+        run = Run(
+            [
+                self.path,
+                'render',
+                scene,
+                '--device',
+                self.options.device,
+                '--threads',
+                str(self.options.threads),
+                '--size',
+                self.options.size,
+                '--spp',
+                str(spp),
+                '--seed',
+                str(seed),
+                '-o',
+                out,
+                '--json',
+            ],
+            self.options.threads,
+        )
         report = run.json()
         return report['render_seconds'] - report.get('timings', {}).get('pipeline', 0.0), run.cpu_seconds
-
-    def relative_bias(self, picture, reference):
-        """How much brighter a picture is on average than this one's, with its 95 % interval, both as fractions."""
-        with tempfile.NamedTemporaryFile(suffix='.json') as file:
-            Run([self.path, 'compare', '--no-flip', '--json', file.name, picture, reference], self.options.threads)
-            with open(file.name, encoding='utf-8') as text:
-                metrics = json.load(text)['metrics']
-        return metrics['relbias'], metrics['relbiasInterval']
 
 
 class RayComparison:
@@ -102,14 +170,24 @@ class RayComparison:
     def add(self, key, name, wall, cpu):
         self.rates.setdefault(key, {}).setdefault(name, []).append((wall, cpu))
 
-    def repeat(self):
+    def repeat(self, _):
         for etendue in self.etendues:
             for key, r in etendue.rays(self.scene).items():
                 self.add(key, etendue.name, r['rays_per_second']['median'], r['rays_per_cpu_second']['median'])
         qualities = {'embree': []} if not self.options.embree_high else {'embree': [], 'embree high': ['--high']}
         for name, more in qualities.items():
-            run = Run([self.options.embree, '--threads', str(self.options.threads), '--repetitions', '1', *more,
-                       os.path.join(self.folder, 'rays.bin')], self.options.threads)
+            run = Run(
+                [
+                    self.options.embree,
+                    '--threads',
+                    str(self.options.threads),
+                    '--repetitions',
+                    '1',
+                    *more,
+                    os.path.join(self.folder, 'rays.bin'),
+                ],
+                self.options.threads,
+            )
             for r in run.json()['rays']:
                 key = (r['class'], r['order'])
                 self.add(key, name, r['rays_per_second'][0], r['rays_per_cpu_second'][0])
@@ -120,8 +198,14 @@ class RayComparison:
         rows = []
         for key, by_name in self.rates.items():
             for name, rates in by_name.items():
-                row = {'class': key[0], 'order': key[1], 'program': name, 'rays_per_second': spread([r[0] for r in rates]),
-                       'rays_per_cpu_second': spread([r[1] for r in rates]), 'share_of_differing_hits': self.differ[key]}
+                row = {
+                    'class': key[0],
+                    'order': key[1],
+                    'program': name,
+                    'rays_per_second': spread([r[0] for r in rates]),
+                    'rays_per_cpu_second': spread([r[1] for r in rates]),
+                    'share_of_differing_hits': self.differ[key],
+                }
                 if name != first:
                     row['ratio'] = spread([e[0] / r[0] for e, r in zip(by_name[first], rates)])
                     row['cpu_ratio'] = spread([e[1] / r[1] for e, r in zip(by_name[first], rates)])
@@ -135,8 +219,9 @@ class RayComparison:
 class SampleComparison:
     """Seconds of rendering of each renderer, one list entry a repetition."""
 
-    def __init__(self, scene, folder, etendues, adapters, options):
-        self.scene, self.folder, self.etendues, self.options = scene, folder, etendues, options
+    def __init__(self, scene, same, folder, etendues, adapters, options):
+        """`same`: the scene, or its copy with the box filter."""
+        self.scene, self.same, self.folder, self.etendues, self.options = scene, same, folder, etendues, options
         with open(os.path.join(folder, 'scene.json'), encoding='utf-8') as file:
             description = json.load(file)
         self.samples = description['camera']['width'] * description['camera']['height'] * options.spp
@@ -147,104 +232,115 @@ class SampleComparison:
                 self.adapters.append(adapter)
             except Unsupported as reason:
                 self.unsupported[adapter.name] = str(reason)
-        self.rates, self.base_cpu, self.bias = {}, {}, {}
+        self.rates, self.base_cpu = {}, {}
+        self.estimates = {name: agreement.Estimate() for name, *_ in self.programs()}
+        self.agreement, self.details = {}, {}
 
     def programs(self):
-        """Name and a function (spp, picture) → (render seconds, CPU seconds) of everything that renders."""
+        """Of what renders: name, suffix of pictures, and function (spp, picture, seed) → (render s, CPU s)."""
         for etendue in self.etendues:
-            yield etendue.name, lambda spp, out, e=etendue: e.render(self.scene, spp, out)
+            yield etendue.name, '.exr', lambda *how, e=etendue: e.render(self.same, *how)
         for adapter in self.adapters:
-            yield adapter.name, lambda spp, out, a=adapter: self.render_by(a, spp, out)
+            yield adapter.name, adapter.suffix, lambda *how, a=adapter: self.render_by(a, *how)
 
-    def render_by(self, adapter, spp, out):
-        run = Run(adapter.command(self.folder, out, spp, self.options.threads), self.options.threads, adapter.environment)
+    def render_by(self, adapter, spp, out, seed):
+        command = adapter.command(self.folder, out, spp, self.options.threads, seed)
+        run = Run(command, self.options.threads, adapter.environment())
+        self.details[adapter.name] = adapter.details(run.output)
         seconds = adapter.render_seconds(run.output)
         if seconds is None:
             raise RuntimeError(f'{adapter.name} does not say how long it rendered:\n{run.output[-2000:]}')
         return seconds, run.cpu_seconds
 
-    def prepare(self):
-        """One sample a pixel: warms caches, and shows what a process costs apart from its samples."""
-        for name, render in self.programs():
-            self.base_cpu[name] = render(1, os.path.join(self.folder, f'{name}-1.exr'))[1]
+    def render(self, number, spp, seed):
+        """One picture by one of the programs; its path, the render seconds and the CPU seconds."""
+        name, suffix, render = list(self.programs())[number]
+        out = os.path.join(self.folder, name + suffix)
+        if os.path.exists(out):
+            os.remove(out)  # what is read afterwards was rendered now
+        seconds, cpu = render(spp, out, seed)
+        if not os.path.exists(out):
+            raise RuntimeError(f'{name} ended well but wrote no {out}')
+        return out, seconds, cpu
 
-    def repeat(self):
+    def prepare(self):
+        """Warms caches of kernels, which may depend on the number of samples; measures a picture of one sample."""
+        for number, (name, *_) in enumerate(self.programs()):
+            self.render(number, self.options.spp, 0)
+            self.render(number, 1, 0)
+            self.base_cpu[name] = self.render(number, 1, 0)[2]
+
+    def repeat(self, repetition):
         pixels = self.samples / self.options.spp
-        for name, render in self.programs():
-            seconds, cpu = render(self.options.spp, os.path.join(self.folder, f'{name}.exr'))
-            cpu_rate = pixels * (self.options.spp - 1) / max(cpu - self.base_cpu[name], 1e-6)
+        for number, (name, *_) in enumerate(self.programs()):
+            # Different for every picture: the same build under two names would otherwise make the same ones.
+            out, seconds, cpu = self.render(number, self.options.spp, 1 + 1000 * number + repetition)
+            more_cpu = cpu - self.base_cpu[name]
+            # Less than a tenth more than a picture of one sample took: that is within what starting a process varies
+            # by.
+            cpu_rate = pixels * (self.options.spp - 1) / more_cpu if more_cpu > 0.1 * self.base_cpu[name] else None
             self.rates.setdefault(name, []).append((self.samples / max(seconds, 1e-6), cpu_rate))
+            self.estimates[name].add(agreement.read_picture(out))
             say(f'  {os.path.basename(self.scene)} {name}: {seconds:.2f} s')
 
     def compare_pictures(self):
-        first = self.etendues[0]
-        for name, _ in self.programs():
-            if name != first.name:
-                self.bias[name] = first.relative_bias(os.path.join(self.folder, f'{name}.exr'),
-                                                      os.path.join(self.folder, f'{first.name}.exr'))
+        first = self.etendues[0].name
+        for name, estimate in self.estimates.items():
+            if name != first:
+                self.agreement[name] = agreement.compare(estimate, self.estimates[first])
 
     def report(self):
         first = self.etendues[0].name
         rows = []
         for name, rates in self.rates.items():
-            row = {'renderer': name, 'samples_per_second': spread([r[0] for r in rates]),
-                   'samples_per_cpu_second': spread([r[1] for r in rates])}
+            row = {
+                'renderer': name,
+                'samples_per_second': spread([r[0] for r in rates]),
+                'samples_per_cpu_second': spread([r[1] for r in rates]),
+            }
             if name != first:
-                row['ratio'] = spread([e[0] / r[0] for e, r in zip(self.rates[first], rates)])
-                row['cpu_ratio'] = spread([e[1] / r[1] for e, r in zip(self.rates[first], rates)])
-                row['relative_bias'], row['relative_bias_interval'] = self.bias[name]
+                row['ratio'] = spread(ratios([e[0] for e in self.rates[first]], [r[0] for r in rates]))
+                row['cpu_ratio'] = spread(ratios([e[1] for e in self.rates[first]], [r[1] for r in rates]))
+                row['agreement'] = self.agreement[name]
             rows.append(row)
         rows += [{'renderer': name, 'unsupported': reason} for name, reason in self.unsupported.items()]
         return rows
 
     def passed(self):
-        """Whether every picture has the same mean luminance, within 95 % of chance and the tolerance."""
-        return all(abs(bias) <= self.options.tolerance + (interval[1] - interval[0]) / 2.0 for bias, interval in self.bias.values())
-
-
-def text_of(row, unit):
-    median = f"{row['median'] / unit:.2f} ({row['min'] / unit:.2f} - {row['max'] / unit:.2f})"
-    return f'{median:>22}'
-
-
-def print_rays(scene, rows):
-    print(f'\n{scene}: Mrays/s, per CPU second, and Etendue as multiples of the other')
-    for row in rows:
-        print(f"  {row['class']:<8} {row['order']:<9} {row['program']:<14} {text_of(row['rays_per_second'], 1e6)} "
-              f"{text_of(row['rays_per_cpu_second'], 1e6)}" + (f" {text_of(row['ratio'], 1)} {text_of(row['cpu_ratio'], 1)}  "
-              f"{100.0 * row['share_of_differing_hits']:.3f} % of the hits differ" if 'ratio' in row else ''))
-
-
-def print_samples(scene, rows):
-    print(f'\n{scene}: Msamples/s, per CPU second, and Etendue as multiples of the other')
-    for row in rows:
-        if 'unsupported' in row:
-            print(f"  {row['renderer']:<22} {row['unsupported']}")
-            continue
-        line = f"  {row['renderer']:<22} {text_of(row['samples_per_second'], 1e6)} {text_of(row['samples_per_cpu_second'], 1e6)}"
-        if 'ratio' in row:
-            low, high = row['relative_bias_interval']
-            line += (f" {text_of(row['ratio'], 1)} {text_of(row['cpu_ratio'], 1)}  brighter by {100.0 * row['relative_bias']:+.2f} % "
-                     f'[{100.0 * low:+.2f}, {100.0 * high:+.2f}]')
-        print(line)
+        """Whether every picture is the same, whole and block by block, as far as chance and the tolerance go."""
+        return all(agreement.agrees(result, self.options.tolerance) for result in self.agreement.values())
 
 
 def options_from_command_line():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('scenes', nargs='+', metavar='SCENE')
-    parser.add_argument('--etendue', action='append', required=True, metavar='[NAME=]PATH', help='the program; may be repeated')
+    parser.add_argument(
+        '--etendue', action='append', required=True, metavar='[NAME=]PATH', help='the program; may be repeated'
+    )
     parser.add_argument('--embree', metavar='PATH', help='embree_rays; without it rays are not compared')
     parser.add_argument('--embree-high', action='store_true', help="also Embree's slowest build with spatial splits")
-    parser.add_argument('--with', dest='wanted', metavar='NAMES', help='renderers, with commas (default: all that are found; - for none)')
+    parser.add_argument(
+        '--with',
+        dest='wanted',
+        metavar='NAMES',
+        help='renderers, with commas (default: all that are found; - for none)',
+    )
     parser.add_argument('--device', default='auto', help='of Etendue')
     parser.add_argument('--threads', type=int, default=2)
     parser.add_argument('--repetitions', type=int, default=5)
     parser.add_argument('--rays', type=int, default=1 << 19, help='primary rays')
     parser.add_argument('--size', default='800x600')
     parser.add_argument('--spp', type=int, default=64)
-    parser.add_argument('--tolerance', type=float, default=0.02,
-                        help='relative difference of mean luminance that is no error beyond what chance explains')
+    parser.add_argument(
+        '--tolerance',
+        type=float,
+        default=0.01,
+        help='relative difference of means, of the picture and its blocks, that is allowed beyond what chance explains',
+    )
     parser.add_argument('--json', metavar='FILE', help='write everything to this file')
+    parser.add_argument(
+        '--page', metavar='FILE', help='write the tables between the marks of this page (docs/benchmarks.md)'
+    )
     parser.add_argument('--keep', metavar='FOLDER', help='keep exported scenes and pictures here')
     options = parser.parse_args()
     if options.spp < 2 or options.repetitions < 1 or options.threads < 1:
@@ -265,46 +361,106 @@ def find_adapters(options):
     return found
 
 
-def run(options, folder):
-    etendues = [Etendue(text, options) for text in options.etendue]
-    adapters = find_adapters(options)
+def comparisons(options, etendues, adapters, folder):
+    """Of rays and of samples, one a scene each."""
     rays, samples = [], []
     for scene in options.scenes:
-        exported = etendues[0].export(scene, folder)
+        same = box_filtered(scene, os.path.join(folder, 'box'))
+        exported = etendues[0].export(same, folder)
         if options.embree:
             rays.append(RayComparison(scene, exported, etendues, options))
         if adapters or len(etendues) > 1:
-            samples.append(SampleComparison(scene, exported, etendues, adapters, options))
+            samples.append(SampleComparison(scene, same, exported, etendues, adapters, options))
+    return rays, samples
+
+
+def require_pictures(options):
+    if agreement is None:
+        sys.exit(
+            f'Pictures are compared with numpy, which {sys.executable} does not have (Debian: python3-numpy); '
+            'with "--with -" rays alone are compared, without it.'
+        )
+    if options.repetitions < agreement.LEAST_PICTURES:
+        sys.exit(
+            f'{options.repetitions} pictures of a renderer say too little about chance: --repetitions must be at least '
+            f'{agreement.LEAST_PICTURES} where pictures are compared.'
+        )
+
+
+def git_commit():
+    """Of the tree that this file is in, with a plus where it was changed since; "unknown" outside of a repository."""
+    done = (
+        subprocess.run(
+            ['git', 'describe', '--always', '--exclude=*', '--dirty=+'],
+            cwd=os.path.dirname(os.path.abspath(__file__)),
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if shutil.which('git')
+        else None
+    )
+    return done.stdout.strip() if done and done.returncode == 0 else 'unknown'
+
+
+def versions(etendues, adapters, samples):
+    """Of every program, with what it says of how it computes."""
+    details = {name: text for comparison in samples for name, text in comparison.details.items()}
+    return {
+        **{e.name: e.version() for e in etendues},
+        **{a.name: ', '.join(filter(None, [a.version(), details.get(a.name)])) for a in adapters},
+    }
+
+
+def run(options, folder):
+    etendues = [Etendue(text, options) for text in options.etendue]
+    adapters = find_adapters(options)
+    if adapters or len(etendues) > 1:
+        require_pictures(options)
+    load = os.getloadavg()[0]
+    rays, samples = comparisons(options, etendues, adapters, folder)
     for comparison in samples:
         comparison.prepare()
     for repetition in range(options.repetitions):
         say(f'repetition {repetition + 1} of {options.repetitions}')
         for comparison in rays + samples:
-            comparison.repeat()
+            comparison.repeat(repetition)
     for comparison in samples:
         comparison.compare_pictures()
-    report = {'date': time.strftime('%Y-%m-%d', time.gmtime()), 'threads': options.threads, 'size': options.size, 'spp': options.spp,
-              'versions': {a.name: a.version() for a in adapters},
-              'rays': [{'scene': c.scene, 'rows': c.report()} for c in rays],
-              'samples': [{'scene': c.scene, 'rows': c.report()} for c in samples],
-              'passed': all(c.passed() for c in rays + samples)}
-    return report
+    return {
+        'date': time.strftime('%Y-%m-%d', time.gmtime()),
+        'command': shlex.join(sys.argv),
+        'machine': table.machine(),
+        'load': load,
+        'sources': git_commit(),
+        'device': etendues[0].device,
+        'driver': etendues[0].driver,
+        'threads': options.threads,
+        'size': options.size,
+        'spp': options.spp,
+        'repetitions': options.repetitions,
+        'versions': versions(etendues, adapters, samples),
+        'rays': [{'scene': c.scene, 'rows': c.report()} for c in rays],
+        'samples': [{'scene': c.scene, 'rows': c.report()} for c in samples],
+        'passed': all(c.passed() for c in rays + samples),
+    }
 
 
 def main():
     options = options_from_command_line()
     with tempfile.TemporaryDirectory(prefix='etendue-compare-') as temporary:
         report = run(options, options.keep or temporary)
-    for part in report['rays']:
-        print_rays(part['scene'], part['rows'])
-    for part in report['samples']:
-        print_samples(part['scene'], part['rows'])
+    print(table.terminal_text(report))
+    if options.page:
+        table.write_between_marks(options.page, table.markdown(report))
     if options.json:
         with open(options.json, 'w', encoding='utf-8') as file:
             json.dump(report, file, indent=2)
             file.write('\n')
     if not report['passed']:
-        sys.exit('Hits or pictures differ by more than chance and rounding explain: the ratios above compare different things.')
+        sys.exit(
+            'Hits or pictures differ by more than chance and rounding explain: the ratios compare different things.'
+        )
 
 
 if __name__ == '__main__':

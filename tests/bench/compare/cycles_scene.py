@@ -1,18 +1,22 @@
-"""Renders a scene of `etendue bench --export` with Cycles, inside Blender:
+"""Renders a scene of `etendue bench --export` with Cycles, inside Blender or in a Python that has Blender as its module
+bpy:
 
-    blender -b --factory-startup -P cycles_scene.py -- FOLDER OUT.exr SPP THREADS
+    blender -b --factory-startup -P cycles_scene.py -- FOLDER OUT.exr SPP THREADS SEED
+    python3 cycles_scene.py -- FOLDER OUT.exr SPP THREADS SEED
 
-No denoiser, no adaptive sampling, no clamping, no light threshold; box filter. The last line on stdout that starts with CYCLES holds
-the seconds Cycles says it rendered, after its scene was ready. Spheres are meshes of 20 480 smooth triangles: Cycles has no analytic ones.
+Blender 3.4 and later. No denoiser, no adaptive sampling, no clamping, no light threshold; box filter. The last line on
+stdout that starts with CYCLES holds Blender's version and the seconds Cycles says it rendered, after its scene was
+ready. Spheres are meshes of 20 480 smooth triangles: Cycles has no analytic ones.
 """
+
 import json
 import math
 import os
 import struct
 import sys
 
+import bpy  # first: where Blender is a Python module, bmesh and mathutils exist only once it is loaded
 import bmesh
-import bpy
 import mathutils
 import numpy
 
@@ -44,7 +48,8 @@ def add_mesh(name, vertices, normals, triangles):
     mesh.polygons.foreach_set('use_smooth', numpy.full(len(triangles), normals is not None))
     mesh.update(calc_edges=True)
     if normals is not None:
-        mesh.use_auto_smooth = True
+        if bpy.app.version < (4, 1, 0):  # from then on split normals are always used
+            mesh.use_auto_smooth = True
         mesh.normals_split_custom_set_from_vertices(normals.tolist())
     return mesh
 
@@ -52,13 +57,23 @@ def add_mesh(name, vertices, normals, triangles):
 def add_sphere(name, center, radius):
     mesh = bpy.data.meshes.new(name)
     build = bmesh.new()
-    bmesh.ops.create_icosphere(build, subdivisions=SPHERE_SUBDIVISIONS, radius=radius,
-                               matrix=mathutils.Matrix.Translation(center))
+    bmesh.ops.create_icosphere(
+        build, subdivisions=SPHERE_SUBDIVISIONS, radius=radius, matrix=mathutils.Matrix.Translation(center)
+    )
     for face in build.faces:
         face.smooth = True
     build.to_mesh(mesh)
     build.free()
     return mesh
+
+
+def make_sharp(node):
+    """Reflects or refracts in one direction only: a distribution of its own before Blender 4.0, roughness 0 since."""
+    names = node.bl_rna.properties['distribution'].enum_items.keys()
+    if 'SHARP' in names:
+        node.distribution = 'SHARP'
+    else:
+        node.inputs['Roughness'].default_value = 0.0
 
 
 def surface_shader(tree, bsdf):
@@ -68,11 +83,11 @@ def surface_shader(tree, bsdf):
         node.inputs['Roughness'].default_value = 0.0
     elif bsdf['type'] == 'mirror':
         node = tree.nodes.new('ShaderNodeBsdfGlossy')
-        node.distribution = 'SHARP'
+        make_sharp(node)
         node.inputs['Color'].default_value = (1.0, 1.0, 1.0, 1.0)
     else:
         node = tree.nodes.new('ShaderNodeBsdfGlass')
-        node.distribution = 'SHARP'
+        make_sharp(node)
         node.inputs['Color'].default_value = (1.0, 1.0, 1.0, 1.0)
         node.inputs['IOR'].default_value = bsdf['int_ior'] / bsdf['ext_ior']
     return node.outputs['BSDF']
@@ -93,11 +108,17 @@ def emission_shader(tree, radiance):
     return emission.outputs['Emission']
 
 
+def empty_node_tree(owner):
+    """Of a material or a world; they have one from the start since Blender 5.0."""
+    if bpy.app.version < (5, 0, 0):
+        owner.use_nodes = True
+    owner.node_tree.nodes.clear()
+    return owner.node_tree
+
+
 def make_material(name, shape):
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
+    tree = empty_node_tree(material)
     output = tree.nodes.new('ShaderNodeOutputMaterial')
     shader = surface_shader(tree, shape['bsdf'])
     if shape['radiance'] and max(shape['radiance']) > 0.0:
@@ -113,9 +134,7 @@ def make_world(scene, sky):
     """mix(horizon, top, clamp(ω.y, 0, 1)); the ramp is linear in between."""
     world = bpy.data.worlds.new('sky')
     scene.world = world
-    world.use_nodes = True
-    tree = world.node_tree
-    tree.nodes.clear()
+    tree = empty_node_tree(world)
     output = tree.nodes.new('ShaderNodeOutputWorld')
     background = tree.nodes.new('ShaderNodeBackground')
     tree.links.new(background.outputs['Background'], output.inputs['Surface'])
@@ -130,7 +149,7 @@ def make_world(scene, sky):
     clamp = tree.nodes.new('ShaderNodeClamp')
     tree.links.new(direction.outputs['Generated'], separate.inputs[0])
     tree.links.new(separate.outputs['Y'], clamp.inputs['Value'])
-    tree.links.new(clamp.outputs[0], mix.inputs['Fac'])
+    tree.links.new(clamp.outputs[0], mix.inputs[0])  # "Fac", or "Factor" in later versions
     tree.links.new(mix.outputs['Color'], background.inputs['Color'])
 
 
@@ -151,13 +170,14 @@ def make_camera(scene, camera):
     scene.render.resolution_percentage = 100
 
 
-def configure(scene, max_depth, spp, threads):
+def configure(scene, max_depth, spp, threads, seed):
     scene.render.engine = 'CYCLES'
     scene.render.threads_mode = 'FIXED'
     scene.render.threads = threads
     cycles = scene.cycles
     cycles.device = 'CPU'
     cycles.samples = spp
+    cycles.seed = seed
     cycles.use_adaptive_sampling = False
     cycles.use_denoising = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
@@ -182,8 +202,8 @@ def exr_text_attributes(path):
         name_end = data.index(b'\0', at)
         type_end = data.index(b'\0', name_end + 1)
         size = struct.unpack_from('<i', data, type_end + 1)[0]
-        value = data[type_end + 5:type_end + 5 + size]
-        if data[name_end + 1:type_end] == b'string':
+        value = data[type_end + 5 : type_end + 5 + size]
+        if data[name_end + 1 : type_end] == b'string':
             found[data[at:name_end].decode()] = value.decode('utf-8', 'replace')
         at = type_end + 5 + size
     return found
@@ -198,7 +218,7 @@ def seconds(text):
 
 
 def main():
-    folder, out, spp, threads = sys.argv[sys.argv.index('--') + 1:]
+    folder, out, spp, threads, seed = sys.argv[sys.argv.index('--') + 1 :]
     with open(os.path.join(folder, 'scene.json'), encoding='utf-8') as file:
         description = json.load(file)
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -213,11 +233,14 @@ def main():
         scene.collection.objects.link(bpy.data.objects.new(name, mesh))
     make_world(scene, description['sky'])
     make_camera(scene, description['camera'])
-    configure(scene, description['integrator']['max_depth'], int(spp), int(threads))
+    configure(scene, description['integrator']['max_depth'], int(spp), int(threads), int(seed))
     scene.render.filepath = out
     bpy.ops.render.render(write_still=True)
-    times = {key.rsplit('.', 1)[1]: seconds(value) for key, value in exr_text_attributes(out).items()
-             if key.startswith('cycles.') and key.endswith('_time')}
+    times = {
+        key.rsplit('.', 1)[1]: seconds(value)
+        for key, value in exr_text_attributes(out).items()
+        if key.startswith('cycles.') and key.endswith('_time')
+    }
     print(f"CYCLES {bpy.app.version_string} {times['render_time']:.2f}", flush=True)
 
 

@@ -1,12 +1,17 @@
-"""Adapters of other renderers: each turns the neutral export of `etendue bench --export` (scene.json and PLY files) into the
-renderer's own scene, names the command that renders it, and finds the time of rendering in what the command prints.
+"""Adapters of other renderers: each turns the neutral export of `etendue bench --export` (scene.json and PLY files)
+into the renderer's own scene, names the command that renders it, and finds the time of rendering in what the command
+prints.
 
-A new renderer is a Renderer with `name`, `find`, `export`, `command`, `render_seconds` and `version`, listed in ADAPTERS.
+A new renderer is a Renderer with `name`, `find`, `export`, `command`, `render_seconds` and `version`, listed in
+ADAPTERS. `command` must pass on the seed: two pictures of one renderer are taken to be independent.
 
-Path lengths: maxDepth N here means N segments and N − 1 scattering vertices. Mitsuba counts like that; pbrt counts the scattering
-vertices (N − 1); Cycles counts bounces after the first (N − 2). Russian roulette changes noise and time, not the expectation, and stays
-with what each renderer does by default.
+Path lengths: maxDepth N here means N segments and N − 1 scattering vertices. Mitsuba counts like that; pbrt counts the
+scattering vertices (N − 1); Cycles counts bounces after the first (N − 2). Russian roulette changes noise and time, not
+the expectation; Mitsuba is told where it may begin, the others keep their own rule.
 """
+
+import functools
+import glob
 import math
 import os
 import re
@@ -37,37 +42,95 @@ def numbers(values, separator=' '):
     return separator.join(f'{v:.9g}' for v in values)
 
 
+def output_of(command, environment=None):
+    """What a command prints on stdout and stderr, whatever its exit code."""
+    done = subprocess.run(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors='replace',
+        check=False,
+        env={**os.environ, **(environment or {})},
+    )
+    return done.stdout
+
+
 class Renderer:
-    environment = {}  # of its process, added to that of this one
+    suffix = '.exr'  # of the pictures it writes
+
+    def environment(self):
+        """Of its process, added to that of this one."""
+        return {}
+
+    def details(self, output):
+        """What a rendering process says of how it computes, for the table; empty where it says nothing."""
+        return ''
 
 
 class Cycles(Renderer):
-    """Blender's path tracer; Debian's package blender."""
+    """Blender's path tracer: the Python module bpy of the first python3 on PATH, or else the program blender."""
+
     name = 'cycles'
-    # Blender's Python takes its libraries from beside the first python3 on PATH, which must be the system's.
-    environment = {'PATH': '/usr/bin:' + os.environ.get('PATH', '')}
+
+    @functools.cached_property
+    def python(self):
+        """The first python3 on PATH when it has the module bpy, or None."""
+        python = shutil.which('python3')
+        # Looking the module up does not load it, which would take seconds.
+        search = 'import importlib.util; print("bpy found" if importlib.util.find_spec("bpy") else "none")'
+        return python if python and 'bpy found' in output_of([python, '-c', search]) else None
 
     def find(self):
-        return shutil.which('blender')
+        return self.python or shutil.which('blender')
+
+    def environment(self):
+        # The Python inside the program takes its libraries from beside the first python3 on PATH, which must be the
+        # system's.
+        return {} if self.python else {'PATH': '/usr/bin:' + os.environ.get('PATH', '')}
 
     def export(self, scene, folder):
         if path_segments(scene) < 2:
             raise Unsupported('Cycles always scatters once, maxDepth 1 does not')
 
-    def command(self, folder, out, spp, threads):
-        return [self.find(), '-b', '--factory-startup', '-noaudio', '-P', os.path.join(HERE, 'cycles_scene.py'), '--', folder, out,
-                str(spp), str(threads)]
+    def command(self, folder, out, spp, threads, seed):
+        script = os.path.join(HERE, 'cycles_scene.py')
+        start = (
+            [self.python, script] if self.python else [self.find(), '-b', '--factory-startup', '-noaudio', '-P', script]
+        )
+        return [*start, '--', folder, out, str(spp), str(threads), str(seed)]
 
     def render_seconds(self, output):
         found = re.search(r'^CYCLES \S+ ([\d.]+)$', output, re.MULTILINE)
         return float(found.group(1)) if found else None
 
     def version(self):
-        return subprocess.run([self.find(), '--version'], capture_output=True, text=True, check=True).stdout.split('\n')[0]
+        if self.python:
+            return (
+                'Blender '
+                + output_of([self.python, '-c', 'import bpy; print(bpy.app.version_string)']).strip().split('\n')[-1]
+            )
+        return output_of([self.find(), '--version']).split('\n')[0]
+
+
+def newest_llvm():
+    """The newest LLVM library of the system, or None: Mesa's may lie beside it."""
+    found = {}
+    for path in (
+        glob.glob('/usr/lib/*/libLLVM*.so*')
+        + glob.glob('/usr/lib/llvm-*/lib/libLLVM*.so*')
+        + glob.glob('/usr/lib64/libLLVM*.so*')
+    ):
+        version = re.search(r'libLLVM(?:-(\d+))?\.so(?:\.(\d+))?', os.path.basename(path))
+        if version and (version.group(1) or version.group(2)):
+            found[int(version.group(1) or version.group(2))] = path
+    return found[max(found)] if found else None
 
 
 class Mitsuba(Renderer):
     """Mitsuba 3; scene format of its documentation, version 3.0.0."""
+
+    suffix = '.pfm'  # its EXR files are packed with PIZ, which takes a library to undo
 
     def __init__(self, variant):
         self.variant = variant
@@ -76,9 +139,21 @@ class Mitsuba(Renderer):
     def find(self):
         return shutil.which('mitsuba')
 
+    def environment(self):
+        llvm = os.environ.get('DRJIT_LIBLLVM_PATH') or newest_llvm()
+        return {'DRJIT_LIBLLVM_PATH': llvm} if llvm and self.variant.startswith('llvm') else {}
+
     def export(self, scene, folder):
-        lines = ['<scene version="3.0.0">', '  <integrator type="path">',
-                 f'    <integer name="max_depth" value="{path_segments(scene)}"/>', '  </integrator>', *self.sensor(scene['camera'])]
+        lines = [
+            '<scene version="3.0.0">',
+            '  <integrator type="path">',
+            f'    <integer name="max_depth" value="{path_segments(scene)}"/>',
+            f'    <integer name="rr_depth" value="{scene["integrator"]["rr_depth"] or UNLIMITED_DEPTH}"/>',
+            '  </integrator>',
+            '  <default name="spp" value="16"/>',
+            '  <default name="seed" value="0"/>',
+            *self.sensor(scene['camera']),
+        ]
         for shape in scene['shapes']:
             lines += self.shape(shape)
         lines += self.sky(scene['sky'], folder) + ['</scene>', '']
@@ -88,26 +163,45 @@ class Mitsuba(Renderer):
     def sensor(self, camera):
         # The camera looks along +Z with +X to the left, as ours does.
         matrix = numbers(v for row in camera['world_from_camera'] for v in row)
-        return ['  <sensor type="perspective">', '    <string name="fov_axis" value="x"/>',
-                f'    <float name="fov" value="{camera["fov"]:.9g}"/>', f'    <float name="near_clip" value="{camera["near"]:.9g}"/>',
-                f'    <float name="far_clip" value="{camera["far"]:.9g}"/>',
-                f'    <transform name="to_world"><matrix value="{matrix}"/></transform>', '    <sampler type="independent"/>',
-                '    <film type="hdrfilm">', f'      <integer name="width" value="{camera["width"]}"/>',
-                f'      <integer name="height" value="{camera["height"]}"/>', '      <string name="pixel_format" value="rgb"/>',
-                '      <string name="component_format" value="float32"/>', '      <rfilter type="box"/>', '    </film>', '  </sensor>']
+        return [
+            '  <sensor type="perspective">',
+            '    <string name="fov_axis" value="x"/>',
+            f'    <float name="fov" value="{camera["fov"]:.9g}"/>',
+            f'    <float name="near_clip" value="{camera["near"]:.9g}"/>',
+            f'    <float name="far_clip" value="{camera["far"]:.9g}"/>',
+            f'    <transform name="to_world"><matrix value="{matrix}"/></transform>',
+            '    <sampler type="independent">',
+            '      <integer name="sample_count" value="$spp"/>',
+            '      <integer name="seed" value="$seed"/>',
+            '    </sampler>',
+            '    <film type="hdrfilm">',
+            f'      <integer name="width" value="{camera["width"]}"/>',
+            f'      <integer name="height" value="{camera["height"]}"/>',
+            '      <string name="pixel_format" value="rgb"/>',
+            '      <string name="file_format" value="pfm"/>',
+            '      <string name="component_format" value="float32"/>',
+            '      <rfilter type="box"/>',
+            '    </film>',
+            '  </sensor>',
+        ]
 
     def shape(self, shape):
         if 'sphere' in shape:
             center = dict(zip('xyz', shape['sphere']['center']))
-            lines = ['  <shape type="sphere">', '    <point name="center" ' + ' '.join(f'{k}="{v:.9g}"' for k, v in center.items()) + '/>',
-                     f'    <float name="radius" value="{shape["sphere"]["radius"]:.9g}"/>']
+            lines = [
+                '  <shape type="sphere">',
+                '    <point name="center" ' + ' '.join(f'{k}="{v:.9g}"' for k, v in center.items()) + '/>',
+                f'    <float name="radius" value="{shape["sphere"]["radius"]:.9g}"/>',
+            ]
         else:
             lines = ['  <shape type="ply">', f'    <string name="filename" value={quoteattr(shape["mesh"]["file"])}/>']
             if not shape['mesh']['normals']:
                 lines.append('    <boolean name="face_normals" value="true"/>')
         lines.append('    ' + self.bsdf(shape['bsdf']))
         if shape['radiance']:
-            lines.append(f'    <emitter type="area"><rgb name="radiance" value="{numbers(shape["radiance"], ", ")}"/></emitter>')
+            lines.append(
+                f'    <emitter type="area"><rgb name="radiance" value="{numbers(shape["radiance"], ", ")}"/></emitter>'
+            )
         return lines + ['  </shape>']
 
     @staticmethod
@@ -116,8 +210,10 @@ class Mitsuba(Renderer):
             return f'<bsdf type="diffuse"><rgb name="reflectance" value="{numbers(bsdf["albedo"], ", ")}"/></bsdf>'
         if bsdf['type'] == 'mirror':
             return '<bsdf type="conductor"><string name="material" value="none"/></bsdf>'
-        return (f'<bsdf type="dielectric"><float name="int_ior" value="{bsdf["int_ior"]:.9g}"/>'
-                f'<float name="ext_ior" value="{bsdf["ext_ior"]:.9g}"/></bsdf>')
+        return (
+            f'<bsdf type="dielectric"><float name="int_ior" value="{bsdf["int_ior"]:.9g}"/>'
+            f'<float name="ext_ior" value="{bsdf["ext_ior"]:.9g}"/></bsdf>'
+        )
 
     @staticmethod
     def sky(sky, folder):
@@ -125,34 +221,56 @@ class Mitsuba(Renderer):
             if max(sky['top']) == 0.0:
                 return []
             return [f'  <emitter type="constant"><rgb name="radiance" value="{numbers(sky["top"], ", ")}"/></emitter>']
-        # Latitude and longitude with +Y up; the gradient does not depend on the longitude.
-        width, height = 16, 2048
+        # Latitude and longitude with +Y up; the gradient does not depend on the longitude. Mitsuba's first row is the
+        # zenith itself and its last the nadir, values between rows are linear in the angle; an odd number of rows has
+        # one at the horizon, where the gradient ends.
+        width, height = 16, 2049
         rows = []
         for row in reversed(range(height)):  # PFM files begin at the bottom
-            y = max(0.0, math.cos(math.pi * (row + 0.5) / height))
+            y = max(0.0, math.cos(math.pi * row / (height - 1)))
             pixel = struct.pack('<3f', *(h + (t - h) * y for h, t in zip(sky['horizon'], sky['top'])))
             rows.append(pixel * width)
         with open(os.path.join(folder, 'sky.pfm'), 'wb') as file:
             file.write(f'PF\n{width} {height}\n-1.0\n'.encode() + b''.join(rows))
         return ['  <emitter type="envmap"><string name="filename" value="sky.pfm"/></emitter>']
 
-    def command(self, folder, out, spp, threads):
-        # The thread that was started with is one of -t, and does not render.
-        return [self.find(), '-m', self.variant, '-t', str(threads + 1), '-s', str(spp), '-o', out,
-                os.path.join(folder, 'mitsuba.xml')]
+    def command(self, folder, out, spp, threads, seed):
+        # The thread that was started with is one of -t, and does not render. -s would choose a sensor, not the samples.
+        return [
+            self.find(),
+            '-v',
+            '-v',
+            '-m',
+            self.variant,
+            '-t',
+            str(threads + 1),
+            '-D',
+            f'spp={spp}',
+            '-D',
+            f'seed={seed}',
+            '-o',
+            out,
+            os.path.join(folder, 'mitsuba.xml'),
+        ]
 
     def render_seconds(self, output):
         """From 'Rendering finished. (took 1.53s)'; the unit may be ms, s, m or h."""
         found = re.search(r'Rendering finished\.? \(took ([\d.]+)\s*(ms|s|m|h)\)', output)
         return float(found.group(1)) * {'ms': 1e-3, 's': 1.0, 'm': 60.0, 'h': 3600.0}[found.group(2)] if found else None
 
+    def details(self, output):
+        """From 'jit_llvm_init(): found LLVM 19.1.7 (ORCv2), target=x86_64-pc-linux-gnu, cpu=x86-64, width=8.'"""
+        found = re.search(r'found (LLVM [\d.]+).*, width=(\d+)', output)
+        return f'{found.group(1)}, {found.group(2)} wide' if found else ''
+
     def version(self):
-        text = subprocess.run([self.find(), '--help'], capture_output=True, text=True, check=False).stdout
-        return text.strip().split('\n')[0]
+        found = re.search(r'Mitsuba version ([\w.]+)', output_of([self.find(), '--help']))
+        return f'Mitsuba {found.group(1)}' if found else 'Mitsuba of unknown version'
 
 
 class Pbrt(Renderer):
     """pbrt-v4 on the CPU; it renders spectra, which costs time that RGB renderers do not spend."""
+
     name = 'pbrt'
 
     def find(self):
@@ -160,11 +278,17 @@ class Pbrt(Renderer):
 
     def export(self, scene, folder):
         camera = scene['camera']
-        lines = ['Option "string rendercoordsys" [ "world" ]', *self.camera(camera),
-                 f'Film "rgb" "string filename" [ "pbrt.exr" ] "integer xresolution" [ {camera["width"]} ] '
-                 f'"integer yresolution" [ {camera["height"]} ]',
-                 'PixelFilter "box" "float xradius" [ 0.5 ] "float yradius" [ 0.5 ]', 'Sampler "independent"',
-                 f'Integrator "path" "integer maxdepth" [ {path_segments(scene) - 1} ]', 'WorldBegin']
+        lines = [
+            'Option "string rendercoordsys" [ "world" ]',
+            *self.camera(camera),
+            'Film "rgb" "string filename" [ "pbrt.exr" ] "bool savefp16" [ false ] '
+            f'"integer xresolution" [ {camera["width"]} ] '
+            f'"integer yresolution" [ {camera["height"]} ]',
+            'PixelFilter "box" "float xradius" [ 0.5 ] "float yradius" [ 0.5 ]',
+            'Sampler "independent"',
+            f'Integrator "path" "integer maxdepth" [ {path_segments(scene) - 1} ]',
+            'WorldBegin',
+        ]
         if not is_constant(scene['sky']):
             raise Unsupported('pbrt-v4 takes a sky that is not constant as an equal-area octahedral map only')
         if max(scene['sky']['top']) > 0.0:
@@ -183,7 +307,10 @@ class Pbrt(Renderer):
         moved = [-sum(a * o for a, o in zip(axis, origin)) for axis in axes]
         columns = [axis[c] for c in range(3) for axis in (*axes, [0.0] * 3)] + moved + [1.0]
         half = math.tan(math.radians(camera['fov']) / 2.0) * min(1.0, camera['height'] / camera['width'])
-        return [f'Transform [ {numbers(columns)} ]', f'Camera "perspective" "float fov" [ {math.degrees(2.0 * math.atan(half)):.9g} ]']
+        return [
+            f'Transform [ {numbers(columns)} ]',
+            f'Camera "perspective" "float fov" [ {math.degrees(2.0 * math.atan(half)):.9g} ]',
+        ]
 
     @staticmethod
     def shape(shape):
@@ -198,13 +325,27 @@ class Pbrt(Renderer):
         if shape['radiance']:
             lines.append(f'  AreaLightSource "diffuse" "rgb L" [ {numbers(shape["radiance"])} ]')
         if 'sphere' in shape:
-            lines += [f'  Translate {numbers(shape["sphere"]["center"])}', f'  Shape "sphere" "float radius" [ {shape["sphere"]["radius"]:.9g} ]']
+            lines += [
+                f'  Translate {numbers(shape["sphere"]["center"])}',
+                f'  Shape "sphere" "float radius" [ {shape["sphere"]["radius"]:.9g} ]',
+            ]
         else:
             lines.append(f'  Shape "plymesh" "string filename" [ "{shape["mesh"]["file"]}" ]')
         return lines + ['AttributeEnd']
 
-    def command(self, folder, out, spp, threads):
-        return [self.find(), '--nthreads', str(threads), '--spp', str(spp), '--outfile', out, os.path.join(folder, 'pbrt.pbrt')]
+    def command(self, folder, out, spp, threads, seed):
+        return [
+            self.find(),
+            '--nthreads',
+            str(threads),
+            '--spp',
+            str(spp),
+            '--seed',
+            str(seed),
+            '--outfile',
+            out,
+            os.path.join(folder, 'pbrt.pbrt'),
+        ]
 
     def render_seconds(self, output):
         """From the end of the progress bar: 'Rendering: [++++]  (12.3s)'."""

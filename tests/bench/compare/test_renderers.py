@@ -1,4 +1,6 @@
 """The adapters write what the renderers' manuals ask for. None of them is started."""
+
+import contextlib
 import json
 import math
 import os
@@ -6,27 +8,50 @@ import re
 import struct
 import tempfile
 import unittest
+import unittest.mock
 import xml.etree.ElementTree
 
-from compare import RayComparison, Run, spread
-from renderers import ADAPTERS, Cycles, Mitsuba, Pbrt, Unsupported
+import table
+from compare import RayComparison, Run, SampleComparison, box_filtered, ratios, spread
+from renderers import ADAPTERS, Cycles, Mitsuba, Pbrt, Unsupported, newest_llvm
 
 
 def scene(**changes):
-    """A camera at (1, 2, 3) that looks along world +X, so that world −Z is on its left; the columns are left, up, forward."""
+    """A camera at (1, 2, 3) that looks along world +X, with world −Z on its left; the columns are left, up, forward."""
     description = {
         'name': 'test',
-        'camera': {'width': 80, 'height': 60, 'fov': 40.0, 'near': 0.01, 'far': 100.0,
-                   'world_from_camera': [[0, 0, 1, 1], [0, 1, 0, 2], [-1, 0, 0, 3], [0, 0, 0, 1]]},
+        'camera': {
+            'width': 80,
+            'height': 60,
+            'fov': 40.0,
+            'near': 0.01,
+            'far': 100.0,
+            'world_from_camera': [[0, 0, 1, 1], [0, 1, 0, 2], [-1, 0, 0, 3], [0, 0, 0, 1]],
+        },
         'integrator': {'type': 'path', 'max_depth': 8, 'rr_depth': 5, 'nee': True, 'mis': True},
         'samples': 16,
         'sky': {'top': [0.1, 0.2, 0.3], 'horizon': [0.1, 0.2, 0.3]},
         'shapes': [
-            {'name': 'a', 'mesh': {'file': 'shape-0.ply', 'triangles': 2, 'normals': False},
-             'bsdf': {'type': 'diffuse', 'albedo': [0.1, 0.2, 0.3]}, 'radiance': [3, 2, 1]},
-            {'name': 'b', 'sphere': {'center': [1, 2, 3], 'radius': 0.5}, 'bsdf': {'type': 'dielectric', 'int_ior': 1.5, 'ext_ior': 1.2},
-             'radiance': None},
-            {'name': 'c', 'mesh': {'file': 'shape-2.ply', 'triangles': 2, 'normals': True}, 'bsdf': {'type': 'mirror'}, 'radiance': None}]}
+            {
+                'name': 'a',
+                'mesh': {'file': 'shape-0.ply', 'triangles': 2, 'normals': False},
+                'bsdf': {'type': 'diffuse', 'albedo': [0.1, 0.2, 0.3]},
+                'radiance': [3, 2, 1],
+            },
+            {
+                'name': 'b',
+                'sphere': {'center': [1, 2, 3], 'radius': 0.5},
+                'bsdf': {'type': 'dielectric', 'int_ior': 1.5, 'ext_ior': 1.2},
+                'radiance': None,
+            },
+            {
+                'name': 'c',
+                'mesh': {'file': 'shape-2.ply', 'triangles': 2, 'normals': True},
+                'bsdf': {'type': 'mirror'},
+                'radiance': None,
+            },
+        ],
+    }
     description.update(changes)
     return json.loads(json.dumps(description))
 
@@ -36,6 +61,19 @@ def exported(adapter, description, name):
         adapter.export(description, folder)
         with open(os.path.join(folder, name), 'rb') as file:
             return file.read()
+
+
+@contextlib.contextmanager
+def on_path(**programs):
+    """Programs by name, shell scripts with the given text, as all there is on PATH."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in programs.items():
+            path = os.path.join(folder, name)
+            with open(path, 'w', encoding='utf-8') as file:
+                file.write(f'#!/bin/sh\n{text}\n')
+            os.chmod(path, 0o755)
+        with unittest.mock.patch.dict(os.environ, {'PATH': folder}):
+            yield folder
 
 
 class MitsubaTest(unittest.TestCase):
@@ -56,19 +94,65 @@ class MitsubaTest(unittest.TestCase):
         self.assertIsNone(smooth.find('boolean'))
         self.assertEqual(smooth.find('bsdf').get('type'), 'conductor')
 
-    def test_gradient_sky_is_brightest_at_the_top_row(self):
+    def test_roulette_begins_where_the_scene_says(self):
+        self.assertEqual(self.root.find("integrator/integer[@name='rr_depth']").get('value'), '5')
+        never = scene(integrator={'type': 'path', 'max_depth': 8, 'rr_depth': 0})
+        root = xml.etree.ElementTree.fromstring(exported(self.adapter, never, 'mitsuba.xml'))
+        self.assertGreaterEqual(int(root.find("integrator/integer[@name='rr_depth']").get('value')), 8)
+
+    def test_samples_and_seed_are_defined_on_the_command_line(self):
+        """-s would choose the sensor with that number."""
+        defaults = {d.get('name') for d in self.root.findall('default')}
+        sampler = {i.get('name'): i.get('value') for i in self.root.find('sensor/sampler')}
+        self.assertEqual(sampler, {'sample_count': '$spp', 'seed': '$seed'})
+        self.assertEqual(defaults, {'spp', 'seed'})
+        with on_path(mitsuba='true'):
+            command = self.adapter.command('folder', 'out.exr', 24, 2, 7)
+        self.assertNotIn('-s', command)
+        defined = [command[i + 1] for i, word in enumerate(command) if word == '-D']
+        self.assertEqual(defined, ['spp=24', 'seed=7'])
+        self.assertEqual(command[command.index('-t') + 1], '3', 'one thread does not render')
+
+    def test_the_library_of_the_variant(self):
+        with unittest.mock.patch.dict(os.environ, {'DRJIT_LIBLLVM_PATH': '/lib/libLLVM.so.42.0'}):
+            self.assertEqual(Mitsuba('llvm_ad_rgb').environment(), {'DRJIT_LIBLLVM_PATH': '/lib/libLLVM.so.42.0'})
+            self.assertEqual(Mitsuba('scalar_rgb').environment(), {})
+        names = [
+            '/usr/lib/x/libLLVM-9.so',
+            '/usr/lib/x/libLLVM-15.so.1',
+            '/usr/lib/x/libLLVM.so.19.1',
+            '/usr/lib/x/libLLVM.so',
+            '/usr/lib/x/libLLVM-14.0.6.so.1',
+        ]
+        with unittest.mock.patch('glob.glob', side_effect=[names, [], []]):
+            self.assertEqual(newest_llvm(), '/usr/lib/x/libLLVM.so.19.1')
+        with unittest.mock.patch('glob.glob', return_value=[]):
+            self.assertIsNone(newest_llvm())
+
+    def test_version(self):
+        help_text = 'Mitsuba version 3.9.1 (master[478e193], Linux, 64bit, 3 threads, 8-wide SIMD)'
+        with on_path(mitsuba=f'echo "{help_text}"'):
+            self.assertEqual(Mitsuba('scalar_rgb').version(), 'Mitsuba 3.9.1')
+        output = 'jit_llvm_init(): found LLVM 19.1.7 (ORCv2), target=x86_64-pc-linux-gnu, cpu=x, width=16.\nmore'
+        self.assertEqual(self.adapter.details(output), 'LLVM 19.1.7, 16 wide')
+        self.assertEqual(self.adapter.details('nothing'), '')
+
+    def test_rows_of_a_gradient_sky_lie_from_zenith_to_nadir(self):
         sky = {'top': [1, 0, 0], 'horizon': [0, 1, 0]}
         data = exported(self.adapter, scene(sky=sky), 'sky.pfm')
-        header = b'PF\n16 2048\n-1.0\n'
+        header = b'PF\n16 2049\n-1.0\n'
         self.assertTrue(data.startswith(header))
-        pixels = data[len(header):]
-        self.assertEqual(len(pixels), 16 * 2048 * 12)
-        bottom, top = struct.unpack_from('<3f', pixels), struct.unpack_from('<3f', pixels, len(pixels) - 12)
-        self.assertEqual(bottom, (0.0, 1.0, 0.0))
-        self.assertAlmostEqual(top[0], 1.0, places=5)
-        # A quarter of the way down, 45 degrees above the horizon.
-        quarter = struct.unpack_from('<3f', pixels, 12 * 16 * (2048 * 3 // 4))
-        self.assertAlmostEqual(quarter[0], math.sqrt(0.5), delta=2e-3)
+        pixels = data[len(header) :]
+        self.assertEqual(len(pixels), 16 * 2049 * 12)
+
+        def row(from_top):
+            return struct.unpack_from('<3f', pixels, 12 * 16 * (2048 - from_top))  # PFM begins at the bottom
+
+        self.assertEqual(row(0), (1.0, 0.0, 0.0))
+        self.assertAlmostEqual(row(512)[0], math.sqrt(0.5), places=6)
+        self.assertGreater(row(1023)[0], 0.001)
+        for below in (1024, 1025, 2048):
+            self.assertAlmostEqual(row(below)[0], 0.0, places=6)
 
     def test_time_in_any_unit(self):
         for text, seconds in (('ms', 0.5), ('s', 500.0), ('m', 30000.0)):
@@ -89,6 +173,7 @@ class PbrtTest(unittest.TestCase):
 
         def to_camera(p):
             return [sum(m[4 * c + r] * v for c, v in enumerate((*p, 1.0))) for r in range(3)]
+
         self.assertEqual(to_camera((1, 2, 3)), [0, 0, 0])
         self.assertEqual(to_camera((6, 2, 3)), [0, 0, 5], 'forward')
         self.assertEqual(to_camera((1, 3, 3)), [0, 1, 0], 'up')
@@ -104,6 +189,152 @@ class PbrtTest(unittest.TestCase):
 
     def test_time(self):
         self.assertEqual(Pbrt().render_seconds('Rendering: [+++++]  (12.5s)'), 12.5)
+
+
+class CyclesTest(unittest.TestCase):
+    """Blender comes as a program or as a module of a Python."""
+
+    finds, finds_not = 'echo "a warning"; echo "bpy found"', 'echo none'
+
+    def test_the_module_is_taken_before_the_program(self):
+        with on_path(python3=self.finds, blender='true') as folder:
+            cycles = Cycles()
+            self.assertEqual(cycles.find(), os.path.join(folder, 'python3'))
+            command = cycles.command('folder', 'out.exr', 24, 2, 7)
+            self.assertEqual(command[0], os.path.join(folder, 'python3'))
+            self.assertEqual(command[-6:], ['--', 'folder', 'out.exr', '24', '2', '7'])
+            self.assertEqual(cycles.environment(), {}, 'the module needs the Python it lies in')
+
+    def test_the_program_where_there_is_no_module(self):
+        with on_path(python3=self.finds_not, blender='echo "Blender 3.4.1"') as folder:
+            cycles = Cycles()
+            self.assertEqual(cycles.find(), os.path.join(folder, 'blender'))
+            command = cycles.command('folder', 'out.exr', 24, 2, 7)
+            self.assertIn('-b', command)
+            self.assertEqual(command[-6:], ['--', 'folder', 'out.exr', '24', '2', '7'])
+            self.assertTrue(cycles.environment()['PATH'].startswith('/usr/bin:'))
+            self.assertEqual(cycles.version(), 'Blender 3.4.1')
+
+    def test_neither(self):
+        with on_path(python3=self.finds_not):
+            self.assertIsNone(Cycles().find())
+        with on_path():
+            self.assertIsNone(Cycles().find())
+
+
+class TableTest(unittest.TestCase):
+    def report(self):
+        spread_of = {'median': 2e6, 'min': 1e6, 'max': 3e6, 'count': 3}
+        ratio = {'median': 2.0, 'min': 1.5, 'max': 2.5, 'count': 3}
+        rates = {'samples_per_second': spread_of, 'samples_per_cpu_second': spread_of}
+        agreement = {
+            'brighter': [0.001, -0.002, 0.0],
+            'brighter_95': [0.001, 0.003, 0.002],
+            'blocks': 432,
+            'z_deviation': 0.97,
+            'z_largest': 2.5,
+            'z_largest_expected': 4.2,
+        }
+        rows = [
+            {'renderer': 'etendue', **rates},
+            {'renderer': 'other', **rates, 'ratio': ratio, 'cpu_ratio': ratio, 'agreement': agreement},
+            {'renderer': 'third', 'unsupported': 'has no | sky'},
+        ]
+        return {
+            'date': '2026-01-02',
+            'command': './compare.py x.xml',
+            'load': 0.1,
+            'sources': 'abc1234',
+            'device': 'a device',
+            'driver': 'a driver',
+            'threads': 2,
+            'size': '8x6',
+            'spp': 4,
+            'repetitions': 3,
+            'versions': {'other': 'Other 1.2'},
+            'rays': [],
+            'samples': [{'scene': 'scenes/box.xml', 'rows': rows}],
+            'machine': {'processor': 'A processor', 'instruction_set': 'AVX2', 'processors': 2},
+        }
+
+    def test_every_row_has_every_column(self):
+        lines = [line for line in table.markdown(self.report()).split('\n') if line.startswith('|')]
+        self.assertEqual(len(lines), 5)
+        self.assertEqual({len(re.findall(r'(?<!\\)\|', line)) for line in lines}, {9})
+
+    def test_what_the_table_says(self):
+        text = table.markdown(self.report())
+        for part in (
+            './compare.py x.xml',
+            'A processor',
+            'AVX2',
+            '8x6',
+            'Other 1.2',
+            '2.00 (1.50–2.50)',
+            '+0.10 -0.20 +0.00 ±0.30 %',
+            '0.97, 2.5 (4.2)',
+            'otherwise idle',
+        ):
+            self.assertIn(part, text)
+        self.assertIn('abc1234', text)
+        self.assertIn('others used the machine', table.markdown({**self.report(), 'load': 3.0}))
+        self.assertIn('0.97, 2.5 (4.2)', table.terminal_text(self.report()))
+
+    def test_the_widest_instruction_set(self):
+        def of(flags):
+            return table.machine(f'model name\t: Name of it\nflags\t\t: fpu {flags} x\n')
+
+        self.assertEqual(of('avx avx2 avx512f')['instruction_set'], 'AVX-512')
+        self.assertEqual(of('sse4_2 avx avx2')['instruction_set'], 'AVX2')
+        self.assertEqual(of('avx2')['processor'], 'Name of it')
+        self.assertEqual(table.machine('Features : fp asimd')['instruction_set'], 'NEON')
+        self.assertEqual(table.machine('')['instruction_set'], 'unknown')
+
+    def test_only_what_stands_between_the_marks_is_replaced(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page = os.path.join(folder, 'page.md')
+            with open(page, 'w', encoding='utf-8') as file:
+                file.write(f'before\n{table.BEGIN} -->\nold\n{table.END}\nafter\n')
+            for _ in range(2):
+                table.write_between_marks(page, 'new')
+            with open(page, encoding='utf-8') as file:
+                self.assertEqual(file.read(), f'before\n{table.BEGIN} -->\n\nnew\n\n{table.END}\nafter\n')
+            with open(page, 'w', encoding='utf-8') as file:
+                file.write('no marks\n')
+            with self.assertRaisesRegex(ValueError, 'has no lines'):
+                table.write_between_marks(page, 'new')
+
+
+class FilterTest(unittest.TestCase):
+    def box(self, text):
+        """What becomes of a scene: its text and whether it is the same file."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, 'scene.xml')
+            with open(path, 'w', encoding='utf-8') as file:
+                file.write(text)
+            out = box_filtered(path, os.path.join(folder, 'box'))
+            with open(out, encoding='utf-8') as file:
+                return file.read().replace(folder, 'FOLDER'), out == path
+
+    def test_a_box_is_left_alone(self):
+        for text in ('<scene/>', '<scene><camera><rfilter type="box"/></camera></scene>'):
+            self.assertEqual(self.box(text), (text, True))
+
+    def test_whatever_the_default_is(self):
+        text, same = self.box('<scene><camera/></scene>')
+        self.assertFalse(same)
+        self.assertEqual(xml.etree.ElementTree.fromstring(text).find('camera/rfilter').attrib, {'type': 'box'})
+
+    def test_another_becomes_a_box_and_files_are_still_found(self):
+        text, same = self.box(
+            '<scene><camera><rfilter type="gaussian"><float name="stddev" value="1"/></rfilter></camera>'
+            '<mesh type="obj"><string name="filename" value="meshes/a.obj"/></mesh></scene>'
+        )
+        self.assertFalse(same)
+        root = xml.etree.ElementTree.fromstring(text)
+        self.assertEqual(root.find('camera/rfilter').attrib, {'type': 'box'})
+        self.assertEqual(len(root.find('camera/rfilter')), 0)
+        self.assertEqual(root.find('mesh/string').get('value'), 'FOLDER/meshes/a.obj')
 
 
 class OtherTest(unittest.TestCase):
@@ -131,6 +362,24 @@ class OtherTest(unittest.TestCase):
 
     def test_spread(self):
         self.assertEqual(spread([3, 1, 2]), {'median': 2, 'min': 1, 'max': 3, 'count': 3})
+
+    def test_what_is_too_short_to_measure_is_no_number(self):
+        self.assertEqual(ratios([4.0, None, 3.0], [2.0, 1.0, None]), [2.0, None, None])
+        self.assertIsNone(spread([2.0, None, 3.0]))
+        self.assertEqual(table.spread_text(spread([2.0, None])), 'too short')
+
+    def test_cpu_time_of_a_short_picture(self):
+        """A program whose picture costs hardly more than its start has no rate per CPU second."""
+        for cpu, expected in ((2.05, None), (3.0, 48 * 3 / 1.0)):
+            comparison = SampleComparison.__new__(SampleComparison)
+            comparison.scene, comparison.samples, comparison.rates = 'scene.xml', 48 * 4, {}
+            comparison.options, comparison.base_cpu = unittest.mock.Mock(spp=4), {'one': 2.0}
+            comparison.estimates = {'one': unittest.mock.Mock()}
+            comparison.programs = lambda: [('one', '.exr', None)]
+            comparison.render = lambda *how, cpu=cpu: ('out.exr', 0.5, cpu)
+            with unittest.mock.patch('compare.agreement', unittest.mock.Mock()), unittest.mock.patch('compare.say'):
+                comparison.repeat(0)
+            self.assertEqual(comparison.rates['one'][0][1], expected)
 
 
 if __name__ == '__main__':
