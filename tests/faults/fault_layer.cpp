@@ -87,19 +87,17 @@ InstanceTable table_of(VkPhysicalDevice device) {
 // Lowers a limit to what the environment says.
 template <typename T>
 void lower(T& limit, const char* name) {
-  if (fault() == "limits") limit = std::min(limit, static_cast<T>(number(name, 1L << 62)));
+  if (fault() == "limits")
+    limit = static_cast<T>(std::min<std::uint64_t>(limit, static_cast<std::uint64_t>(number(name, 1L << 62))));
 }
 
 void lower_limits(VkPhysicalDeviceLimits& limits) {
-  std::uint64_t texels = limits.maxTexelBufferElements, range = limits.maxStorageBufferRange;
-  lower(texels, "ETENDUE_FAULT_TEXELS");
-  lower(range, "ETENDUE_FAULT_RANGE");
+  lower(limits.maxTexelBufferElements, "ETENDUE_FAULT_TEXELS");
+  lower(limits.maxStorageBufferRange, "ETENDUE_FAULT_RANGE");
   lower(limits.maxPerStageDescriptorStorageBuffers, "ETENDUE_FAULT_BUFFERS");
   lower(limits.maxDescriptorSetStorageBuffers, "ETENDUE_FAULT_BUFFERS");
   lower(limits.maxPerStageDescriptorSampledImages, "ETENDUE_FAULT_IMAGES");
   lower(limits.maxDescriptorSetSampledImages, "ETENDUE_FAULT_IMAGES");
-  limits.maxTexelBufferElements = static_cast<std::uint32_t>(texels);
-  limits.maxStorageBufferRange = static_cast<std::uint32_t>(range);
 }
 
 VKAPI_ATTR void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperties* properties) {
