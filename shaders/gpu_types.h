@@ -47,7 +47,7 @@ const uint kConstantIterationsPerRound = 6u;
 const uint kConstantTurnsPerRound = 7u;
 const uint kConstantStackSize = 8u;
 const uint kConstantHasSpheres = 9u;
-const uint kConstantFewTriangles = 10u;
+const uint kConstantFewCount = 10u;
 const uint kConstantFewSpheres = 11u;
 const uint kConstantLightInstanceRounds = 12u;
 const uint kConstantLightPrimitiveRounds = 13u;
@@ -69,6 +69,7 @@ const uint kConstantMaterialsAt = 27u;
 // What the scene's materials have in common, see bsdf.glsl.
 const uint kConstantMaterialFlagsSome = 28u;
 const uint kConstantMaterialFlagsAll = 29u;
+const uint kConstantLightNormals = 30u;
 const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -134,7 +135,7 @@ const float kNode8OriginStep = 1.0 / 33554432.0;  // 2^-25: origins in [−2, 2)
 const uint kMaxTreeDepth = 64u;           // the builder's bound on wide levels
 
 // The primitives that nearly every ray would meet in the tree, the walls of a room and the ground, stand outside it; of a scene of at most so many
-// all do, and there is no tree. They come first in the array, triangles before spheres. Kernels know their floats as specialization constants,
+// all do, and there is no tree. They come first in the array, in the order of the scene. Kernels know their floats as specialization constants,
 // kFewFloats a primitive from kConstantFew on, and test one after the other before a ray enters the tree.
 const uint kFewPrimitives = 24u;
 const uint kFewFloats = 9u;
@@ -147,8 +148,10 @@ struct Primitive {
   vec3 p1;
   uint primitive;  // triangle index within the mesh; 0 for a sphere
   vec3 p2;
-  uint kind;       // kPrimitive*
+  uint kind;       // kPrimitive* in the lowest bit; above it the primitive's number among all of the scene, by instance
 };
+const uint kPrimitiveKindMask = 1u;
+const uint kPrimitiveOrderShift = 1u;
 
 // What is known of a surface but its geometry.
 struct Instance {

@@ -8,8 +8,8 @@
 
 layout(constant_id = kConstantHasSpheres) const bool kHasSpheres = true;
 // The primitives that are tested before the tree, see kFewPrimitives.
-layout(constant_id = kConstantFewTriangles) const uint kFewTriangles = 0u;
-layout(constant_id = kConstantFewSpheres) const uint kFewSpheres = 0u;
+layout(constant_id = kConstantFewCount) const uint kFewCount = 0u;
+layout(constant_id = kConstantFewSpheres) const uint kFewSpheres = 0u;  // bit i: the i-th of them is a sphere
 
 // Their floats: kFew<i>_<k> is float k of p0, p1, p2 of primitive i.
 #define FOR_EACH_FEW(X) \
@@ -25,10 +25,11 @@ FOR_EACH_FEW(FEW_VALUES_OF)
 // The nearest primitive so far, while primitives are being tested.
 struct Nearest {
   float t;
-  uint slot;  // of its record; kNone for none
+  uint slot;   // of its record; kNone for none
+  uint order;  // its number in the scene; 0 for none, so that nothing at t itself precedes it
 };
 
-bool is_sphere(Primitive prim) { return kHasSpheres && prim.kind == kPrimitiveSphere; }
+bool is_sphere(Primitive prim) { return kHasSpheres && (prim.kind & kPrimitiveKindMask) == kPrimitiveSphere; }
 
 // A ray with the plane it is seen along: every primitive is projected onto (s, t), perpendicular to the ray, and tested in 2D.
 struct RayFrame {
@@ -62,7 +63,7 @@ bool intersect_triangle(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out
   const vec3 c = p2 - rf.ray.o;
   const vec3 weights = triangle_weights(rf, a, b, c);
   t = dot(weights, vec3(dot(rf.ray.d, a), dot(rf.ray.d, b), dot(rf.ray.d, c)));
-  return weights.x >= 0.0 && weights.y >= 0.0 && weights.z >= 0.0 && t > rf.ray.t_min && t < t_max;
+  return weights.x >= 0.0 && weights.y >= 0.0 && weights.z >= 0.0 && t > rf.ray.t_min && t <= t_max;
 }
 
 // Nearest intersection beyond t_min; the quadratic is solved about the point of the ray nearest to the centre, which keeps its precision
@@ -79,36 +80,38 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
   const float near = min(t0, q);
   const float far = max(t0, q);
   t = near > ray.t_min ? near : far;
-  return discriminant >= 0.0 && t > ray.t_min && t < t_max;
+  return discriminant >= 0.0 && t > ray.t_min && t <= t_max;
 }
 
-void shorten(inout Nearest nearest, bool found, float t, uint slot) {
-  nearest.t = found ? t : nearest.t;
-  nearest.slot = found ? slot : nearest.slot;
-}
-
-// Tests a primitive record and takes it when it is nearer.
+// Tests a primitive record and takes it when it is nearer, or as near and earlier in the scene: which of two coincident surfaces is seen must not
+// depend on the order of the walk.
 bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Nearest nearest) {
   const Primitive prim = to_primitive(record);
   float t;
   bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, nearest.t, t);
   if (is_sphere(prim)) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, nearest.t, t);
-  shorten(nearest, found, t, slot);
+  const uint order = prim.kind >> kPrimitiveOrderShift;
+  found = found && (t < nearest.t || order < nearest.order);
+  nearest = Nearest(found ? t : nearest.t, found ? slot : nearest.slot, found ? order : nearest.order);
   return found;
 }
 
 // The primitives outside the tree: everything about them is a constant, so nothing is loaded, vertices that triangles share are
-// projected once, and no lane waits for another.
-#define TEST_FEW(i)                                                                                                  \
-  if (i < kFewTriangles) {                                                                                           \
-    const bool found = intersect_triangle(rf, FEW_VALUES(i), nearest.t, t);                                          \
-    shorten(nearest, found, t, i * kPrimitiveSlots);                                                                 \
-  } else if (i < kFewTriangles + kFewSpheres) {                                                                      \
-    const bool found = intersect_sphere(rf.ray, vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), kFew##i##_3, nearest.t, t); \
-    shorten(nearest, found, t, i * kPrimitiveSlots);                                                                 \
+// projected once, and no lane waits for another. In the order of the scene, so the first of equally near ones stays.
+#define TEST_FEW(i)                                                                                                       \
+  if (i < kFewCount) {                                                                                                    \
+    bool found;                                                                                                           \
+    if ((kFewSpheres >> i & 1u) != 0u) {                                                                                  \
+      found = intersect_sphere(rf.ray, vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), kFew##i##_3, nearest.t, t);           \
+    } else {                                                                                                              \
+      found = intersect_triangle(rf, FEW_VALUES(i), nearest.t, t);                                                        \
+    }                                                                                                                     \
+    found = found && t < nearest.t;                                                                                       \
+    nearest.t = found ? t : nearest.t;                                                                                    \
+    nearest.slot = found ? i * kPrimitiveSlots : nearest.slot;                                                            \
   }
 Nearest intersect_few_primitives(RayFrame rf) {
-  Nearest nearest = Nearest(rf.ray.t_max, kNone);
+  Nearest nearest = Nearest(rf.ray.t_max, kNone, 0u);
   float t;
   FOR_EACH_FEW(TEST_FEW)
   return nearest;

@@ -88,7 +88,4 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
   return s;
 }
 
-// True when w is on the same side of the geometric and the shading normal.
-bool consistent_side(Surface s, vec3 w) { return dot(w, s.ng) * dot(w, s.frame.n) > 0.0; }
-
 #endif

@@ -12,7 +12,7 @@
 layout(constant_id = kConstantStackSize) const uint kStackSize = 16u;  // levels of the tree, so that the stack cannot overflow
 layout(constant_id = kConstantTreeRoot) const uint kTreeRoot = 0u;   // slot of the root; kNone for a scene without a tree
 
-const bool kHasFew = kFewTriangles + kFewSpheres > 0u;
+const bool kHasFew = kFewCount > 0u;
 const uint kBeforeTree = 0xfffffffeu;
 
 // A ray on its way through the scene: first the few primitives, then the tree. `current` is the slot visited next, kBeforeTree while the few
@@ -46,7 +46,7 @@ Walk begin_walk(Ray ray, bool any_hit) {
   Walk walk;
   walk.rf = make_ray_frame(ray);
   walk.inv_d = safe_inverse(ray.d);
-  walk.nearest = Nearest(ray.t_max, kNone);
+  walk.nearest = Nearest(ray.t_max, kNone, 0u);
   // A ray that is no ray would meet every box of the tree, or none, as the driver's min and max please: it misses.
   walk.current = is_finite(ray.o + ray.d) ? (kHasFew ? kBeforeTree : kTreeRoot) : kNone;
   walk.any_hit = any_hit;
@@ -68,8 +68,9 @@ Hit walk_hit(Walk walk) {
 // The step before the tree, for walks that have not taken it: the primitives that most rays would meet there anyhow.
 void test_few_primitives(inout Walk walk) {
   if (!kHasFew || walk.current != kBeforeTree) return;
-  PROFILE(profile_step(0u, kFewTriangles + kFewSpheres));
+  PROFILE(profile_step(0u, kFewCount));
   walk.nearest = intersect_few_primitives(walk.rf);
+  if (kTreeRoot != kNone && walk_found(walk)) walk.nearest.order = fetch_record(walk.nearest.slot).c.w >> kPrimitiveOrderShift;
   walk.current = walk.any_hit && walk_found(walk) ? kNone : kTreeRoot;
 }
 

@@ -1,10 +1,10 @@
-// Diffuse area light on a triangle or a sphere, emitting on the side of the geometric normal.
+// Diffuse area light on a triangle or a sphere, emitting on the side of the shading normal.
 #include "../mutants.h"
 
 // Radiance toward w (pointing away from the surface).
-vec3 area_radiance(Instance instance, vec3 ng, vec3 w) {
+vec3 area_radiance(Instance instance, vec3 ns, vec3 w) {
   MUTATE(kMutantEmitterTwoSided, return instance.radiance);
-  return dot(w, ng) > 0.0 ? instance.radiance : vec3(0.0);
+  return dot(w, ns) > 0.0 ? instance.radiance : vec3(0.0);
 }
 
 // 1 − cos of the half angle of the cone that a sphere fills, seen from outside; 0 when p is not outside.
@@ -23,7 +23,7 @@ struct LightChoice {
   float mis_area;
 };
 
-LightSample area_sample_triangle(vec3 p, Primitive tri, LightChoice choice, vec2 u) {
+LightSample area_sample_triangle(vec3 p, Primitive tri, Instance instance, LightChoice choice, vec2 u) {
   const vec3 b = square_to_triangle(u);
   LightSample ls;
   ls.p = b.x * tri.p0 + b.y * tri.p1 + b.z * tri.p2;
@@ -36,9 +36,11 @@ LightSample area_sample_triangle(vec3 p, Primitive tri, LightChoice choice, vec2
   const vec3 v = ls.p - p;
   const float d2 = dot(v, v);
   ls.wi = v * inversesqrt(d2);
-  float cos_light = -dot(ls.wi, ls.ng);
-  MUTATE(kMutantEmitterTwoSided, cos_light = abs(cos_light));
-  const bool facing = cos_light > 0.0 && d2 > 0.0;
+  // The shading normal decides on which side the light shines, the geometric one how large it looks.
+  bool facing = dot(ls.wi, kLightNormals ? shading_normal(instance, tri.primitive, b, ls.ng) : ls.ng) < 0.0;
+  MUTATE(kMutantEmitterTwoSided, facing = true);
+  const float cos_light = abs(dot(ls.wi, ls.ng));
+  facing = facing && cos_light > 0.0 && d2 > 0.0;
   // prob/area turned into solid angle: dω = cos θ dA / d².
   ls.pdf_w = facing ? choice.instance_prob * choice.primitive_prob * d2 / (0.5 * twice_area * cos_light) : 0.0;
   ls.mis_pdf = facing ? choice.instance_prob * d2 / (choice.mis_area * cos_light) : 0.0;
@@ -66,17 +68,17 @@ LightSample area_sample_sphere(vec3 p, Primitive sphere, LightChoice choice, vec
   return ls;
 }
 
-LightSample area_sample(vec3 p, Primitive prim, vec3 radiance, LightChoice choice, vec2 u) {
+LightSample area_sample(vec3 p, Primitive prim, Instance instance, LightChoice choice, vec2 u) {
   LightSample ls;
-  if (kSphereLights && prim.kind == kPrimitiveSphere) {
+  if (kSphereLights && is_sphere(prim)) {
     ls = area_sample_sphere(p, prim, choice, u);
   } else {
-    ls = area_sample_triangle(p, prim, choice, u);
+    ls = area_sample_triangle(p, prim, instance, choice, u);
   }
   ls.error = surface_error(prim);
   MUTATE(kMutantLightChoiceForgotten, ls.pdf_w /= choice.instance_prob);
   MUTATE(kMutantLightPdfScaled, ls.pdf_w *= 1.02);
-  ls.radiance = radiance;
+  ls.radiance = instance.radiance;
   ls.instance = prim.instance;
   ls.primitive = prim.primitive;
   return ls;
@@ -86,9 +88,9 @@ LightSample area_sample(vec3 p, Primitive prim, vec3 radiance, LightChoice choic
 float area_pdf(vec3 p, vec3 wi, Surface s, Primitive prim, float prob, float area) {
   if (kSphereLights) {
     const float one_minus_cos = sphere_one_minus_cos(p, prim.p0, prim.p1.x);
-    if (prim.kind == kPrimitiveSphere) return one_minus_cos > 0.0 ? prob / (2.0 * kPi * one_minus_cos) : 0.0;
+    if (is_sphere(prim)) return one_minus_cos > 0.0 ? prob / (2.0 * kPi * one_minus_cos) : 0.0;
   }
   const vec3 v = s.p - p;
-  const float cos_light = -dot(wi, s.ng);
+  const float cos_light = abs(dot(wi, s.ng));
   return cos_light > 0.0 ? prob * dot(v, v) / (area * cos_light) : 0.0;
 }

@@ -19,6 +19,7 @@ struct LightSample {
 };
 
 layout(constant_id = kConstantSphereLights) const bool kSphereLights = true;
+layout(constant_id = kConstantLightNormals) const bool kLightNormals = true;  // some light has vertex normals
 
 #include "area.glsl"
 
@@ -56,7 +57,7 @@ LightSample sample_light_of_tree(vec3 p, vec3 n, uvec4 words) {
   float prob;
   const Primitive prim = fetch_light_primitive(choose_light(p, n, words.xy, prob)).primitive;
   // The tree chooses primitives, each as the only one of its instance.
-  LightSample ls = area_sample(p, prim, fetch_instance(prim.instance).radiance, LightChoice(prob, 1.0, 1.0), to_unit(words.zw));
+  LightSample ls = area_sample(p, prim, fetch_instance(prim.instance), LightChoice(prob, 1.0, 1.0), to_unit(words.zw));
   ls.mis_pdf = ls.pdf_w;
   ls.instance = prob > 0.0 ? ls.instance : kNone;
   return ls;
@@ -69,7 +70,7 @@ LightSample sample_light(vec3 p, vec3 n, uvec4 words) {
   const LightInstance light = fetch_light_instance(choose_light_instance(words.x));
   const LightPrimitive choice = fetch_light_primitive(choose_light_primitive(light, words.y));
   const Instance instance = fetch_instance(light.instance);
-  return area_sample(p, choice.primitive, instance.radiance, LightChoice(instance.light_prob, choice.prob, instance.light_area), to_unit(words.zw));
+  return area_sample(p, choice.primitive, instance, LightChoice(instance.light_prob, choice.prob, instance.light_area), to_unit(words.zw));
 }
 
 // Density with which sample_light would have found the surface point `s` from `p` in direction wi; the mis_pdf of LightSample.

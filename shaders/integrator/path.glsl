@@ -67,7 +67,7 @@ float power_heuristic(float own, float other) {
 
 // Step 2: emission met by chance.
 vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim) {
-  const vec3 le = area_radiance(instance, s.ng, -path.ray.d);
+  const vec3 le = area_radiance(instance, s.frame.n, -path.ray.d);
   MUTATE(kMutantEmissionTwice, return path.beta * le);
   if (path.full_emission || instance.light_prob == 0.0) return path.beta * le;
   if (!kMis) return vec3(0.0);
@@ -84,7 +84,7 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   decisions.light_contributed = light.instance != kNone ? 0u : kNone;
   const vec3 wi = to_local(s.frame, light.wi);
   const vec3 reflected = bsdf_eval(material, wo, wi) * light.radiance;
-  path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0 && consistent_side(s, light.wi);
+  path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0;
   path.shadow_ray = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
   const float w_light = kMis ? power_heuristic(light.mis_pdf, bsdf_pdf(material, wo, wi)) : 1.0;
   path.shadow_value = path.beta * reflected * (w_light / light.pdf_w);
@@ -110,8 +110,7 @@ void scatter(inout Path path, Surface s, Material material, vec3 wo, inout Decis
   const uvec4 words = random_words(frame.seed, path.pixel, path.sample_index, block_bsdf(path.segment - 1u));
   const BsdfSample bs = bsdf_sample(material, wo, to_unit(words.x), to_unit(words.yz));
   const vec3 wi = to_world(s.frame, bs.wi);
-  // A transmitted direction changes sides of both normals together; a mismatch means light would leak through.
-  if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0 || !consistent_side(s, wi)) {
+  if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0) {
     decisions.lobe = kLobeNone;
     return;
   }
@@ -155,7 +154,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   if (path.segment >= max_depth) return;
   const Material material = evaluate_material(instance);
   const vec3 wo = to_local(s.frame, -path.ray.d);
-  if (!consistent_side(s, -path.ray.d) || (material_has(material, kMaterialOneSided) && wo.z <= 0.0)) {
+  if (material_has(material, kMaterialOneSided) && wo.z <= 0.0) {
     decisions.lobe = kLobeNone;
     return;
   }

@@ -56,6 +56,18 @@ struct Placed {
   std::optional<PlacedMesh> mesh;
 };
 
+// A triangle with vertex normals shines on the side of its shading normals, which lie between those of its corners.
+// Where these have no half-space in common it may shine to any side.
+void use_corner_normals(const PlacedMesh& mesh, std::size_t triangle, LightLeaf& leaf) {
+  const glm::uvec3 t = mesh.indices(triangle);
+  leaf.corner_normals = {mesh.normal(t.x), mesh.normal(t.y), mesh.normal(t.z)};
+  const glm::dvec3 sum = leaf.corner_normals[0] + leaf.corner_normals[1] + leaf.corner_normals[2];
+  leaf.normal = glm::length(sum) > 0.0 ? glm::normalize(sum) : glm::dvec3(0.0);
+  for (const glm::dvec3& normal : leaf.corner_normals) {
+    if (!(glm::dot(leaf.normal, normal) > 0.0)) leaf.normal = glm::dvec3(0.0);
+  }
+}
+
 // Of radiance 1. Power 0 for a triangle whose normal is made of rounding errors.
 LightLeaf light_leaf(const Placed& placed, std::size_t i) {
   LightLeaf leaf;
@@ -74,12 +86,13 @@ LightLeaf light_leaf(const Placed& placed, std::size_t i) {
   if (!(2.0 * leaf.area > kLeastShare * longest)) return leaf;
   leaf.power = leaf.area;
   leaf.normal = glm::cross(p1 - p0, p2 - p0) / (2.0 * leaf.area);
+  if (placed.mesh->has_normals()) use_corner_normals(*placed.mesh, i, leaf);
   return leaf;
 }
 
 Box primitive_box(const gpu::Primitive& p) {
   Box box;
-  if (p.kind == gpu::kPrimitiveSphere) {
+  if ((p.kind & gpu::kPrimitiveKindMask) == gpu::kPrimitiveSphere) {
     for (int a = 0; a < 3; ++a) {  // rounded outward
       box.lower[a] = std::nextafter(p.p0[a] - p.p1.x, -INFINITY);
       box.upper[a] = std::nextafter(p.p0[a] + p.p1.x, INFINITY);
@@ -143,6 +156,11 @@ class Compiler {
     if (out_.instances.empty()) out_.instances.push_back({});
   }
 
+  void add_primitive(gpu::Primitive p) {
+    p.kind |= static_cast<gpu::uint>(flat_primitives_.size()) << gpu::kPrimitiveOrderShift;
+    flat_primitives_.push_back(p);
+  }
+
   void flatten_shape(const Placed& placed, gpu::uint index, gpu::Instance& flat) {
     if (placed.mesh) return flatten_mesh(*placed.mesh, index, flat);
     gpu::Primitive p{};
@@ -151,7 +169,7 @@ class Compiler {
     p.instance = index;
     p.kind = gpu::kPrimitiveSphere;
     out_.has_spheres = true;
-    flat_primitives_.push_back(p);
+    add_primitive(p);
   }
 
   void flatten_mesh(const PlacedMesh& mesh, gpu::uint index, gpu::Instance& flat) {
@@ -163,7 +181,7 @@ class Compiler {
       p.p2 = normalization_.point(p2);
       p.instance = index;
       p.primitive = static_cast<gpu::uint>(i);
-      flat_primitives_.push_back(p);
+      add_primitive(p);
     }
     if (!mesh.has_normals()) return;
     flat.first_triangle = static_cast<gpu::uint>(out_.triangles.size());
@@ -174,13 +192,14 @@ class Compiler {
       out_.normals.emplace_back(glm::vec3(mesh.normal(i)), 0.0f);
   }
 
-  // The primitives outside the tree: triangles, then spheres, each in the order of the scene.
+  // The primitives outside the tree, in the order of the scene.
   std::vector<std::uint32_t> take_few_primitives(const std::vector<Box>& boxes) {
     std::vector<std::uint32_t> few = choose_few_primitives(boxes);
-    const auto spheres = std::stable_partition(
-        few.begin(), few.end(), [&](std::uint32_t i) { return flat_primitives_[i].kind == gpu::kPrimitiveTriangle; });
-    out_.few_triangles = static_cast<std::uint32_t>(spheres - few.begin());
-    out_.few_spheres = static_cast<std::uint32_t>(few.end() - spheres);
+    out_.few_count = static_cast<std::uint32_t>(few.size());
+    for (std::size_t i = 0; i < few.size(); ++i) {
+      const bool sphere = (flat_primitives_[few[i]].kind & gpu::kPrimitiveKindMask) == gpu::kPrimitiveSphere;
+      out_.few_spheres |= static_cast<std::uint32_t>(sphere) << i;
+    }
     return few;
   }
 

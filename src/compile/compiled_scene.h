@@ -30,8 +30,8 @@ struct CompiledScene {
   std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone when all primitives stand outside the tree
   std::uint32_t tree_depth = 0;          ///< levels of nodes
   bool has_spheres = false;
-  std::uint32_t few_triangles = 0;  ///< the first primitives stand outside the tree, see kFewPrimitives
-  std::uint32_t few_spheres = 0;    ///< after the triangles
+  std::uint32_t few_count = 0;    ///< the first primitives stand outside the tree, see kFewPrimitives
+  std::uint32_t few_spheres = 0;  ///< bit i: the i-th of them is a sphere
 };
 
 /// Shapes and lights; cameras, samplers and integrators are the business of compile_view. Lights get a tree where

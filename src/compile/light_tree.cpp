@@ -117,8 +117,12 @@ class Builder {
     const glm::dvec3 axis = directed ? sum / length : glm::dvec3(0.0, 0.0, 1.0);
     double cosine = directed ? 1.0 : -1.0;
     for (Index i = first; i < first + count; ++i) {
-      const glm::dvec3& normal = leaves_[order_[i]].normal;
-      cosine = std::min(cosine, normal == glm::dvec3(0.0) ? -1.0 : glm::dot(axis, normal));
+      const LightLeaf& leaf = leaves_[order_[i]];
+      cosine = std::min(cosine, leaf.normal == glm::dvec3(0.0) ? -1.0 : glm::dot(axis, leaf.normal));
+      for (const glm::dvec3& normal : leaf.corner_normals) {
+        const double c = glm::dot(axis, normal);
+        cosine = std::min(cosine, c < 0.0 ? -1.0 : c);  // beyond a right angle a cone does not hold what lies between
+      }
     }
     power_share = static_cast<float>(power / total_power_);
     return {.center = normalization_.point(0.5 * (lower + upper)),

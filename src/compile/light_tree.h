@@ -17,7 +17,9 @@ struct LightLeaf {
   double area = 0.0;      ///< of the primitive
   glm::dvec3 lower{0.0};  ///< corners of its box
   glm::dvec3 upper{0.0};
-  glm::dvec3 normal{0.0};             ///< unit; 0 for a sphere
+  glm::dvec3 normal{0.0};  ///< unit; 0 where it shines to all sides, as a sphere does
+  /// Of a triangle with vertex normals: it shines where any of them, or one in between, does. Else empty.
+  std::vector<glm::dvec3> corner_normals;
   std::uint32_t light_primitive = 0;  ///< its index among the compiled light primitives
 };
 

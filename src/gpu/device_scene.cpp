@@ -72,7 +72,15 @@ struct MaterialsUsed {
 
 bool has_sphere_lights(const CompiledScene& scene) {
   return std::any_of(scene.light_primitives.begin(), scene.light_primitives.end(),
-                     [](const gpu::LightPrimitive& light) { return light.primitive.kind == gpu::kPrimitiveSphere; });
+                     [](const gpu::LightPrimitive& light) {
+                       return (light.primitive.kind & gpu::kPrimitiveKindMask) == gpu::kPrimitiveSphere;
+                     });
+}
+
+bool has_light_normals(const CompiledScene& scene) {
+  return std::any_of(scene.light_instances.begin(), scene.light_instances.end(), [&](const gpu::LightInstance& light) {
+    return scene.instances[light.instance].first_triangle != gpu::kNone;
+  });
 }
 
 }  // namespace
@@ -127,7 +135,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
   std::vector<vulkan::Specialization> constants = table_places(scene);
   constants.insert(constants.end(), {{gpu::kConstantStackSize, std::max(1u, scene.tree_depth)},
                                      {gpu::kConstantHasSpheres, scene.has_spheres ? 1u : 0u},
-                                     {gpu::kConstantFewTriangles, scene.few_triangles},
+                                     {gpu::kConstantFewCount, scene.few_count},
                                      {gpu::kConstantFewSpheres, scene.few_spheres},
                                      {gpu::kConstantLightInstanceRounds, light_rounds.instances},
                                      {gpu::kConstantLightPrimitiveRounds, light_rounds.primitives},
@@ -136,8 +144,9 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantMaterialFlagsAll, used.flags_all},
                                      {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
                                      {gpu::kConstantSphereLights, has_sphere_lights(scene) ? 1u : 0u},
+                                     {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},
                                      {gpu::kConstantTreeRoot, scene.tree_root}});
-  for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) {
+  for (std::uint32_t i = 0; i < scene.few_count; ++i) {
     for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
       const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];
       constants.push_back({gpu::kConstantFew + gpu::kFewFloats * i + k, texel[static_cast<int>(k % 3)]});

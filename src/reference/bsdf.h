@@ -50,13 +50,28 @@ inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, double u_lobe, const 
   return std::visit([&](const auto& b) { return sample(b, wo, u_lobe, u); }, bsdf);
 }
 
-/// True when nothing but delta lobes scatter: next-event estimation cannot find light then.
-inline bool is_delta(const Bsdf& bsdf) {
-  return !std::holds_alternative<DiffuseBsdf>(bsdf);
+/// What holds for a material at every point and for all directions; each has to say it for itself.
+struct BsdfTraits {
+  bool delta = false;      ///< nothing but delta lobes scatter: next-event estimation cannot find light then
+  bool one_sided = false;  ///< the side behind the normal is black
+};
+constexpr BsdfTraits traits(const DiffuseBsdf&) {
+  return {.delta = false, .one_sided = true};
 }
-/// True when the side behind the normal is black.
+constexpr BsdfTraits traits(const MirrorBsdf&) {
+  return {.delta = true, .one_sided = true};
+}
+constexpr BsdfTraits traits(const DielectricBsdf&) {
+  return {.delta = true, .one_sided = false};
+}
+inline BsdfTraits traits(const Bsdf& bsdf) {
+  return std::visit([](const auto& b) { return traits(b); }, bsdf);
+}
+inline bool is_delta(const Bsdf& bsdf) {
+  return traits(bsdf).delta;
+}
 inline bool is_one_sided(const Bsdf& bsdf) {
-  return !std::holds_alternative<DielectricBsdf>(bsdf);
+  return traits(bsdf).one_sided;
 }
 
 }  // namespace etendue::reference

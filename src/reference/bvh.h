@@ -88,13 +88,15 @@ bool Bvh::traverse(const Ray& ray, Visit&& visit) const {
   };
   std::array<Entry, kMaxDepth + 1> stack;
   int size = 0;
+  // A box is entered no later than what is in it is met, but for rounding; surfaces at the same distance all count.
+  constexpr double kSlack = 1.0 + 0x1p-40;
   const auto enter = [&](std::uint32_t node) {
-    return enter_box(nodes_[node].box, ray.origin, inverse, ray.t_min, t_max);
+    return enter_box(nodes_[node].box, ray.origin, inverse, ray.t_min, t_max * kSlack);
   };
   if (const double t = enter(0); t != kMissed) stack[size++] = {0, t};
   while (size > 0) {
     const Entry entry = stack[--size];
-    if (entry.t > t_max) continue;
+    if (entry.t > t_max * kSlack) continue;
     const Node& node = nodes_[entry.node];
     if (node.count > 0) {
       for (std::uint32_t i = 0; i < node.count; ++i)

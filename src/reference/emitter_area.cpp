@@ -1,4 +1,4 @@
-/// Surfaces that emit the same radiance in all directions on the side of the geometric normal.
+/// Surfaces that emit the same radiance in all directions on the side of the shading normal.
 
 #include <algorithm>
 #include <array>
@@ -71,7 +71,8 @@ void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, con
   const std::array<Vec3, 3> p = chosen.light->placement.triangle(mesh, chosen.primitive);
   const Vec3 b = square_to_triangle({random.u, random.v});
   sample.surface.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
-  sample.surface.ng = sample.surface.ns = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+  sample.surface.ng = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+  sample.surface.ns = chosen.light->placement.shading_normal(mesh, chosen.primitive, b, sample.surface.ng);
   for (const Vec3& vertex : p)
     sample.surface.magnitude = std::max(sample.surface.magnitude, largest_coordinate(vertex));
 
@@ -79,8 +80,9 @@ void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, con
   const double distance = glm::length(to_light);
   if (distance == 0.0) return;
   sample.wi = to_light / distance;
-  const double cos_light = -glm::dot(sample.wi, sample.surface.ng);
-  if (cos_light <= 0.0) return;  // seen from behind
+  if (glm::dot(sample.wi, sample.surface.ns) >= 0.0) return;  // seen from behind
+  const double cos_light = std::abs(glm::dot(sample.wi, sample.surface.ng));
+  if (cos_light == 0.0) return;  // seen edge-on
   const double area_to_solid_angle = distance * distance / cos_light;
   sample.pdf_w = chosen.pdf_a * area_to_solid_angle;
   sample.pdf_w_mis = chosen.pdf_a_mis * area_to_solid_angle;
@@ -117,12 +119,12 @@ double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, c
   }
   const Vec3 to_light = at.p - from;
   const double distance2 = glm::dot(to_light, to_light);
-  const double cos_light = -glm::dot(to_light, at.ng) / std::sqrt(distance2);
-  return cos_light <= 0.0 ? 0.0 : prob_light / area * distance2 / cos_light;
+  const double cos_light = std::abs(glm::dot(to_light, at.ng)) / std::sqrt(distance2);
+  return cos_light == 0.0 ? 0.0 : prob_light / area * distance2 / cos_light;
 }
 
 Vec3 emitted_radiance(const AreaEmitter* emitter, const Surface& surface, const Vec3& wo) {
-  return emitter != nullptr && glm::dot(surface.ng, wo) > 0.0 ? emitter->radiance : Vec3(0.0);
+  return emitter != nullptr && glm::dot(surface.ns, wo) > 0.0 ? emitter->radiance : Vec3(0.0);
 }
 
 }  // namespace etendue::reference

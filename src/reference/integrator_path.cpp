@@ -13,44 +13,29 @@ double power_heuristic(double own, double other) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// A material at a point of the surface, in world space. Adds to the local contract of bsdf.h that a direction counts
-/// only if it lies on the same side of the geometric and the shading normal.
+/// A material at a point of the surface, in world space. The shading normal alone decides which side a direction is on.
 class Scatterer {
  public:
   Scatterer(const Bsdf& bsdf, const Surface& surface, const Vec3& wo)
-      : bsdf_(bsdf), surface_(surface), frame_(surface.ns), wo_(frame_.to_local(wo)) {
-    const double side = glm::dot(surface.ng, wo);
-    black_ = !(wo_.z * side > 0.0) || (is_one_sided(bsdf) && side < 0.0);
-  }
+      : bsdf_(bsdf), frame_(surface.ns), wo_(frame_.to_local(wo)) {}
 
   /// Nothing scatters toward `wo`.
-  bool black() const { return black_; }
+  bool black() const { return is_one_sided(bsdf_) && wo_.z <= 0.0; }
 
-  Vec3 eval(const Vec3& wi) const {
-    const Vec3 local = frame_.to_local(wi);
-    return counts(wi, local) ? reference::eval(bsdf_, wo_, local) : Vec3(0.0);
-  }
-  double pdf(const Vec3& wi) const {
-    const Vec3 local = frame_.to_local(wi);
-    return counts(wi, local) ? reference::pdf(bsdf_, wo_, local) : 0.0;
-  }
+  Vec3 eval(const Vec3& wi) const { return reference::eval(bsdf_, wo_, frame_.to_local(wi)); }
+  double pdf(const Vec3& wi) const { return reference::pdf(bsdf_, wo_, frame_.to_local(wi)); }
   /// Like that of bsdf.h, with `wi` in world space; lobe `none` unless its weight is positive somewhere.
   BsdfSample sample(const SampleRandom::Material& random) const {
     BsdfSample sample = reference::sample(bsdf_, wo_, random.lobe, {random.u, random.v});
     if (sample.lobe == Lobe::none || is_zero(sample.weight)) return {};
-    const Vec3 local = sample.wi;
-    sample.wi = frame_.to_world(local);
-    return counts(sample.wi, local) ? sample : BsdfSample{};
+    sample.wi = frame_.to_world(sample.wi);
+    return sample;
   }
 
  private:
-  bool counts(const Vec3& world, const Vec3& local) const { return glm::dot(surface_.ng, world) * local.z > 0.0; }
-
   const Bsdf& bsdf_;
-  const Surface& surface_;
   Frame frame_;
   Vec3 wo_;
-  bool black_ = false;
 };
 
 /// One path from the camera; the steps are those of docs/conventions.md, "Path estimator".

@@ -118,6 +118,9 @@ LightTree::Node LightTree::bound(std::uint32_t first, std::uint32_t count) const
   for (std::uint32_t i = first; i < first + count; ++i) {
     const bool all_sides = leaves_[i].normal == Vec3(0.0);
     node.cos_cone = std::min(node.cos_cone, all_sides ? -1.0 : glm::dot(node.axis, leaves_[i].normal));
+    // A cap wider than a half sphere is not convex: it may miss normals between the corners'.
+    for (const Vec3& corner : leaves_[i].corner_normals)
+      node.cos_cone = std::min(node.cos_cone, glm::dot(node.axis, corner) < 0.0 ? -1.0 : glm::dot(node.axis, corner));
   }
   return node;
 }

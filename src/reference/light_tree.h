@@ -16,7 +16,9 @@ struct LightLeaf {
   std::uint32_t primitive = 0;  ///< in its shape
   double power = 0.0;           ///< luminance times area, of a sphere times π r²; > 0
   Vec3 lower{0.0}, upper{0.0};  ///< box
-  Vec3 normal{0.0};             ///< it emits on this side; 0: to all sides
+  Vec3 normal{0.0};             ///< it emits mostly to this side; 0: to all sides
+  /// Of a triangle with vertex normals: it emits to their sides and those in between. Else empty.
+  std::vector<Vec3> corner_normals;
 };
 
 class LightTree {

@@ -61,6 +61,21 @@ AreaLight make_light(const Scene& scene, std::uint32_t index) {
   return light;
 }
 
+/// The side of a triangle's light is that of its vertex normals: the leaf's normal is their mean, or none where one of
+/// them points away from it.
+void shine_by_vertex_normals(const TriangleMesh& mesh, std::uint32_t i, const Placement& placement, LightLeaf& leaf) {
+  const glm::uvec3 t = mesh.triangles[i];
+  Vec3 sum(0.0);
+  for (int k = 0; k < 3; ++k) {
+    leaf.corner_normals.push_back(placement.normal(mesh.normals[t[k]]));
+    sum += leaf.corner_normals.back();
+  }
+  leaf.normal = sum == Vec3(0.0) ? sum : glm::normalize(sum);
+  const bool apart = std::any_of(leaf.corner_normals.begin(), leaf.corner_normals.end(),
+                                 [&](const Vec3& n) { return !(glm::dot(n, leaf.normal) > 0.0); });
+  if (apart) leaf.normal = Vec3(0.0);
+}
+
 /// Every primitive that emits, in the order of the scene.
 std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLight>& lights) {
   std::vector<LightLeaf> leaves;
@@ -87,6 +102,7 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
                         .lower = glm::min(p0, glm::min(p1, p2)),
                         .upper = glm::max(p0, glm::max(p1, p2)),
                         .normal = glm::normalize(glm::cross(p1 - p0, p2 - p0))});
+      if (!mesh.normals.empty()) shine_by_vertex_normals(mesh, i, lights[l].placement, leaves.back());
     }
   }
   return leaves;

@@ -20,6 +20,14 @@ Vec3 Placement::normal(const Vec3& n) const {
   return glm::normalize(side_ * (cofactors_ * n));
 }
 
+Vec3 Placement::shading_normal(const TriangleMesh& mesh, std::uint32_t i, const Vec3& b, const Vec3& ng) const {
+  if (mesh.normals.empty()) return ng;
+  const glm::uvec3 t = ordered(mesh.triangles[i]);
+  const Vec3 sum = b.x * normal(mesh.normals[t.x]) + b.y * normal(mesh.normals[t.y]) + b.z * normal(mesh.normals[t.z]);
+  const double length = glm::length(sum);
+  return length > 0.0 ? sum / length : ng;
+}
+
 glm::uvec3 Placement::ordered(const glm::uvec3& triangle) const {
   return side_ < 0.0 ? glm::uvec3(triangle.x, triangle.z, triangle.y) : triangle;
 }

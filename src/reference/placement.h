@@ -17,6 +17,8 @@ class Placement {
   Vec3 point(const Vec3& p) const { return Vec3(matrix_ * glm::dvec4(p, 1.0)); }
   /// A unit normal: it stays perpendicular to the surface and on its side, unless the instance flips it.
   Vec3 normal(const Vec3& n) const;
+  /// The interpolated vertex normal at barycentric weights `b` of triangle `i`; `ng` where there is none.
+  Vec3 shading_normal(const TriangleMesh& mesh, std::uint32_t i, const Vec3& b, const Vec3& ng) const;
   /// A triangle's vertices by index, ordered so that their winding agrees with its normal.
   glm::uvec3 ordered(const glm::uvec3& triangle) const;
   /// A triangle of the mesh in world space, ordered like that.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "reference/intersect.h"
 
@@ -67,17 +68,21 @@ std::optional<Surface> World::closest_hit(const Ray& ray) const {
   const TriangleTest triangle_test(ray);
   const Primitive* nearest = nullptr;
   TriangleHit hit;
+  // Among equally near surfaces the first of the scene is the one that is met, whatever the order of the tree.
+  const auto precedes = [](const Primitive& a, const Primitive& b) {
+    return std::pair(a.instance, a.index) < std::pair(b.instance, b.index);
+  };
   bvh_.traverse(ray, [&](std::uint32_t position, double& t_max) {
     const Primitive& p = primitives_[position];
+    const double reach = nearest != nullptr ? std::nextafter(t_max, INFINITY) : t_max;
+    std::optional<TriangleHit> found;
     if (p.radius > 0.0) {
-      const auto t = intersect_sphere(ray, p.p0, p.radius, t_max);
-      if (!t) return false;
-      hit.t = *t;
+      if (const auto t = intersect_sphere(ray, p.p0, p.radius, reach)) found = TriangleHit{.t = *t};
     } else {
-      const auto found = triangle_test(p.p0, p.p1, p.p2, t_max);
-      if (!found) return false;
-      hit = *found;
+      found = triangle_test(p.p0, p.p1, p.p2, reach);
     }
+    if (!found || (found->t == t_max && nearest != nullptr && precedes(*nearest, p))) return false;
+    hit = *found;
     t_max = hit.t;
     nearest = &p;
     return false;
@@ -107,15 +112,8 @@ Surface World::triangle_surface(const Primitive& primitive, const Vec3& b) const
                   .primitive = primitive.index};
   for (const Vec3& vertex : {primitive.p0, primitive.p1, primitive.p2})
     surface.magnitude = std::max(surface.magnitude, largest_coordinate(vertex));
-  surface.ns = surface.ng;
   const auto& mesh = std::get<TriangleMesh>(scene_.shape_of(scene_.instances[primitive.instance]));
-  if (!mesh.normals.empty()) {
-    const Placement& placement = placements_[primitive.instance];
-    const glm::uvec3 t = placement.ordered(mesh.triangles[primitive.index]);
-    const Vec3 normal = b.x * placement.normal(mesh.normals[t.x]) + b.y * placement.normal(mesh.normals[t.y]) +
-                        b.z * placement.normal(mesh.normals[t.z]);
-    if (const double length = glm::length(normal); length > 0.0) surface.ns = normal / length;
-  }
+  surface.ns = placements_[primitive.instance].shading_normal(mesh, primitive.index, b, surface.ng);
   return surface;
 }
 

@@ -164,12 +164,10 @@ void check_normals(const Scene& scene, const Instance& instance, Diagnostics& di
   });
   // Simplified and sculpted meshes have a few such slivers; one in a thousand is an error of export.
   if (against * 1000 < static_cast<std::ptrdiff_t>(mesh->triangles.size()) || against == 0) return;
-  diagnostics.warning(
-      instance.position,
-      fmt::format(
-          "{} of {} triangles of {} have vertex normals against their winding and stay black; flip the faces or "
-          "the normals",
-          against, mesh->triangles.size(), text::quoted(instance.name)));
+  diagnostics.warning(instance.position, fmt::format("{} of {} triangles of {} have vertex normals against their "
+                                                     "winding; the normals decide which side shines and "
+                                                     "reflects",
+                                                     against, mesh->triangles.size(), text::quoted(instance.name)));
 }
 
 /// Numbers positions so that equal ones get the same number: vertices are split where normals differ.

@@ -38,7 +38,7 @@ std::shared_ptr<GpuDevice> device(std::string* reason = nullptr) {
 
 CompiledScene list_primitives(CompiledScene scene) {
   const auto list = [&](std::uint32_t slot) { scene.triangles.push_back({slot, 0, 0, gpu::kListed}); };
-  for (std::uint32_t i = 0; i < scene.few_triangles + scene.few_spheres; ++i) list(i * gpu::kPrimitiveSlots);
+  for (std::uint32_t i = 0; i < scene.few_count; ++i) list(i * gpu::kPrimitiveSlots);
   const TreeReader<gpu::kBvhWidth> tree(scene.records);
   std::vector<std::uint32_t> pending;
   if (scene.tree_root != gpu::kNone) pending.push_back(scene.tree_root);

@@ -134,24 +134,25 @@ TEST(ReferenceTransport, DepthCountsSegments) {
   }
 }
 
-TEST(ReferenceTransport, ShadingNormalsLeakNoLight) {
-  // Normals tilted so far that part of the sampled hemisphere lies under the surface: nothing from there counts.
+TEST(ReferenceTransport, TheShadingNormalAloneDecidesTheSide) {
+  // Normals tilted so far that part of their hemisphere lies under the surface: light from there counts, too, by
+  // whatever strategy it is found, and all directions together are no more than the albedo.
   Scene scene = floor_scene(1.0);
   auto& floor = std::get<TriangleMesh>(scene.shapes[0]);
-  const Vec3 tilted = glm::normalize(Vec3(1.0, 0.5, 0.0));
-  floor.normals.assign(floor.positions.size(), tilted);
+  floor.normals.assign(floor.positions.size(), glm::normalize(Vec3(1.0, 0.5, 0.0)));
   // Below the floor everything shines, above nothing does.
   add(scene, quad({-10, -1, -10}, {0, 0, 20}, {20, 0, 0}), diffuse(0.0), Vec3(1.0));
+  std::vector<Estimate> estimates;
   for (const Strategy& strategy : kStrategies) {
     set_strategy(scene, strategy);
-    EXPECT_EQ(estimate(scene, 10000).mean, 0.0) << strategy.name;
+    estimates.push_back(estimate(scene, 20000));
+    EXPECT_GT(estimates.back().mean, 0.2) << strategy.name;
+    EXPECT_LT(two_sample_t(estimates.front(), estimates.back()), kMaxT) << strategy.name;
   }
-  // A lamp all around above: ∫ max(0, ns·w)/π over the directions above the floor = (1 + cos tilt)/2, as the view
-  // factor of a tilted plane to the sky.
+  // Light all around: ∫ max(0, ns·w)/π dw = 1, whatever the tilt.
   scene.instances.pop_back();
   scene.sky.top = scene.sky.horizon = Vec3(1.0);
-  const Estimate e = estimate(scene, 200000);
-  EXPECT_LT(e.t(0.5 * (1.0 + tilted.y)), kMaxT) << e.mean;
+  EXPECT_NEAR(estimate(scene, 1000).mean, 1.0, 1e-12);
 }
 
 TEST(ReferenceTransport, ABlackSideEndsThePathBeforeAnyLightIsSampled) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <stdexcept>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -233,6 +234,7 @@ class SceneReader {
     const std::string_view type = object.plugin().type;
     if (type == "mirror") return MirrorBsdf{};
     if (type == "dielectric") return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR")};
+    if (type != "diffuse") throw std::logic_error(fmt::format("the reader has no material {}", type));
     const auto albedo = object.get<glm::dvec3>("albedo");
     const double least = std::min({albedo.x, albedo.y, albedo.z}), most = std::max({albedo.x, albedo.y, albedo.z});
     if (most > 1.0) {

@@ -18,7 +18,7 @@ bool intersect_listed(RayFrame rf, uint i, inout Nearest nearest) {
 
 Hit trace_brute_force(Ray ray) {
   const RayFrame rf = make_ray_frame(ray);
-  Nearest nearest = Nearest(ray.t_max, kNone);
+  Nearest nearest = Nearest(ray.t_max, kNone, 0u);
   for (uint i = 0u; i < listed_count(); ++i) intersect_listed(rf, i, nearest);
   const bool found = nearest.slot != kNone;
   return make_hit(ray, nearest.t, found, to_primitive(fetch_record(found ? nearest.slot : 0u)));
@@ -29,7 +29,7 @@ uint count_ties(Ray ray, float t) {
   const RayFrame rf = make_ray_frame(ray);
   uint ties = 0u;
   for (uint i = 0u; i < listed_count(); ++i) {
-    Nearest nearest = Nearest(ray.t_max, kNone);
+    Nearest nearest = Nearest(ray.t_max, kNone, 0u);
     if (intersect_listed(rf, i, nearest) && nearest.t == t) ++ties;
   }
   return ties;
