@@ -18,13 +18,19 @@ CompiledScene compile_material(const Bsdf& bsdf) {
   return compile_scene(scene);
 }
 
+std::vector<vulkan::Specialization> joined(std::vector<vulkan::Specialization> a,
+                                           const std::vector<vulkan::Specialization>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 class GpuBsdfProbe final : public BsdfProbe {
  public:
   GpuBsdfProbe(const Bsdf& bsdf, const GpuOptions& options)
       : kernels_(kernel_set(options.mutant)),
         scene_(open_device(options), compile_material(bsdf), TableLoads::texel_buffer),
-        kernel_(context(), scene_.request_kernels().pipeline, kernels_.bsdf_samples, kernels_.constants,
-                "bsdf_samples"),
+        kernel_(context(), scene_.request_kernels().pipeline, kernels_.bsdf_samples,
+                joined(scene_.constants(), kernels_.constants), "bsdf_samples"),
         queries_(context(), kChunk * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "directions"),
         results_(context(), kChunk * sizeof(gpu::BsdfProbeResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,

@@ -94,7 +94,8 @@ class Checker {
     if (!(camera.near_clip >= 0.0 && std::isfinite(camera.near_clip)) || !(camera.near_clip < camera.far_clip)) {
       const bool far_given = locate_ && locate_(camera.position, "far_clip");
       error(camera.position, far_given ? "far_clip" : "near_clip",
-            fmt::format("the near clipping distance {} is not less than the far one, {}; nothing would be visible",
+            fmt::format("the near clipping distance (nearClip) {} is not less than the far one (farClip), {}; nothing "
+                        "would be visible",
                         camera.near_clip, camera.far_clip));
     }
     const glm::dvec3 origin(camera.world_from_camera[3]);

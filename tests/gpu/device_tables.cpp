@@ -43,6 +43,7 @@ CompiledScene numbered_scene() {
   // The host follows these: they must name a material that is there, and its type.
   for (std::uint32_t i = 0; i < kEntries; ++i) {
     scene.instances[i].material = i;
+    scene.light_instances[i].instance = i;
     scene.materials[i].header = 3 * i << 8 | i % 3;
   }
   scene.triangles = numbered<gpu::uvec4>(7);

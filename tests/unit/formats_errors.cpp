@@ -214,7 +214,7 @@ const BadInput kValues[] = {
     {"FovHalfTurn", fov("180"), 3, 26, "> 0, < 180"},
     {"FovNegative", fov("-30"), 3, 26, "> 0, < 180"},
     {"ClipOrder", in_camera("<float name=\"nearClip\" value=\"5\"/><float name=\"farClip\" value=\"5\"/>"), 3, 64,
-     "the near clipping distance 5 is not less than the far one, 5"},
+     "the near clipping distance (nearClip) 5 is not less than the far one (farClip), 5"},
     {"SamplesZero", samples("0"), 2, 64, "1 … 4294967295"},
     {"SamplesTooMany", samples("4294967296"), 2, 64, "1 … 4294967295"},
     {"IorZero", ior("0"), 4, 29, "0 is out of range; allowed is 0.001 … 1000"},
