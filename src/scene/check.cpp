@@ -13,6 +13,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "core/text.h"
+#include "scene/coincident.h"
 #include "scene/placed.h"
 
 namespace etendue {
@@ -239,6 +240,7 @@ void check_scene(const Scene& scene, Diagnostics& diagnostics) {
     check_normals(scene, instance, diagnostics);
     check_closed(scene, instance, diagnostics);
   }
+  check_coincident(scene, diagnostics);
 }
 
 void check_scene_file(const SceneFile& file, Diagnostics& diagnostics) {

@@ -1,5 +1,7 @@
 // Legal but probably not meant: each warning appears where it should and stays away where it should not.
 
+#include <fmt/format.h>
+
 #include "formats_testing.h"
 #include "scene/check.h"
 
@@ -47,10 +49,27 @@ void expect_says(const std::string& messages, const char* part) {
 const std::string kLight = "<color name=\"sky_top\" value=\"1 1 1\"/>";
 
 TEST(Check, ASoundSceneIsQuiet) {
-  EXPECT_EQ(
-      check(mesh("up.obj") + mesh("down.obj", kEmitter, "<translate value=\"0 3 0\"/>") + mesh("cube.obj", kGlass)),
-      "");
+  EXPECT_EQ(check(mesh("up.obj") + mesh("down.obj", kEmitter, "<translate value=\"0 3 0\"/>") +
+                  mesh("cube.obj", kGlass, "<translate value=\"0 0.5 0\"/>")),
+            "");
   EXPECT_EQ(check(mesh("up.obj"), "0 0 5", "<integrator type=\"normals\"/>"), "");
+}
+
+TEST(Check, SurfacesThatLieInOneAnother) {
+  const char* const kSays = "lies in a surface of \"up.obj\" of line";
+  const auto lift = [](const char* y) { return fmt::format("<translate value=\"0 {} 0\"/>", y); };
+  // A rug on the floor; turned about the vertical, so that its edges cross the floor's.
+  expect_says(check(kLight + mesh("up.obj") + mesh("up.obj", "", "<rotate angle=\"30\" axis=\"0 1 0\"/>")), kSays);
+  expect_says(check(kLight + mesh("up.obj", "", lift("0.1")) + mesh("up.obj", "", lift("0.1"))), kSays);
+  // Glass that stands on the floor, and a lamp flush with the floor.
+  expect_says(check(kLight + mesh("up.obj") + mesh("cube.obj", kGlass)), kSays);
+  expect_says(check(mesh("up.obj") + mesh("up.obj", kEmitter, "<scale value=\"0.3 1 0.3\"/>")), kSays);
+  const std::string sphere = "<mesh type=\"sphere\"/>";
+  expect_says(check(kLight + sphere + sphere, "0 0 5"), "\"sphere\" lies in a surface of \"sphere\"");
+  // Nobody sees what an opaque block and the floor have in common; neighbours touch along an edge only; a gap is a gap.
+  EXPECT_EQ(check(kLight + mesh("up.obj") + mesh("cube.obj")), "");
+  EXPECT_EQ(check(kLight + mesh("up.obj") + mesh("up.obj", "", "<translate value=\"2 0 0\"/>")), "");
+  EXPECT_EQ(check(kLight + mesh("up.obj") + mesh("up.obj", "", lift("1e-4"))), "");
 }
 
 TEST(Check, NoLight) {
