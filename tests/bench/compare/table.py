@@ -3,6 +3,7 @@
 import os
 import platform
 import re
+import textwrap
 
 BEGIN, END = '<!-- compare.py writes from here', '<!-- to here -->'
 # What a renderer may use at most, widest first: flag in /proc/cpuinfo and name.
@@ -156,20 +157,16 @@ def markdown_table(heads, rows):
 def markdown(report):
     """The command, the machine, the versions and both tables."""
     at = report['machine']
-    lines = [
-        '```sh',
-        report['command'],
-        '```',
-        '',
+    facts = [
         f"{report['date']}; {report['repetitions']} repetitions in turns, {report['size']}, "
-        f"{report['spp']} samples a pixel, "
-        f"{report['threads']} threads on {at['processors']} processors: {at['processor']}, widest instruction set "
-        f"{at['instruction_set']}.",
-        '',
+        f"{report['spp']} samples a pixel, {report['threads']} threads on {at['processors']} processors: "
+        f"{at['processor']}, widest instruction set {at['instruction_set']}.",
         f"Etendue's device: {report['device']}; driver: {report['driver']}; commit {report['sources']}. "
         f"Load average at the start {report['load']:.1f}: {load_remark(report)}",
-        '',
     ]
+    lines = ['```sh', report['command'], '```', '']
+    for fact in facts:
+        lines += [textwrap.fill(fact, 120, break_long_words=False, break_on_hyphens=False), '']
     lines += [f'- {name}: {version}' for name, version in report['versions'].items()]
     for heads, rows in ((SAMPLE_HEADS, list(sample_rows(report))), (RAY_HEADS, list(ray_rows(report)))):
         if rows:
