@@ -63,6 +63,17 @@ NumberError parse_integer(std::string_view token, std::int64_t& value) {
   return NumberError::none;
 }
 
+NumberError parse_whole_number(std::string_view token, std::int64_t& value) {
+  const NumberError error = parse_integer(token, value);
+  double number = 0;
+  if (error != NumberError::not_a_number || parse_double(token, number) != NumberError::none) return error;
+  constexpr double kExact = 0x1p53;  // up to here a double knows every integer
+  if (std::abs(number) > kExact) return NumberError::too_large;
+  if (number != std::floor(number)) return NumberError::not_a_number;
+  value = static_cast<std::int64_t>(number);
+  return NumberError::none;
+}
+
 namespace {
 
 const char* example(std::string_view kind) {
@@ -97,6 +108,10 @@ std::string_view trim(std::string_view s) {
 
 bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+}
+
+bool is_lfs_pointer(std::string_view beginning) {
+  return beginning.starts_with("version https://git-lfs.");
 }
 
 std::size_t utf8_length(std::string_view s, std::size_t i) {

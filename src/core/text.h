@@ -15,6 +15,8 @@ enum class NumberError { none, not_a_number, not_finite, too_large };
 NumberError parse_double(std::string_view token, double& value);
 /// Reads the whole token as a decimal integer.
 NumberError parse_integer(std::string_view token, std::int64_t& value);
+/// The same, but the integer may be written like any number: `640.0`, `3.1e+2`.
+NumberError parse_whole_number(std::string_view token, std::int64_t& value);
 /// What a NumberError says about `token`: `"1e999" is too large`.
 std::string describe(NumberError error, std::string_view token, const char* kind);
 
@@ -29,6 +31,12 @@ std::string quoted(std::string_view s);
 
 /// Byte length of the UTF-8 sequence at `s[i]`, or 0 if it is malformed (overlong, surrogate, out of range, truncated).
 std::size_t utf8_length(std::string_view s, std::size_t i);
+
+/// True for the few lines that stand for a large file in a repository with Git LFS until the file itself is fetched.
+bool is_lfs_pointer(std::string_view beginning);
+/// What to say then.
+inline constexpr const char* kLfsPointer =
+    "this is a Git LFS pointer, not the file itself; fetch it with `git lfs pull`";
 
 /// The candidate closest to `word`, or "" if none is close enough to be a slip of the pen.
 std::string closest(std::string_view word, const std::vector<std::string>& candidates);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -9,11 +10,58 @@ namespace etendue {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 18;
+constexpr std::string_view kMark = "\xef\xbb\xbf";  // a byte order mark
 
 /// First CR or LF in [from, end), or `end`. One pass over both: a memchr for LF alone would scan the whole buffer for
 /// every line of a file that ends its lines with CR.
 const char* find_line_end(const char* from, const char* end) {
   return std::find_if(from, end, [](char c) { return c == '\n' || c == '\r'; });
+}
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+}
+
+std::string_view without_blanks_at_end(std::string_view s) {
+  while (!s.empty() && is_blank(s.back())) s.remove_suffix(1);
+  return s;
+}
+
+/// Where a comment begins: a # at the start of a word; npos where there is none.
+std::size_t find_comment(std::string_view line) {
+  std::size_t at = line.find('#');
+  if (at == kMark.size() && line.starts_with(kMark)) return at;
+  while (at != std::string_view::npos && at > 0 && !is_blank(line[at - 1])) at = line.find('#', at + 1);
+  return at;
+}
+
+/// True for lines that hold names, which may end with a backslash of their own: "usemtl wood\", "mtllib c:\models\".
+bool holds_names(std::string_view line) {
+  if (line.starts_with(kMark)) line.remove_prefix(kMark.size());
+  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+  const std::string_view keyword(line.begin(), std::find_if(line.begin(), line.end(), is_blank));
+  static constexpr std::string_view kNames[] = {"o", "g", "usemtl", "mtllib", "usemap", "maplib"};
+  return std::find(std::begin(kNames), std::end(kNames), keyword) != std::end(kNames);
+}
+
+/// What a physical line contributes to its logical one, and whether the next one does, too.
+struct Piece {
+  std::string_view text;
+  bool continues = false;
+};
+
+/// `first` is the first physical line of the logical one.
+Piece read_piece(std::string_view physical, std::string_view first) {
+  if (physical.find('\\') == std::string_view::npos) return {physical};
+  const std::string_view text = without_blanks_at_end(physical.substr(0, find_comment(physical)));
+  if (text.empty() || text.back() != '\\') return {physical};
+  if (text.size() > 1 && !is_blank(text[text.size() - 2]) && holds_names(first)) return {physical};
+  return {text.substr(0, text.size() - 1), true};
+}
+
+bool is_comment(std::string_view physical) {
+  while (!physical.empty() && is_blank(physical.front())) physical.remove_prefix(1);
+  return physical.starts_with('#');
 }
 
 }  // namespace
@@ -60,6 +108,13 @@ bool LineReader::next_physical(std::string_view& physical) {
   }
 }
 
+bool LineReader::next_physical_past_comments(std::string_view& physical) {
+  while (next_physical(physical)) {
+    if (!is_comment(physical)) return true;
+  }
+  return false;
+}
+
 void LineReader::skip_empty_lines() {
   while (begin_ < end_) {
     const bool crlf = buffer_[begin_] == '\r' && begin_ + 1 < end_ && buffer_[begin_ + 1] == '\n';
@@ -75,19 +130,20 @@ bool LineReader::next() {
   std::string_view physical;
   if (!next_physical(physical)) return false;
   joins_.push_back({0, number_});
-  if (physical.empty() || physical.back() != '\\') {
+  Piece piece = read_piece(physical, physical);
+  if (!piece.continues) {
     line_ = physical;
     return true;
   }
   joined_.clear();
   for (;;) {
-    const bool continues = !physical.empty() && physical.back() == '\\';
-    joined_ += physical.substr(0, physical.size() - (continues ? 1 : 0));
+    joined_ += piece.text;
     if (joined_.size() > max_line_) throw TooLong{position(0)};
-    if (!continues) break;
+    if (!piece.continues) break;
     joined_ += ' ';  // a backslash separates: it stands where a blank would
-    if (!next_physical(physical)) break;
+    if (!next_physical_past_comments(physical)) break;
     joins_.push_back({joined_.size(), number_});
+    piece = read_piece(physical, joined_);
   }
   line_ = joined_;
   return true;

@@ -12,8 +12,9 @@
 
 namespace etendue {
 
-/// Logical lines: they end with LF, CR LF, CR or the end of the stream; a backslash at the end of a line joins it with
-/// the next.
+/// Logical lines: they end with LF, CR LF, CR or the end of the stream. A backslash at the end of a line joins it with
+/// the next; blanks and a comment may follow it, and lines of comment may stand between. A backslash within a comment,
+/// or at the end of a name ("usemtl wood\"), joins nothing.
 class LineReader {
  public:
   using Source = std::function<std::size_t(char* buffer, std::size_t capacity)>;
@@ -38,6 +39,7 @@ class LineReader {
     std::uint64_t number;
   };
   bool next_physical(std::string_view& physical);
+  bool next_physical_past_comments(std::string_view& physical);
   /// Only for speed: gigabytes of empty lines should not take minutes.
   void skip_empty_lines();
   bool refill();

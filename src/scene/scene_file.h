@@ -26,7 +26,7 @@ struct TTest {
       100000;  ///< camera samples per scene, over the whole film; or samples per bsdf and angle
   std::vector<double> references;
   std::vector<Scene> scenes;
-  std::vector<double> angles;  ///< degrees from the normal, in [0, 90)
+  std::vector<double> angles;  ///< degrees from the normal, in [0, 180] without 90
   std::vector<TestBsdf> bsdfs;
 };
 

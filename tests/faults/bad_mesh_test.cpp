@@ -39,9 +39,8 @@ const std::vector<std::string> kNoNumbers = {"x",       "1x",
 
 TEST(BadMesh, NumbersThatAreNone) {
   for (const std::string& number : kNoNumbers) {
-    expect_bad_mesh("v " + number, "v 0 0 0\nv 1 0 " + number + "\nf 1 1 1\n", "", R"(mesh\.obj:2:7: )");
-    expect_bad_mesh("vn " + number, "vn 0 0 1\nvn " + number + " 0 1\nf 1 1 1\n", "", R"(mesh\.obj:2:4: )");
-    expect_bad_mesh("vt " + number, "vt " + number + "\nf 1 1 1\n", "", R"(mesh\.obj:1:4: )");
+    expect_bad_mesh("v " + number, "v 0 0 0\nv 1 0 " + number + "\nf 1 1 2\n", "", R"(mesh\.obj:2:7: )");
+    expect_bad_mesh("vn " + number, "v 0 0 0\nvn 0 0 1\nvn " + number + " 0 1\nf 1//2 1 1\n", "", R"(mesh\.obj:3:4: )");
   }
 }
 
@@ -63,15 +62,11 @@ TEST(BadMesh, Indices) {
       {"0x1", "not an index"},
       {"nan", "not an index"},
       {"--1", "not an index"},
-      {"1/", "no corner of a face"},
-      {"1//", "no corner of a face"},
       {"/1", "no corner of a face"},
       {"//1", "no corner of a face"},
       {"1/1/1/1", "more than 3 indices"},
-      {"1/2", "index 2 of a texture coordinate"},
       {"1/1/2", "index 2 of a normal"},
       {"1//-2", "index -2 of a normal"},
-      {"1/0/1", "index 0 of a texture coordinate"},
       {"1//0", "index 0 of a normal"},
       {"1/x", "not an index"},
       {"1\\1", "not an index"},
@@ -84,10 +79,9 @@ TEST(BadMesh, Structure) {
   const std::vector<std::pair<std::string, std::string>> files = {
       {"v 0 0\nf 1 1 1\n", "a vertex has 2 numbers; it needs 3"},
       {"v\nf 1 1 1\n", "a vertex has 0 numbers"},
-      {"v 0 0 0 1 1 1 1 1\n", "more than 7 numbers"},
-      {"vn 0 0\n", "a normal has 2 numbers"},
-      {"vn 0 0 1 0\n", "more than 3 numbers"},
-      {"vt\n", "a texture coordinate has 0 numbers"},
+      {"v 0 0 0 1 1 1 1 1\nf 1 1 1\n", "more than 7 numbers"},
+      {"v 0 0 0\nvn 0 0\nf 1//1 1 1\n", "a normal has 2 numbers"},
+      {"v 0 0 0\nvn 0 0 1 0\nf 1//1 1 1\n", "more than 3 numbers"},
       {"v 0 0 0\nf 1 1\n", "a face has 2 corners; it needs 3"},
       {"v 0 0 0\nf 1\n", "a face has 1 corners"},
       {"v 0 0 0\nf\n", "a face has 0 corners"},
@@ -95,10 +89,10 @@ TEST(BadMesh, Structure) {
       {"v 1e10 0 0\nf 1 1 1\n", "coordinates up to"},
       {"v 0 -1e300 0\nf 1 1 1\n", "coordinates up to"},
       {"v 3.4028235e38 0 0\nf 1 1 1\n", "coordinates up to"},
-      {std::string("v 0 0 0\0\n", 9), "not a number"},
+      {std::string("v 0 0 0\0\nf 1 1 1\n", 17), "not a number"},
       {std::string("\0\0\0\0\n", 5), "binary data"},
-      {"\\\n\\\n\\\nv 0 0\n", "a vertex has 2 numbers"},
-      {"v 0 \\\n0 \\\nx\n", "\"x\" is not a number"}};
+      {"\\\n\\\n\\\nv 0 0\nf 1 1 1\n", "a vertex has 2 numbers"},
+      {"v 0 \\\n0 \\\nx\nf 1 1 1\n", "\"x\" is not a number"}};
   for (const auto& [obj, words] : files) expect_bad_mesh(obj, obj, words);
 }
 
@@ -115,7 +109,8 @@ TEST(BadMesh, FilesWithoutFaces) {
                                           std::string(5'000'000, '\n'),
                                           std::string(3'000'000, ' ')};
   for (const std::string& obj : files)
-    expect_bad_mesh(obj.substr(0, 40), obj, "the mesh has no faces", R"(mesh\.obj: )");
+    expect_bad_mesh(obj.substr(0, 40), obj, "the mesh \"mesh.obj\" has no faces, nor has any other",
+                    R"(scene\.xml:2:\d+: )");
 }
 
 TEST(BadMesh, LinesAndFacesWithoutEnd) {

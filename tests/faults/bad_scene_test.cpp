@@ -221,7 +221,6 @@ TEST(BadScene, Transforms) {
       {"<matrix value=\"1 0 0 0 0 1 0 0 0 0 1 0 0.1 0 0 1\"/>", "an affine matrix has 0 0 0 1"},
       {"<matrix value=\"1 1 0 0 1 1 0 0 0 0 1 0 0 0 0 1\"/>", "singular"},
       {"<lookat origin=\"0 0 0\" target=\"0 0 0\" up=\"0 1 0\"/>", "target at its origin"},
-      {"<lookat origin=\"0 0 0\" target=\"0 5 0\" up=\"0 1 0\"/>", "parallel"},
       {"<lookat origin=\"0 0 0\" target=\"0 0 1\" up=\"0 0 0\"/>", "length 0"},
       {"<lookat origin=\"0 0 0\" up=\"0 1 0\"/>", "lacks its attribute \"target\""},
       {"<lookat origin=\"1e300 0 0\" target=\"-1e300 0 0\" up=\"0 1 0\"/>", ""},
@@ -371,7 +370,7 @@ TEST(BadScene, TestFilesThatAreNoScenes) {
   refused("grazing",
           "<test type=\"ttest\"><string name=\"references\" value=\"1\"/><string name=\"angles\" value=\"90\"/>"
           "<bsdf type=\"diffuse\"/></test>",
-          "90 is out of range", "ttest");
+          "an angle is 90", "ttest");
   refused("resolution",
           "<test type=\"chi2test\"><integer name=\"resolution\" value=\"100000\"/><bsdf type=\"diffuse\"/></test>",
           "out of range", "chi2");

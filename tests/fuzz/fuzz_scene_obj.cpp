@@ -18,7 +18,7 @@ void require(bool condition) {
 }
 
 void require_sound(const etendue::TriangleMesh& mesh) {
-  require(!mesh.triangles.empty());
+  require(mesh.triangles.empty() == mesh.positions.empty());
   require(mesh.normals.empty() || mesh.normals.size() == mesh.positions.size());
   for (const glm::uvec3& t : mesh.triangles) require(std::max({t.x, t.y, t.z}) < mesh.positions.size());
   for (const glm::dvec3& p : mesh.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));

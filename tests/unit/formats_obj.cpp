@@ -85,18 +85,76 @@ TEST(Obj, ManyNormalsOfOnePositionKeepTheirCorners) {
 
 TEST(Obj, AllBadLinesAreListed) {
   Diagnostics diagnostics;
-  const std::string text = "v 0 0 0\nv 1 x 0\nv 0 1 0\nvn nan 0 1\nf 1 2 3\nf 1 2 4\nf 1 2\nf 1//1 2//1 3//1\n";
+  const std::string text =
+      "v 0 0 0\nv 1 x 0\nv 0 1 0\nvn nan 0 1\nf 1 2 3\nf 1 2 4\nf 1 2\nf 1//1 2//1 3//1\nf 1//1 1//1 3//1\n";
   EXPECT_FALSE(read_obj(memory_source(text), "m.obj", diagnostics));
   EXPECT_EQ(all_messages(diagnostics),
             "m.obj:2:5: \"x\" is not a number; write it like 1.5 or -2e3\n"
-            "m.obj:4:4: \"nan\" is not a finite number; write it like 1.5 or -2e3\n"
             "m.obj:6:7: index 4 of a vertex is out of range; the file has 3 so far\n"
-            "m.obj:7:1: a face has 2 corners; it needs 3 or more\n");
+            "m.obj:7:1: a face has 2 corners; it needs 3 or more\n"
+            "m.obj:4:4: \"nan\" is not a finite number; write it like 1.5 or -2e3\n");
   std::string many;
-  for (int i = 0; i < 1000; ++i) many += "v x\n";
+  for (int i = 0; i < 1000; ++i) many += "f x\n";
   Diagnostics few;
   EXPECT_FALSE(read_obj(memory_source(many), "m.obj", few));
   EXPECT_EQ(few.error_count(), 20u);
+}
+
+/// The mesh of a text that is to be read with these warnings and no error.
+TriangleMesh read_with_warnings(const std::string& text, const std::string& warnings) {
+  Diagnostics diagnostics;
+  const auto mesh = read_obj(memory_source(text), "m.obj", diagnostics);
+  EXPECT_EQ(all_messages(diagnostics), warnings);
+  EXPECT_FALSE(diagnostics.has_errors());
+  return mesh.value_or(TriangleMesh{});
+}
+
+TEST(Obj, BadElementsThatNoFaceUsesAreLeftOut) {
+  const std::string good = kThree + "vn 0 0 1\n";
+  const TriangleMesh wanted = read(good + "f 1//1 2//1 3//1\n");
+  const std::string says = "is not a finite number; write it like 1.5 or -2e3; no face uses this ";
+  for (const std::string nan : {"nan", "-inf"}) {
+    const TriangleMesh normal = read_with_warnings(good + "vn " + nan + " 0 1\nf 1//1 2//1 3//1\n",
+                                                   "m.obj:5:4: \"" + nan + "\" " + says + "normal: left out\n");
+    EXPECT_EQ(normal.normals, wanted.normals);
+  }
+  const TriangleMesh three =
+      read_with_warnings(good + "vn nan nan nan\nvn 1 0\nvn 1e999 0 0\nf 1//1 2//1 3//1\n",
+                         "m.obj:5:4: \"nan\" " + says + "normal, nor 2 more like it: left out\n");
+  EXPECT_EQ(three.normals, wanted.normals);
+  const TriangleMesh vertex =
+      read_with_warnings(good + "v nan 0 0\nf 1//1 2//1 3//1\n", "m.obj:5:3: \"nan\" " + says + "vertex: left out\n");
+  EXPECT_EQ(vertex.positions, wanted.positions);
+}
+
+TEST(Obj, BadElementsAfterTheFirstFewAreErrorsToo) {
+  std::string text = kThree;
+  for (int i = 0; i < 100; ++i) text += "v nan 0 0\n";
+  Diagnostics diagnostics;
+  EXPECT_FALSE(read_obj(memory_source(text + "f 1 2 90\nf 1 2 91\n"), "m.obj", diagnostics));
+  EXPECT_EQ(all_messages(diagnostics), "m.obj:104:1: vertex 90 of this face could not be read\n");
+}
+
+TEST(Obj, TextureCoordinatesNeverRefuseAMesh) {
+  const std::string ignored = "; texture coordinates are ignored, here and further on\n";
+  const std::string face = "f 1/1 2/2 3/1\n";
+  const std::vector<glm::dvec3> wanted = read(kThree + "f 1 2 3\n").positions;
+  const auto expect = [&](const std::string& text, const std::string& warnings) {
+    EXPECT_EQ(read_with_warnings(kThree + text, warnings).positions, wanted);
+  };
+  expect("vt nan nan\nvt x\n" + face, "m.obj:4:4: \"nan\" is not a finite number; write it like 1.5 or -2e3" + ignored);
+  expect("vt 1 2 3 4\nvt 0\n" + face, "m.obj:4:10: a texture coordinate has more than 3 numbers" + ignored);
+  expect(face, "m.obj:4:5: index 1 of a texture coordinate is out of range; the file has 0 so far" + ignored);
+  expect("vt 0 0\nf 1/1 2/0 3/-1\n", "m.obj:5:9: index 0 of a texture coordinate; indices count from 1" + ignored);
+}
+
+TEST(Obj, CornersWithEmptyFields) {
+  const std::string given = kThree + "vt 0 0\nvn 0 0 1\n";
+  for (const std::string face : {"f 1/ 2/ 3/\n", "f 1// 2// 3//\n", "f 1/1/ 2/1/ 3/1/\n", "f 1/ 2// 3/1/\n"}) {
+    const TriangleMesh mesh = read(given + face);
+    EXPECT_EQ(mesh.triangles, std::vector<glm::uvec3>{glm::uvec3(0, 1, 2)}) << face;
+    EXPECT_TRUE(mesh.normals.empty()) << face;
+  }
 }
 
 TEST(Obj, FacesWithoutNormalsAmongOthersGetTheirPlane) {
@@ -115,6 +173,30 @@ TEST(Obj, LineEndsContinuationsAndMarks) {
       const TriangleMesh mesh = read(text, chunk);
       EXPECT_EQ(mesh.positions, unix_lines.positions) << text;
       EXPECT_EQ(mesh.triangles, unix_lines.triangles) << text;
+    }
+  }
+}
+
+TEST(Obj, ContinuationsWithBlanksCommentsAndNames) {
+  const TriangleMesh wanted = read(kThree + "v 1 1 0\nf 1 2 4 3\nf 2 4 3\n");
+  const std::string vertices = kThree + "v 1 1 0\n";
+  for (const std::string& text : {
+           vertices + "f 1 2 \\ \n4 3\nf 2 4 3\n",                         // blanks after the backslash
+           vertices + "f 1 2 \\\t\r\n4 3\r\nf 2 4 3\n",                    // and CR LF after those
+           vertices + "f 1 2\\\n4 3\nf 2 4 3\n",                           // no blank before it
+           vertices + "f 1 2 \\ # two more\n4 3\nf 2 4 3\n",               // a comment after it
+           vertices + "f 1 2 \\\n# two\n  # more\n4 3\nf 2 4 3\n",         // lines of comment between
+           vertices + "f 1 2 4 3 # c:\\temp\\\nf 2 4 3\n",                 // no continuation: a comment
+           "# c:\\temp\\\n" + vertices + "f 1 2 4 3\nf 2 4 3\n",           // nor here
+           "\xef\xbb\xbf# c:\\\n" + vertices + "f 1 2 4 3\nf 2 4 3\n",     // nor after a mark
+           "mtllib c:\\models\\\n" + vertices + "f 1 2 4 3\nf 2 4 3\n",    // nor here: a name
+           vertices + "usemtl a\\b\\\nf 1 2 4 3\n g x\\\nf 2 4 3\no\\\n",  // nor here
+           vertices + "g a \\\nf 1 2 4 3\nf 1 2 4 3\nf 2 4 3\n",           // but here: a list of names goes on
+       }) {
+    for (const std::size_t chunk : {std::size_t{1}, std::string_view::npos}) {
+      const TriangleMesh mesh = read(text, chunk);
+      EXPECT_EQ(mesh.positions, wanted.positions) << text;
+      EXPECT_EQ(mesh.triangles, wanted.triangles) << text;
     }
   }
 }
@@ -197,8 +279,6 @@ std::string name_of(const ::testing::TestParamInfo<BadObj>& info) {
 }
 
 const BadObj kBadMeshes[] = {
-    {"Empty", "", 0, 0, "no faces"},
-    {"NoFaces", kThree, 0, 0, "no faces"},
     {"IndexTooLarge", kThree + "f 1 2 4\n", 4, 7, "index 4 of a vertex is out of range; the file has 3 so far"},
     {"IndexTooNegative", kThree + "f 1 2 -4\n", 4, 7, "index -4 of a vertex is out of range; the file has 3 so far"},
     {"ForwardReference", "v 0 0 0\nf 1 2 3\nv 1 0 0\nv 0 1 0\n", 2, 5, "the file has 1 so far"},
@@ -207,27 +287,27 @@ const BadObj kBadMeshes[] = {
     {"IndexMin", kThree + "f -9223372036854775808 1 2\n", 4, 3, "out of range"},
     {"IndexJunk", kThree + "f 1 2 3x\n", 4, 7, "\"3x\" is not an index"},
     {"IndexFloat", kThree + "f 1 2 3.0\n", 4, 7, "not an index"},
-    {"TextureIndex", kThree + "f 1/1 2/1 3/1\n", 4, 5,
-     "index 1 of a texture coordinate is out of range; the file has 0 so far"},
+    {"TextureIndexJunk", kThree + "f 1/x 2/1 3/1\n", 4, 5, "\"x\" is not an index"},
     {"NormalIndex", kThree + "vn 0 0 1\nf 1//1 2//2 3//1\n", 5, 11,
      "index 2 of a normal is out of range; the file has 1 so far"},
     {"FourIndices", kThree + "f 1/1/1/1 2 3\n", 4, 3, "more than 3 indices"},
-    {"TrailingSlash", kThree + "f 1/ 2 3\n", 4, 3, "no corner of a face"},
-    {"TwoSlashes", kThree + "f 1// 2 3\n", 4, 3, "no corner of a face"},
+    {"ThreeSlashes", kThree + "f 1/// 2 3\n", 4, 3, "more than 3 indices"},
+    {"OnlySlashes", kThree + "f 1 // 3\n", 4, 5, "no corner of a face"},
     {"LeadingSlash", kThree + "f /1 2 3\n", 4, 3, "no corner of a face"},
     {"TwoCorners", kThree + "f 1 2\n", 4, 1, "a face has 2 corners"},
     {"NoCorners", kThree + "f\n", 4, 1, "a face has 0 corners"},
     {"CommentCorners", kThree + "f 1 2 # 3\n", 4, 1, "a face has 2 corners"},
-    {"TwoCoordinates", "v 1 2\n", 1, 1, "a vertex has 2 numbers; it needs 3"},
-    {"NineCoordinates", "v 1 2 3 4 5 6 7 8\n", 1, 17, "more than 7"},
-    {"NaN", "v 1 nan 3\n", 1, 5, "not a finite number"},
-    {"Infinity", "v 1 -inf 3\n", 1, 5, "not a finite number"},
-    {"Overflow", "v 1 2 1e400\n", 1, 7, "too large"},
-    {"Hex", "v 0x1 2 3\n", 1, 3, "not a number"},
-    {"DecimalComma", "v 1,5 2 3\n", 1, 3, "not a number"},
-    {"FarVertex", "v 1 2 1e30\n", 1, 1, "coordinates up to 1000000000"},
-    {"ShortNormal", "vn 0 1\n", 1, 1, "a normal has 2 numbers; it needs 3"},
-    {"BadTexture", "vt x\n", 1, 4, "not a number"},
+    {"TwoCoordinates", "v 1 2\n" + kThree + "f 1 2 3\nf 1 3 4\n", 1, 1, "a vertex has 2 numbers; it needs 3"},
+    {"NineCoordinates", "v 1 2 3 4 5 6 7 8\n" + kThree + "f 1 2 3\n", 1, 17, "more than 7"},
+    {"NaN", "v 1 nan 3\n" + kThree + "f 4 3 2 1\n", 1, 5, "not a finite number"},
+    {"Infinity", "v 1 -inf 3\n" + kThree + "f 1 2 3\n", 1, 5, "not a finite number"},
+    {"Overflow", "v 1 2 1e400\n" + kThree + "f 1 2 3\n", 1, 7, "too large"},
+    {"Hex", "v 0x1 2 3\n" + kThree + "f 1 2 3\n", 1, 3, "not a number"},
+    {"DecimalComma", "v 1,5 2 3\n" + kThree + "f 1 2 3\n", 1, 3, "not a number"},
+    {"FarVertex", "v 1 2 1e30\n" + kThree + "f 1 2 3\n", 1, 1, "coordinates up to 1000000000"},
+    {"ShortNormal", "vn 0 1\n" + kThree + "f 1//1 2 3\nf 1//1 2 3\n", 1, 1, "a normal has 2 numbers; it needs 3"},
+    {"LfsPointer", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n", 1, 1,
+     "Git LFS pointer, not the file itself; fetch it with `git lfs pull`"},
     {"Continued", kThree + "f 1 \\\n  2 \\\n  9\n", 6, 3, "index 9"},
     {"Binary", std::string("glTF\0\0\0\2", 8), 1, 1, "binary data"},
     {"LongLine", kThree + "f" + std::string(5 << 20, ' ') + "1 2 3", 4, 1, "more than 4194304 bytes"},
@@ -258,6 +338,59 @@ TEST(Obj, WarnsOnceAboutUnknownLinesAndCountsDegenerateTriangles) {
   EXPECT_EQ(to_string(diagnostics.list()[0]).substr(0, 10), "m.obj:1:1:");
   EXPECT_NE(diagnostics.list()[0].message.find("\"hello\""), std::string::npos);
   EXPECT_NE(diagnostics.list()[1].message.find("2 of 3 triangles have no area"), std::string::npos);
+}
+
+TEST(Obj, AFileWithoutFacesIsAnEmptyMesh) {
+  for (const std::string& text : {std::string(), std::string("# nothing\n"), kThree}) {
+    Diagnostics diagnostics;
+    const auto mesh = read_obj(memory_source(text), "m.obj", diagnostics);
+    ASSERT_TRUE(mesh.has_value());
+    EXPECT_TRUE(mesh->triangles.empty() && mesh->positions.empty() && mesh->normals.empty());
+    EXPECT_TRUE(diagnostics.list().empty());
+  }
+}
+
+TEST(Obj, AMeshWithoutFacesIsLeftOutWhereTheSceneHasOthers) {
+  TemporaryFolder folder;
+  folder.write("empty.obj", kThree);
+  folder.write("full.obj", kThree + "f 1 2 3\n");
+  const auto mesh = [](const std::string& file) {
+    return "<mesh type=\"obj\"><string name=\"filename\" value=\"" + file +
+           "\"/><emitter type=\"area\"><color name=\"radiance\" value=\"1 1 1\"/></emitter></mesh>\n";
+  };
+  Diagnostics diagnostics;
+  const auto file =
+      read_scene_file(folder.write("s.xml", scene_around(mesh("empty.obj") + mesh("full.obj"))), {}, diagnostics);
+  ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+  EXPECT_EQ(std::get<Scene>(*file).instances.size(), 1u);
+  EXPECT_EQ(std::get<Scene>(*file).instances.front().name, "full.obj");
+  EXPECT_EQ(all_messages(diagnostics),
+            folder.path("s.xml") + ":2:49: the mesh \"empty.obj\" has no faces; it is left out\n");
+  Diagnostics alone;
+  EXPECT_FALSE(read_scene_file(folder.write("t.xml", scene_around(mesh("empty.obj"))), {}, alone));
+  EXPECT_EQ(all_messages(alone), folder.path("t.xml") +
+                                     ":2:49: the mesh \"empty.obj\" has no faces, nor has any "
+                                     "other; export the surface as f lines\n");
+}
+
+TEST(Obj, BackslashesInFileNames) {
+  TemporaryFolder folder;
+  folder.write("meshes/a.obj", kThree + "f 1 2 3\n");
+  folder.write("b\\c.obj", kThree + "f 1 2 3\n");
+  const auto read_mesh = [&](const std::string& name, Diagnostics& diagnostics) {
+    const std::string mesh = "<mesh type=\"obj\"><string name=\"filename\" value=\"" + name + "\"/></mesh>";
+    return read_scene_file(folder.write("s.xml", scene_around(mesh)), {}, diagnostics).has_value();
+  };
+  Diagnostics slashed, exact, missing;
+  EXPECT_TRUE(read_mesh("meshes\\a.obj", slashed));
+  ASSERT_EQ(slashed.list().size(), 1u);
+  EXPECT_EQ(slashed.list()[0].severity, Severity::note);
+  EXPECT_EQ(slashed.list()[0].message, "\"meshes\\a.obj\" is read as \"meshes/a.obj\"");
+  EXPECT_TRUE(read_mesh("b\\c.obj", exact)) << "a name of Unix may hold a backslash";
+  EXPECT_TRUE(exact.list().empty());
+  EXPECT_FALSE(read_mesh("meshes\\b.obj", missing));
+  EXPECT_NE(all_messages(missing).find("meshes/b.obj: cannot open the file"), std::string::npos)
+      << all_messages(missing);
 }
 
 TEST(Obj, EmitterWithoutAreaIsAnError) {

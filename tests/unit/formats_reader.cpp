@@ -201,6 +201,60 @@ TEST(SceneReader, LookatFrame) {
   EXPECT_NEAR(glm::determinant(glm::dmat3(oblique)), 1.0, 1e-12);
 }
 
+TEST(SceneReader, LookatAlongItsUpTakesAnotherAndWarns) {
+  struct Case {
+    const char *target, *up, *says;
+    glm::dvec3 expected_up;
+  };
+  // The axis across the view where it has most room: y, then z, then x.
+  for (const Case& c : {Case{"0 1 0", "0 1 0", "0 0 1", {0, 0, 1}}, Case{"0 -3 0", "0 2 0", "0 0 1", {0, 0, 1}},
+                        Case{"0 0 -1", "0 0 1", "0 1 0", {0, 1, 0}}, Case{"9 0 0", "-1 0 0", "0 1 0", {0, 1, 0}},
+                        Case{"1 2 3", "1 2 3", "1 0 0", glm::dvec3(13, -2, -3)}}) {
+    const Parsed parsed = parse(
+        "<scene><integrator type=\"path\"/><camera type=\"perspective\">\n<transform name=\"toWorld\">\n<lookat "
+        "origin=\"0 0 0\" target=\"" +
+        std::string(c.target) + "\" up=\"" + c.up + "\"/></transform></camera></scene>");
+    ASSERT_TRUE(parsed.file.has_value()) << all_messages(parsed.diagnostics);
+    const glm::dmat4 m = parsed.scene().camera.world_from_camera;
+    expect_near(glm::dvec3(m[1]), glm::normalize(c.expected_up));
+    EXPECT_NEAR(glm::determinant(glm::dmat3(m)), 1.0, 1e-12);
+    const Diagnostic& warning = parsed.diagnostics.list().front();
+    EXPECT_EQ(warning.severity, Severity::warning);
+    EXPECT_EQ(warning.position.line, 3);
+    EXPECT_NE(warning.message.find(std::string("parallel to the direction of view; ") + c.says + " is taken instead"),
+              std::string::npos)
+        << warning.message;
+  }
+}
+
+TEST(SceneReader, NoTurnNeedsNoAxis) {
+  for (const char* operation : {"<rotate angle=\"0\" axis=\"0 0 0\"/>", "<rotate angle=\"-0.0\" axis=\"0 0 0\"/>",
+                                "<rotate angle=\"360\" axis=\"0 0 0\"/>", "<rotate angle=\"0\" axis=\"3 0 0\"/>"})
+    EXPECT_EQ(transform(operation), glm::dmat4(1.0)) << operation;
+}
+
+TEST(SceneReader, NumbersInAllSpellingsEverywhere) {
+  const std::string numbers[] = {"3.1e+2", "310.", "+310", "+3.1E2", " 310 ", "0310", ".31e3"};
+  const std::string fractions[] = {".5", "+.5", "5e-1", "5.e-1", "+0.50", "50E-2", "0.5"};
+  for (std::size_t i = 0; i < std::size(numbers); ++i) {
+    const std::string &n = numbers[i], &f = fractions[i];
+    const Scene scene = read_good(
+        "<scene><integrator type=\"path\"><integer name=\"maxDepth\" value=\"" + n +
+            "\"/></integrator><camera type=\"perspective\"><integer name=\"width\" value=\"" + n +
+            "\"/><float name=\"nearClip\" value=\"" + f + "\"/><transform name=\"toWorld\"><translate value=\"" + n +
+            "," + f + "," + n + "\"/><rotate angle=\"" + n + "\" axis=\"0 " + f +
+            " 0\"/><rotate angle=\"-310\" axis=\"0 1 0\"/></transform>" + "</camera><color name=\"sky_top\" value=\"" +
+            f + " " + f + "," + n + "\"/></scene>",
+        {{{"sampler.sampleCount", n}}, false});
+    EXPECT_EQ(scene.integrator.max_depth, 310u) << n;
+    EXPECT_EQ(scene.camera.width, 310u) << n;
+    EXPECT_EQ(scene.camera.near_clip, 0.5) << f;
+    EXPECT_EQ(scene.sampler.sample_count, 310u) << n;
+    EXPECT_EQ(scene.sky.top, glm::dvec3(0.5, 0.5, 310.0)) << n << " " << f;
+    expect_near(glm::dvec3(scene.camera.world_from_camera[3]) / 310.0, glm::dvec3(310.0, 0.5, 310.0) / 310.0);
+  }
+}
+
 TEST(SceneReader, MirroredLookat) {
   const glm::dmat4 plain = transform("<lookat origin=\"0 1 5\" target=\"0 1 0\" up=\"0 1 0\"/>");
   const glm::dmat4 mirrored =
@@ -285,12 +339,12 @@ TEST(SceneReader, OverridesReachEverySceneOfATest) {
 
 TEST(SceneReader, BsdfTests) {
   const Parsed t = parse(
-      "<test type=\"ttest\"><string name=\"angles\" value=\"0,30,60\"/><string name=\"references\" value=\"1 2 3 4 5 "
+      "<test type=\"ttest\"><string name=\"angles\" value=\"0,30,120\"/><string name=\"references\" value=\"1 2 3 4 5 "
       "6\"/>"
       "<bsdf type=\"diffuse\"/><bsdf type=\"mirror\"/></test>");
   ASSERT_TRUE(t.file.has_value()) << all_messages(t.diagnostics);
   const auto& ttest = std::get<TTest>(*t.file);
-  EXPECT_EQ(ttest.angles, (std::vector<double>{0, 30, 60}));
+  EXPECT_EQ(ttest.angles, (std::vector<double>{0, 30, 120}));
   ASSERT_EQ(ttest.bsdfs.size(), 2u);
   EXPECT_EQ(ttest.bsdfs[1].name, "mirror 2");
   EXPECT_EQ(ttest.sample_count, 100000u);

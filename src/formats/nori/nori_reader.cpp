@@ -7,6 +7,7 @@
 #include <map>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -67,6 +68,7 @@ class SceneReader {
     for (const XmlElement* mesh : object.children("mesh")) {
       if (const auto child = Object::read(*mesh, context_)) read_instance(*child, scene);
     }
+    report_empty_meshes(scene);
     remember_fields(object, {"sky_top", "sky_horizon"});
     check_invariants(scene, sink_, [this](const SourcePosition& where, std::string_view field) {
       const auto found = fields_.find({where.line, where.column, std::string(field)});
@@ -220,6 +222,10 @@ class SceneReader {
     } else {
       std::optional<TriangleMesh> mesh = read_mesh(object, name);
       if (!mesh) return;
+      if (mesh->triangles.empty()) {
+        empty_meshes_.push_back({object.position_of("filename"), name});
+        return;
+      }
       shape = std::move(*mesh);
     }
     Instance& instance = scene.add(std::move(shape), material.bsdf, area_emitter);
@@ -228,6 +234,18 @@ class SceneReader {
     instance.position = object.position();
     if (object.plugin().find("toWorld") != nullptr) instance.world_from_object = object.matrix("toWorld");
     remember_field(object, "toWorld", "world_from_object");
+  }
+
+  /// Whole libraries of models hold a file without a surface; a scene of nothing else is a mistake.
+  void report_empty_meshes(const Scene& scene) {
+    for (const EmptyMesh& mesh : std::exchange(empty_meshes_, {})) {
+      const std::string what = fmt::format("the mesh {} has no faces", text::quoted(mesh.name));
+      if (scene.instances.empty()) {
+        sink_.error(mesh.position, what + ", nor has any other; export the surface as f lines");
+      } else {
+        sink_.warning(mesh.position, what + "; it is left out");
+      }
+    }
   }
 
   Bsdf read_bsdf(const Object& object) {
@@ -269,11 +287,23 @@ class SceneReader {
       sink_.error(position, "\"filename\" is empty; give the path of an OBJ file");
       return std::nullopt;
     }
-    const fs::path path = fs::path(path_).parent_path() / filename;
+    const fs::path path = find_mesh_file(filename, position);
     name = path.filename().string();
     note_if_outside(path, position);
     if (sink_.error_count() >= kMaxErrorsBeforeMeshes) return std::nullopt;
     return load_mesh(path.string(), position);
+  }
+
+  /// Names are relative to the folder of the scene. Where no file has the name as it is written, its backslashes are
+  /// taken as those of a Windows path.
+  fs::path find_mesh_file(const std::string& filename, const SourcePosition& position) {
+    const fs::path folder = fs::path(path_).parent_path();
+    std::error_code unknown;
+    if (filename.find('\\') == std::string::npos || fs::exists(folder / filename, unknown)) return folder / filename;
+    std::string slashed = filename;
+    std::ranges::replace(slashed, '\\', '/');
+    sink_.note(position, fmt::format("{} is read as {}", text::quoted(filename), text::quoted(slashed)));
+    return folder / slashed;
   }
 
   std::optional<TriangleMesh> load_mesh(const std::string& path, const SourcePosition& position) {
@@ -339,6 +369,9 @@ class SceneReader {
     test.sample_count = static_cast<std::uint64_t>(object.get<std::int64_t>("sampleCount"));
     test.references = object.get<std::vector<double>>("references");
     test.angles = object.get<std::vector<double>>("angles");
+    if (std::ranges::find(test.angles, 90.0) != test.angles.end())
+      sink_.error(object.position_of("angles"),
+                  "an angle is 90: light along the surface meets neither side; leave it out");
     const std::string stem = fs::path(path_).stem().string();
     const std::vector<const XmlElement*> scenes = object.children("scene");
     const std::size_t bsdf_count = object.children("bsdf").size();
@@ -396,6 +429,10 @@ class SceneReader {
     std::string name;  ///< in scene.h
     auto operator<=>(const Field&) const = default;
   };
+  struct EmptyMesh {
+    SourcePosition position;
+    std::string name;
+  };
 
   ReadContext& context_;
   Diagnostics& sink_;
@@ -405,6 +442,7 @@ class SceneReader {
   std::size_t triangles_ = 0, vertices_ = 0;
   std::uintmax_t mesh_bytes_ = 0;
   bool too_many_meshes_ = false;
+  std::vector<EmptyMesh> empty_meshes_;  ///< of the scene that is being read
 };
 
 void report_unmatched_overrides(const ReadContext& context) {

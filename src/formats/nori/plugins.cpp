@@ -167,7 +167,8 @@ std::vector<Plugin> object_plugins() {
        "Do mean values agree with references? Run by `etendue ttest`. With scenes: one reference for each. With bsdfs: "
        "one for each bsdf and angle.",
        {{"references", number_list, nullptr, any(), "expected mean luminance, in the order of the children"},
-        {"angles", number_list, "", {0, 90, false, true}, "angles of incidence in degrees; with bsdfs only"},
+        {"angles", number_list, "", between(0, 180),
+         "angles of incidence in degrees from the normal, beyond 90 from behind, but not 90; with bsdfs only"},
         {"significanceLevel", real, "0.01", inside(0, 1), "probability of a false alarm of the whole test"},
         {"sampleCount", integer, "100000", between(2, 1e12), "samples per scene, or per bsdf and angle"}},
        {{"scene", 0, kAnyNumber}, {"bsdf", 0, kAnyNumber}}},
@@ -400,7 +401,7 @@ Value parse_value(const Parameter& parameter, std::string_view text) {
     case boolean:
       return parse_boolean(text);
     case integer:
-      return parse_scalar<std::int64_t>(text, parameter.range, text::parse_integer, "an integer");
+      return parse_scalar<std::int64_t>(text, parameter.range, text::parse_whole_number, "an integer");
     case real:
       return parse_scalar<double>(text, parameter.range, text::parse_double, "a number");
     case string:

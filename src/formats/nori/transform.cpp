@@ -56,11 +56,13 @@ glm::dmat4 read_rotate(const XmlElement& element) {
     throw ValueError{attribute.value_offset,
                      fmt::format("\"angle\" of <rotate>: {}", text::describe(error, token, "a number"))};
   }
+  const double turn = std::fmod(degrees, 360.0);
+  if (turn == 0.0) return glm::dmat4(1.0);  // about anything, also about no axis: some exporters write 0 0 0 then
   const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
   if (!(largest > 0.0))
     throw ValueError{element.find("axis")->value_offset,
                      "the axis of <rotate> has length 0; give a direction such as 0,1,0"};
-  return glm::rotate(glm::dmat4(1.0), glm::radians(std::fmod(degrees, 360.0)), glm::normalize(axis / largest));
+  return glm::rotate(glm::dmat4(1.0), glm::radians(turn), glm::normalize(axis / largest));
 }
 
 glm::dmat4 read_matrix(const XmlElement& element) {
@@ -88,7 +90,14 @@ glm::dmat4 read_matrix(const XmlElement& element) {
   return m;
 }
 
-glm::dmat4 read_lookat(const XmlElement& element) {
+/// The axis across which `dir` lies most; the first of y, z, x where it lies across several alike.
+glm::dvec3 other_up(const glm::dvec3& dir) {
+  const glm::dvec3 along = glm::abs(dir);
+  if (along.y <= along.z && along.y <= along.x) return {0.0, 1.0, 0.0};
+  return along.z <= along.x ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(1.0, 0.0, 0.0);
+}
+
+glm::dmat4 read_lookat(const XmlElement& element, ReadContext& context) {
   const glm::dvec3 origin = read_triple(element, "origin");
   const glm::dvec3 target = read_triple(element, "target");
   const glm::dvec3 up = read_triple(element, "up");
@@ -98,25 +107,30 @@ glm::dmat4 read_lookat(const XmlElement& element) {
   }
   const glm::dvec3 dir = glm::normalize(toward);
   const double up_length = glm::length(up);
-  const glm::dvec3 side = up_length > 0.0 ? glm::cross(up / up_length, dir) : glm::dvec3(0.0);
+  const std::size_t up_offset = element.find("up")->value_offset;
+  if (!(up_length > 0.0))
+    throw ValueError{up_offset, "\"up\" of <lookat> has length 0; give a direction such as 0,1,0"};
+  glm::dvec3 side = glm::cross(up / up_length, dir);
   if (!(glm::length(side) > kMinUnitVolume)) {
-    throw ValueError{
-        element.find("up")->value_offset,
-        up_length > 0.0
-            ? "\"up\" of <lookat> is parallel to the direction of view; choose another, for example 0,1,0 or 0,0,1"
-            : "\"up\" of <lookat> has length 0; give a direction such as 0,1,0"};
+    const glm::dvec3 other = other_up(dir);
+    side = glm::cross(other, dir);
+    context.diagnostics.warning(
+        context.document.position(up_offset),
+        fmt::format("\"up\" of <lookat> is parallel to the direction of view; {} {} {} is taken instead, write it to "
+                    "keep this picture",
+                    other.x, other.y, other.z));
   }
   const glm::dvec3 left = glm::normalize(side);
   const glm::dvec3 new_up = glm::cross(dir, left);
   return {glm::dvec4(left, 0.0), glm::dvec4(new_up, 0.0), glm::dvec4(dir, 0.0), glm::dvec4(origin, 1.0)};
 }
 
-glm::dmat4 read_operation(const XmlElement& element) {
+glm::dmat4 read_operation(const XmlElement& element, ReadContext& context) {
   if (element.name == "translate") return glm::translate(glm::dmat4(1.0), read_triple(element, "value"));
   if (element.name == "scale") return glm::scale(glm::dmat4(1.0), read_triple(element, "value"));
   if (element.name == "rotate") return read_rotate(element);
   if (element.name == "matrix") return read_matrix(element);
-  return read_lookat(element);
+  return read_lookat(element, context);
 }
 
 struct Operation {
@@ -160,7 +174,7 @@ glm::dmat4 read_transform(const XmlElement& element, ReadContext& context) {
     }
     if (!check_attributes(child, operation->attributes, context)) continue;
     try {
-      const glm::dmat4 m = read_operation(child);
+      const glm::dmat4 m = read_operation(child, context);
       if (!is_finite(m) || unit_volume(m) < kMinUnitVolume) {
         throw ValueError{
             child.offset,

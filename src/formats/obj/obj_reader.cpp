@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <map>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -66,10 +68,63 @@ struct RawMesh {
   std::vector<glm::uvec3> normal_triangles;  ///< as long as position_triangles once a face has normals, else empty
 };
 
+/// Positions or normals whose lines are wrong: an error where a face uses the element, else a warning. Exporters write
+/// `vn nan nan nan` for corners that no face has.
+class BadElements {
+ public:
+  BadElements(const char* what, Diagnostics& diagnostics) : what_(what), diagnostics_(diagnostics) {}
+
+  static constexpr double kMark = std::numeric_limits<double>::quiet_NaN();  ///< x of a bad element
+
+  void add(std::size_t index, const SourcePosition& position, std::string message) {
+    if (kept_.size() < kMaxErrors) kept_.emplace(index, Bad{position, std::move(message)});
+    ++count_;
+  }
+  bool contains(const glm::dvec3& element) const { return count_ > 0 && std::isnan(element.x); }
+
+  /// A face has the element: reports its line. False if that was done before.
+  bool report_used(std::size_t index, const SourcePosition& face) {
+    const auto found = kept_.find(index);
+    if (found == kept_.end()) {
+      // The first time its line is not known any more; every face after the first would say the same.
+      if (std::exchange(reported_unkept_, true) || count_ <= kMaxErrors) return false;
+      diagnostics_.error(face, fmt::format("{} {} of this face could not be read", what_, index + 1));
+      return true;
+    }
+    if (std::exchange(found->second.used, true)) return false;
+    diagnostics_.error(found->second.position, found->second.message);
+    return true;
+  }
+
+  void warn_unused() const {
+    if (count_ == 0) return;
+    const Bad& first = kept_.begin()->second;
+    const std::string others = count_ > 1 ? fmt::format(", nor {} more like it", count_ - 1) : std::string();
+    diagnostics_.warning(first.position,
+                         fmt::format("{}; no face uses this {}{}: left out", first.message, what_, others));
+  }
+
+ private:
+  struct Bad {
+    SourcePosition position;
+    std::string message;
+    bool used = false;
+  };
+  const char* what_;
+  Diagnostics& diagnostics_;
+  std::map<std::size_t, Bad> kept_;  ///< the first few
+  std::size_t count_ = 0;
+  bool reported_unkept_ = false;
+};
+
 class ObjParser {
  public:
   ObjParser(const ByteSource& source, const std::string& file, Diagnostics& diagnostics)
-      : lines_(source, file, ObjLimits::kMaxLine), file_(file), diagnostics_(diagnostics) {}
+      : lines_(source, file, ObjLimits::kMaxLine),
+        file_(file),
+        diagnostics_(diagnostics),
+        bad_positions_("vertex", diagnostics),
+        bad_normals_("normal", diagnostics) {}
 
   /// False after a reported error.
   bool parse() {
@@ -83,10 +138,6 @@ class ObjParser {
       return false;
     }
     if (errors_ > 0) return false;
-    if (mesh_.position_triangles.empty()) {
-      diagnostics_.error({file_, 0, 0}, "the mesh has no faces; export the surface as f lines");
-      return false;
-    }
     warn();
     return true;
   }
@@ -107,14 +158,32 @@ class ObjParser {
       parse_line();
     } catch (const ObjError& error) {
       diagnostics_.error(lines_.position(error.offset), error.message);
-      if (error.last || ++errors_ == kMaxErrors) throw EndOfReading{};
+      if (error.last) throw EndOfReading{};
+      count_error();
+    }
+  }
+
+  void count_error() {
+    if (++errors_ == kMaxErrors) throw EndOfReading{};
+  }
+
+  /// Reads the element that was put at the end of `elements`; when that fails its place is marked and its line kept.
+  template <typename Read>
+  void read_element(std::vector<glm::dvec3>& elements, BadElements& bad, const Read& read) {
+    try {
+      elements.back() = read();
+    } catch (const ObjError& error) {
+      elements.back() = glm::dvec3(BadElements::kMark);
+      bad.add(elements.size() - 1, lines_.position(error.offset), error.message);
     }
   }
 
   void parse_line() {
     Tokens tokens(lines_.line());
-    if (std::exchange(first_line_, false) && lines_.line().starts_with("\xef\xbb\xbf"))
-      tokens = Tokens(lines_.line(), 3);
+    if (std::exchange(first_line_, false)) {
+      if (lines_.line().starts_with("\xef\xbb\xbf")) tokens = Tokens(lines_.line(), 3);
+      if (text::is_lfs_pointer(lines_.line())) throw ObjError{0, text::kLfsPointer, true};
+    }
     const std::string_view keyword = tokens.next();
     if (keyword.empty() || keyword.front() == '#') return;
     if (keyword == "v") return parse_position(tokens);
@@ -159,39 +228,60 @@ class ObjParser {
   void parse_position(Tokens& tokens) {
     check_capacity(mesh_.positions.size(), kMaxVertices, "vertices");
     mesh_.positions.emplace_back(0.0);  // counts even when the line is wrong, or all faces after it would be, too
-    // Three coordinates, then perhaps a weight (for curves only) or a colour, as some exporters write.
-    std::array<double, 8> n{};
-    parse_numbers(tokens, n, 3, 7, "a vertex");
-    const glm::dvec3 p(n[0], n[1], n[2]);
-    const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    if (!(largest <= kMaxCoordinate)) {
-      throw ObjError{0, fmt::format("the vertex lies at {} {} {}; coordinates up to {} are supported", p.x, p.y, p.z,
-                                    kMaxCoordinate)};
-    }
-    mesh_.positions.back() = p;
+    read_element(mesh_.positions, bad_positions_, [&] {
+      // Three coordinates, then perhaps a weight (for curves only) or a colour, as some exporters write.
+      std::array<double, 8> n{};
+      parse_numbers(tokens, n, 3, 7, "a vertex");
+      const glm::dvec3 p(n[0], n[1], n[2]);
+      const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+      if (!(largest <= kMaxCoordinate)) {
+        throw ObjError{0, fmt::format("the vertex lies at {} {} {}; coordinates up to {} are supported", p.x, p.y, p.z,
+                                      kMaxCoordinate)};
+      }
+      return p;
+    });
   }
 
   void parse_normal(Tokens& tokens) {
     check_capacity(mesh_.normals.size(), kMaxVertices, "normals");
     mesh_.normals.emplace_back(0.0);
-    std::array<double, 8> n{};
-    parse_numbers(tokens, n, 3, 3, "a normal");
-    const double largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
-    if (largest > 0.0) mesh_.normals.back() = glm::normalize(glm::dvec3(n[0], n[1], n[2]) / largest);
+    read_element(mesh_.normals, bad_normals_, [&] {
+      std::array<double, 8> n{};
+      parse_numbers(tokens, n, 3, 3, "a normal");
+      const double largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
+      return largest > 0.0 ? glm::normalize(glm::dvec3(n[0], n[1], n[2]) / largest) : glm::dvec3(0.0);
+    });
   }
 
+  /// Nothing uses texture coordinates; they are only counted.
   void parse_texture(Tokens& tokens) {
     check_capacity(textures_, kMaxVertices, "texture coordinates");
     ++textures_;
     std::array<double, 8> n{};
-    parse_numbers(tokens, n, 1, 3, "a texture coordinate");
+    try {
+      parse_numbers(tokens, n, 1, 3, "a texture coordinate");
+    } catch (const ObjError& error) {
+      warn_texture(error);
+    }
+  }
+
+  /// Once a file: nothing is lost.
+  void warn_texture(const ObjError& error) {
+    if (std::exchange(bad_texture_, true)) return;
+    diagnostics_.warning(lines_.position(error.offset),
+                         error.message + "; texture coordinates are ignored, here and further on");
+  }
+
+  static std::int64_t parse_index(std::string_view token, std::size_t offset) {
+    std::int64_t index = 0;
+    const text::NumberError error = text::parse_integer(token, index);
+    if (error != text::NumberError::none) throw ObjError{offset, text::describe(error, token, "an index")};
+    return index;
   }
 
   /// One index of a corner, `count` elements being defined so far: 1-based, or negative from the end.
   static std::uint32_t resolve(std::string_view token, std::size_t offset, std::size_t count, const char* what) {
-    std::int64_t index = 0;
-    const text::NumberError error = text::parse_integer(token, index);
-    if (error != text::NumberError::none) throw ObjError{offset, text::describe(error, token, "an index")};
+    const std::int64_t index = parse_index(token, offset);
     if (index == 0) throw ObjError{offset, fmt::format("index 0 of a {}; indices count from 1", what)};
     const auto defined = static_cast<std::int64_t>(count);
     if (index > defined || index < -defined) {
@@ -201,8 +291,8 @@ class ObjParser {
     return static_cast<std::uint32_t>(index > 0 ? index - 1 : defined + index);
   }
 
-  /// v, v/vt, v//vn or v/vt/vn.
-  Corner parse_corner(std::string_view token, std::size_t offset) const {
+  /// v, v/vt, v//vn or v/vt/vn; what follows v may be empty, as some exporters write: v/, v//, v/vt/.
+  Corner parse_corner(std::string_view token, std::size_t offset) {
     std::array<std::string_view, 3> parts{};
     std::array<std::size_t, 3> offsets{};
     std::size_t count = 0;
@@ -215,15 +305,40 @@ class ObjParser {
       offsets[count] = offset + begin;
       begin = slash + 1;
     }
-    if (parts[0].empty() || (count > 1 && parts[count - 1].empty())) {
+    if (parts[0].empty()) {
       throw ObjError{
           offset, fmt::format("{} is no corner of a face; a corner is v, v/vt, v//vn or v/vt/vn", text::quoted(token))};
     }
     Corner corner;
     corner.position = resolve(parts[0], offsets[0], mesh_.positions.size(), "vertex");
-    if (!parts[1].empty()) resolve(parts[1], offsets[1], textures_, "texture coordinate");
+    if (!parts[1].empty()) check_texture_index(parts[1], offsets[1]);
     if (!parts[2].empty()) corner.normal = resolve(parts[2], offsets[2], mesh_.normals.size(), "normal");
     return corner;
+  }
+
+  void check_texture_index(std::string_view token, std::size_t offset) {
+    if (bad_texture_) return void(parse_index(token, offset));  // the sentence was said
+    try {
+      resolve(token, offset, textures_, "texture coordinate");
+    } catch (const ObjError& error) {
+      parse_index(token, offset);  // what is no index at all stays an error
+      warn_texture(error);
+    }
+  }
+
+  /// False when the face has a vertex or normal that could not be read; then that was reported.
+  bool has_good_elements() {
+    bool good = true;
+    const auto check = [&](BadElements& bad, const std::vector<glm::dvec3>& elements, std::uint32_t index) {
+      if (index == kNone || !bad.contains(elements[index])) return;
+      good = false;
+      if (bad.report_used(index, lines_.position(0))) count_error();
+    };
+    for (const Corner& corner : corners_) {
+      check(bad_positions_, mesh_.positions, corner.position);
+      check(bad_normals_, mesh_.normals, corner.normal);
+    }
+    return good;
   }
 
   void parse_face(Tokens& tokens) {
@@ -237,6 +352,7 @@ class ObjParser {
     }
     if (corners_.size() < 3)
       throw ObjError{0, fmt::format("a face has {} corners; it needs 3 or more", corners_.size())};
+    if (!has_good_elements()) return;
     check_capacity(mesh_.position_triangles.size() + corners_.size() - 3, kMaxTriangles, "triangles");
     if (corners_.size() == 3) return add_triangle({0, 1, 2});
     polygon_.clear();
@@ -264,6 +380,8 @@ class ObjParser {
   }
 
   void warn() const {
+    bad_positions_.warn_unused();
+    bad_normals_.warn_unused();
     if (crossing_ > 0) {
       diagnostics_.warning(
           first_crossing_,
@@ -275,8 +393,10 @@ class ObjParser {
   LineReader lines_;
   const std::string& file_;
   Diagnostics& diagnostics_;
+  BadElements bad_positions_, bad_normals_;
   RawMesh mesh_;
   std::size_t textures_ = 0;
+  bool bad_texture_ = false;
   bool first_line_ = true;
   bool unknown_ = false;
   std::size_t errors_ = 0;

@@ -26,7 +26,9 @@ using ByteSource = std::function<std::size_t(char* buffer, std::size_t capacity)
 /// ignored. Polygons are triangulated,
 /// vertices with several normals are split, vertices no face uses are left out. Where only some faces have normals, the
 /// others get that of their plane. Lines with errors are reported, with line and column, and skipped, up to 20 of them;
-/// then there is no mesh. Warnings are reported too.
+/// then there is no mesh. A vertex or normal that is wrong and that no face uses is a warning, and so is anything wrong
+/// with texture coordinates, which are not used. A file without faces gives a mesh without triangles, not an error:
+/// what that means is up to the caller. Warnings are reported too.
 std::optional<TriangleMesh> read_obj(const std::string& path, Diagnostics& diagnostics);
 /// The same from any source of bytes; `file` is for messages.
 std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file, Diagnostics& diagnostics);
