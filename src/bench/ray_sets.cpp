@@ -208,6 +208,18 @@ CastRay bounce(const Point& point, const dvec3& came_along, Random& random) {
           .t_max = std::numeric_limits<float>::infinity()};
 }
 
+// True when one of the points lies in the tangent plane of the other, or so near to it that rounding decides about the
+// side: the ray may then meet all of that plane or nothing, and no light goes along it. Where lamps stand in one plane,
+// the light of one passes the others in just that plane.
+bool along_surface(const Point& from, const Point& to) {
+  constexpr double kClear = 4.0;  // times what the ends are moved off their surfaces
+  const dvec3 v = to.p - from.p;
+  const double least = kClear * (from.error + to.error);
+  const bool leaves = std::abs(glm::dot(v, from.ng)) > least;
+  const bool arrives = to.ng == dvec3(0.0) || std::abs(glm::dot(v, to.ng)) > least;
+  return !leaves || !arrives;
+}
+
 CastRay shadow(const Point& from, const Point& to) {
   const dvec3 o(glm::vec3(from.toward(to.p - from.p)));
   const dvec3 v = to.toward(from.p - to.p) - o;
@@ -238,7 +250,8 @@ std::vector<RaySet> make_ray_sets(const Scene& scene, RayCaster& caster, const R
     const auto point = placed.hit_point(primary[i], hits[i]);
     if (!point) continue;
     diffuse.push_back(bounce(*point, dvec3(primary[i].d), random));
-    shadows.push_back(shadow(*point, targets.choose(random)));
+    const Point target = targets.choose(random);
+    if (!along_surface(*point, target)) shadows.push_back(shadow(*point, target));
   }
   std::vector<RaySet> sets;
   const auto add = [&](const char* kind, RayQuery query, const std::vector<CastRay>& rays) {

@@ -26,8 +26,8 @@ struct RaySetOptions {
 /// Primary: through the centres of the pixels of a film of the scene's aspect ratio. Diffuse: one cosine-distributed
 /// bounce from the nearest hit of each, on the side the ray came from, whatever the material. Shadow: from the same
 /// hits to points distributed uniformly over the area of all emitters, or over the box of all vertices where there are
-/// none. Each class is there twice, in picture order and shuffled; classes without rays are left out. `caster` finds
-/// the hits.
+/// none; rays in the plane of one of their ends are left out. Each class is there twice, in picture order and shuffled;
+/// classes without rays are left out. `caster` finds the hits.
 std::vector<RaySet> make_ray_sets(const Scene& scene, RayCaster& caster, const RaySetOptions& options);
 
 }  // namespace etendue

@@ -136,6 +136,26 @@ TEST_F(RayCasting, SetsOfAnySizeOneAfterTheOther) {
   }
 }
 
+// Lamps in one plane: light that goes along it is nobody's, and no ray of the bench may.
+TEST_F(RayCasting, TheBenchAcceptsTheDeviceWhereLampsShareAPlane) {
+  using reference::test::quad;
+  Scene scene;
+  for (const double x : {-3.1, -0.03, 2.9, 3.7})
+    add(scene, quad({x - 1.1, 0, 0}, {0.3 + 0.2 * x * x, 0, 0}, {0, 1.9, 0}), diffuse(0.0), glm::dvec3(1.0));
+  add(scene, quad({-5, 0, 0}, {0, 0, 8}, {10, 0, 0}), diffuse(0.5));
+  scene.camera.world_from_camera = reference::test::look_at({0, 1.5, 9}, {0, 0.8, 0}, {0, 1, 0});
+  scene.camera.fov = 50.0;
+  const auto caster = make_gpu_ray_caster(scene, renderer_options());
+  const auto reference = make_reference_ray_caster(scene, caster->placement());
+  for (const RaySet& set : make_ray_sets(scene, *caster, {.count = 40000})) {
+    caster->load(set.rays);
+    caster->cast(set.query);
+    const RayCheck check = check_rays(set, caster->hits(), *reference, set.rays.size());
+    EXPECT_EQ(check.wrong, 0u) << set.name();
+    EXPECT_LE(check.differ, set.rays.size() / 5000) << set.name();
+  }
+}
+
 TEST_F(RayCasting, TheBenchAcceptsTheDevice) {
   Scene scene;
   const glm::dvec3 at(1000.0, -50.0, 3.0);

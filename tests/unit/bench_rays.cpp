@@ -128,6 +128,35 @@ TEST(BenchRays, BouncesFollowTheCosineAndShadowsEndAtTheLamp) {
   EXPECT_GT(occluded, 0u);
 }
 
+// Three lamps in one plane, seen from the front, and a floor when wanted.
+Scene wall_of_lamps(bool floor) {
+  Scene scene;
+  for (const double x : {-3.0, 0.0, 3.0})
+    add(scene, quad({x - 1, 0, 0}, {2, 0, 0}, {0, 2, 0}), diffuse(0.0), glm::dvec3(1.0));
+  if (floor) add(scene, quad({-5, 0, 0}, {0, 0, 8}, {10, 0, 0}), diffuse(0.5));
+  scene.camera.world_from_camera = look_at({0, 1.5, 9}, {0, 0.8, 0}, {0, 1, 0});
+  scene.camera.fov = 50.0;
+  return scene;
+}
+
+TEST(BenchRays, NoShadowRayRunsInThePlaneOfItsEnds) {
+  const Scene scene = wall_of_lamps(true);
+  const Placement placement = place(scene);
+  const auto caster = make_reference_ray_caster(scene, placement);
+  const auto sets = make_ray_sets(scene, *caster, {.count = 20000});
+  const auto &shadows = find(sets, "shadow").rays, &bounces = find(sets, "diffuse").rays;
+  EXPECT_GT(shadows.size(), bounces.size() / 4) << "from the floor";
+  EXPECT_LT(shadows.size(), bounces.size() / 4 * 3) << "not from lamp to lamp";
+  for (const CastRay& ray : shadows) {
+    EXPECT_LT(ray.d.z * ray.t_max, -1e-6f) << "toward the lamps";
+    EXPECT_GT(ray.d.y * ray.t_max, 1e-6f) << "off the floor";
+  }
+  const Scene alone = wall_of_lamps(false);
+  const auto second = make_reference_ray_caster(alone, place(alone));
+  EXPECT_EQ(make_ray_sets(alone, *second, {.count = 20000}).size(), 4u)
+      << "primary and diffuse: no lamp lights another";
+}
+
 TEST(BenchRays, ShuffledRaysAreTheSameRays) {
   const Scene scene = room(false);
   const auto caster = make_reference_ray_caster(scene, place(scene));
