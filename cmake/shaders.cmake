@@ -1,7 +1,5 @@
 # GLSL -> SPIR-V -> a C++ array. Each kernel is compiled with a depfile (an edited include rebuilds what uses it), checked by
 # spirv-val and embedded, so that the installed binary needs no files beside it.
-find_program(GLSLANG_VALIDATOR NAMES glslangValidator glslang REQUIRED)
-find_program(SPIRV_VAL NAMES spirv-val REQUIRED)
 
 # etendue_embed_kernels(TARGET kernel.comp... [SUFFIX _variant] [DEFINES NAME...]): adds `kernels::<name>` spans to TARGET through
 # "kernels.h"; a second build with other defines becomes `kernels::<name>_variant` in "kernels_variant.h".

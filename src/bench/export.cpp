@@ -1,5 +1,6 @@
 #include "bench/export.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -27,7 +28,11 @@ class Bytes {
     static_assert(std::is_trivially_copyable_v<T>);
     append(std::as_bytes(std::span(&value, 1)));
   }
-  void append(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+  void append(std::span<const std::byte> bytes) {
+    const std::size_t end = bytes_.size();
+    bytes_.resize(end + bytes.size());
+    std::ranges::copy(bytes, bytes_.begin() + static_cast<std::ptrdiff_t>(end));
+  }
   void text(const std::string& s) { append(std::as_bytes(std::span(s))); }
   /// Padded with zeros.
   void name(const std::string& s, std::size_t size) {
