@@ -6,8 +6,8 @@
 #            no-tests     no test package can be had: only `./run render` has to work, `./run tests` has to say what is missing
 #   COMMAND  instead of the two commands; it runs in the copy of the sources
 # Needs root, debootstrap and the network. Everything is under ETENDUE_CHROOTS (default: /var/tmp/etendue-chroots): the bare system, which is
-# made once for each release, and a copy for the state, which is made afresh. Packages come from where this machine gets them, Debian's mirror if
-# this machine is none: ETENDUE_MIRROR changes that. ETENDUE_CHROOT_CCACHE=1 lets the copy use this machine's compiler cache.
+# made once for each release, and a copy for the state, which is made afresh. Packages come from where this machine gets Debian's, else from
+# where debootstrap takes them: ETENDUE_MIRROR changes that. ETENDUE_CHROOT_CCACHE=1 lets the copy use this machine's compiler cache.
 set -eu
 release=${1:?usage: bare.sh RELEASE [none|half-gtest|no-tests [COMMAND...]]}
 state=${2:-none}
@@ -24,7 +24,6 @@ die() { say "$*"; exit 1; }
 command -v debootstrap >/dev/null || die 'debootstrap is not installed'
 debian_mirror() { { cat /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null; } | grep -oE 'https?://[^ ]*/debian/?( |$)' | head -n 1 | tr -d ' '; }
 mirror=${ETENDUE_MIRROR:-$(debian_mirror)}
-mirror=${mirror:-http://deb.debian.org/debian}
 
 # The test packages of every release; with a priority below zero apt finds no version of them.
 test_packages='googletest libgtest-dev libgmock-dev google-mock vulkan-validationlayers'
@@ -42,12 +41,12 @@ inside() { chroot "$copy" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root L
 make_bare() {
   say "making a bare $release in $bare"
   mkdir -p "$chroots"
-  debootstrap --variant=minbase "$release" "$bare.new" "$mirror" > "$chroots/debootstrap.log" 2>&1 || {
+  debootstrap --variant=minbase "$release" "$bare.new" ${mirror:+"$mirror"} > "$chroots/debootstrap.log" 2>&1 || {
     tail -n 5 "$chroots/debootstrap.log" >&2
     die "debootstrap failed, see $chroots/debootstrap.log"
   }
   # Proxies and the like: how apt reaches the mirror from here.
-  for file in $(grep -lE '^ *Acquire' /etc/apt/apt.conf.d/* 2>/dev/null); do cp "$file" "$bare.new/etc/apt/apt.conf.d/"; done
+  grep -lE '^ *Acquire' /etc/apt/apt.conf.d/* 2>/dev/null | while read -r file; do cp "$file" "$bare.new/etc/apt/apt.conf.d/"; done
   mv "$bare.new" "$bare"
 }
 

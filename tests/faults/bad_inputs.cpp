@@ -61,8 +61,10 @@ void expect_refused(const BadInput& input) {
     write_text(folder.path() / input.files[i], input.files[i + 1]);
   if (input.prepare) input.prepare(folder.path());
   const auto before = contents(folder.path());
-  const ProcessOptions limits{
-      .environment = {{"NO_COLOR", "1"}}, .memory_limit = kMemory, .cpu_seconds_limit = kCpuSeconds};
+  const ProcessOptions limits{.environment = {{"NO_COLOR", "1"}},
+                              .memory_limit = kMemory,
+                              .cpu_seconds_limit = kCpuSeconds,
+                              .bound_by_permissions = true};
   const ProcessResult result = etendue(input.arguments, folder.path(), limits);
   EXPECT_EQ(result.code, input.code) << result.err << result.out;
   const std::vector<std::string> errors = result.errors();

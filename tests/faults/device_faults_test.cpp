@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 
+#include "private_mount.h"
 #include "render_fixture.h"
 
 namespace etendue::faults {
@@ -157,7 +159,7 @@ class FileFaults : public DeviceFaults {
   bool mount_small(const std::string& name) {
     std::filesystem::create_directories(folder_ / name);
     mounted_ = folder_ / name;
-    if (mount("tmpfs", mounted_.c_str(), "tmpfs", 0, "size=64k") == 0) return true;
+    if (mount_tmpfs(mounted_, "size=64k")) return true;
     mounted_.clear();
     return false;
   }
@@ -169,6 +171,15 @@ class FileFaults : public DeviceFaults {
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       EXPECT_FALSE(entry.path().extension() == ".tmp") << entry.path();
     }
+  }
+  // Renders of hours into folder_/locked, which end at once.
+  void expect_refused_at_once(const std::string& words) const {
+    const ProcessOptions bound{.bound_by_permissions = true};
+    const auto start = std::chrono::steady_clock::now();
+    expect_error(run(render({"--spp", "10000000", "-o", "locked/x.exr"}), bound), 6, words);
+    expect_error(run(render({"--spp", "10000000", "--checkpoint", "locked/ck.exr", "-o", "x.exr"}), bound), 6, words);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+    EXPECT_EQ(read_text(folder_ / "locked/x.exr"), "old");
   }
   std::filesystem::path mounted_;
 };
@@ -197,27 +208,19 @@ TEST_F(FileFaults, AFullDiskUnderTheCheckpointKeepsTheLastOne) {
 }
 
 TEST_F(FileFaults, AReadOnlyFolderIsReportedBeforeTheRender) {
-  std::string words = "Permission denied";
-  if (geteuid() == 0) {
-    // Permissions do not stop root; a read-only file system does.
-    if (!mount_small("locked")) GTEST_SKIP() << "mounting a tmpfs is not allowed here: " << std::strerror(errno);
-    write_text(mounted_ / "x.exr", "old");
-    ASSERT_EQ(mount("tmpfs", mounted_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, "size=64k"), 0);
-    words = "Read-only file system";
-  } else {
-    std::filesystem::create_directories(folder_ / "locked");
-    write_text(folder_ / "locked/x.exr", "old");
-    std::filesystem::permissions(folder_ / "locked",
-                                 std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
-  }
-  const auto start = std::chrono::steady_clock::now();
-  expect_error(run(render({"--spp", "10000000", "-o", "locked/x.exr"})), 6, words);
-  expect_error(run(render({"--spp", "10000000", "--checkpoint", "locked/ck.exr", "-o", "x.exr"})), 6, words);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
-  EXPECT_EQ(read_text(folder_ / "locked/x.exr"), "old");
-  std::error_code read_only;
-  std::filesystem::permissions(folder_ / "locked", std::filesystem::perms::owner_all,
-                               std::filesystem::perm_options::add, read_only);
+  using std::filesystem::perms;
+  std::filesystem::create_directories(folder_ / "locked");
+  write_text(folder_ / "locked/x.exr", "old");
+  std::filesystem::permissions(folder_ / "locked", perms::owner_read | perms::owner_exec);
+  expect_refused_at_once("Permission denied");
+  std::filesystem::permissions(folder_ / "locked", perms::owner_all);
+}
+
+TEST_F(FileFaults, AReadOnlyFileSystemIsReportedBeforeTheRender) {
+  if (!mount_small("locked")) GTEST_SKIP() << "mounting a tmpfs is not allowed here: " << std::strerror(errno);
+  write_text(mounted_ / "x.exr", "old");
+  ASSERT_EQ(mount("tmpfs", mounted_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, "size=64k"), 0);
+  expect_refused_at_once("Read-only file system");
 }
 
 TEST_F(FileFaults, AFileSizeLimitIsAFileError) {

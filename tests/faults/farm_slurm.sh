@@ -7,7 +7,6 @@ source=$2
 for program in munged slurmctld slurmd sbatch sinfo; do
   PATH=$PATH:/usr/sbin command -v $program >/dev/null || { echo "skipped: $program is not installed (packages munge slurmctld slurmd slurm-client)"; exit 77; }
 done
-[ "$(id -u)" -eq 0 ] || { echo 'skipped: slurmd needs root'; exit 77; }
 PATH=$PATH:/usr/sbin
 
 folder=$(mktemp -d /tmp/etendue-slurm-XXXXXX)
@@ -31,7 +30,8 @@ port=$((20000 + RANDOM % 20000))
 cat > "$folder/slurm.conf" <<CONF
 ClusterName=etendue
 SlurmctldHost=$host(127.0.0.1)
-SlurmUser=root
+SlurmUser=$(id -un)
+SlurmdUser=$(id -un)
 AuthType=auth/munge
 AuthInfo=socket=$folder/munge.socket
 CredType=cred/munge

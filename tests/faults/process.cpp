@@ -1,8 +1,10 @@
 #include "process.h"
 
 #include <fcntl.h>
+#include <linux/capability.h>
 #include <signal.h>
 #include <sys/ioctl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -39,6 +41,9 @@ void limit_resource(Resource resource, std::uint64_t value) {
   limit_resource(RLIMIT_FSIZE, options.file_size_limit);
   limit_resource(RLIMIT_AS, options.memory_limit);
   limit_resource(RLIMIT_CPU, options.cpu_seconds_limit);
+  if (options.bound_by_permissions && geteuid() == 0 &&
+      (prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE) != 0 || prctl(PR_CAPBSET_DROP, CAP_DAC_READ_SEARCH) != 0))
+    _exit(126);
   execve(argv[0], argv, envp);
   _exit(127);
 }

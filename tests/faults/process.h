@@ -27,6 +27,7 @@ struct ProcessOptions {
   bool close_out = false, close_err = false;       ///< started without the stream
   bool owns_terminal = false;                      ///< stderr is a terminal, and the controlling one of the process
   bool ignores_hangup = false;                     ///< as under nohup
+  bool bound_by_permissions = false;               ///< even root may only do what the permissions of files allow
 };
 
 class Process {
