@@ -26,7 +26,7 @@ FOR_EACH_FEW(FEW_VALUES_OF)
 struct Nearest {
   float t;
   uint slot;   // of its record; kNone for none
-  uint order;  // its number in the scene; 0 for none, so that nothing at t itself precedes it
+  uint order;  // its Primitive::kind, which numbers the primitives of the scene; 0 for none, so that nothing at t itself precedes it
 };
 
 bool is_sphere(Primitive prim) { return kHasSpheres && (prim.kind & kPrimitiveKindMask) == kPrimitiveSphere; }
@@ -63,7 +63,7 @@ bool intersect_triangle(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out
   const vec3 c = p2 - rf.ray.o;
   const vec3 weights = triangle_weights(rf, a, b, c);
   t = dot(weights, vec3(dot(rf.ray.d, a), dot(rf.ray.d, b), dot(rf.ray.d, c)));
-  return weights.x >= 0.0 && weights.y >= 0.0 && weights.z >= 0.0 && t > rf.ray.t_min && t <= t_max;
+  return weights.x >= 0.0 && weights.y >= 0.0 && weights.z >= 0.0 && t > rf.ray.t_min && t < t_max;
 }
 
 // Nearest intersection beyond t_min; the quadratic is solved about the point of the ray nearest to the centre, which keeps its precision
@@ -80,19 +80,19 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
   const float near = min(t0, q);
   const float far = max(t0, q);
   t = near > ray.t_min ? near : far;
-  return discriminant >= 0.0 && t > ray.t_min && t <= t_max;
+  return discriminant >= 0.0 && t > ray.t_min && t < t_max;
 }
 
 // Tests a primitive record and takes it when it is nearer, or as near and earlier in the scene: which of two coincident surfaces is seen must not
 // depend on the order of the walk.
 bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Nearest nearest) {
   const Primitive prim = to_primitive(record);
+  // For one that comes earlier the next float after t, so that t itself lies below it.
+  const float reach = uintBitsToFloat(floatBitsToUint(nearest.t) + uint(prim.kind < nearest.order));
   float t;
-  bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, nearest.t, t);
-  if (is_sphere(prim)) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, nearest.t, t);
-  const uint order = prim.kind >> kPrimitiveOrderShift;
-  found = found && (t < nearest.t || order < nearest.order);
-  nearest = Nearest(found ? t : nearest.t, found ? slot : nearest.slot, found ? order : nearest.order);
+  bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, reach, t);
+  if (is_sphere(prim)) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, reach, t);
+  nearest = Nearest(found ? t : nearest.t, found ? slot : nearest.slot, found ? prim.kind : nearest.order);
   return found;
 }
 
@@ -106,7 +106,6 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Nearest ne
     } else {                                                                                                              \
       found = intersect_triangle(rf, FEW_VALUES(i), nearest.t, t);                                                        \
     }                                                                                                                     \
-    found = found && t < nearest.t;                                                                                       \
     nearest.t = found ? t : nearest.t;                                                                                    \
     nearest.slot = found ? i * kPrimitiveSlots : nearest.slot;                                                            \
   }

@@ -70,7 +70,7 @@ void test_few_primitives(inout Walk walk) {
   if (!kHasFew || walk.current != kBeforeTree) return;
   PROFILE(profile_step(0u, kFewCount));
   walk.nearest = intersect_few_primitives(walk.rf);
-  if (kTreeRoot != kNone && walk_found(walk)) walk.nearest.order = fetch_record(walk.nearest.slot).c.w >> kPrimitiveOrderShift;
+  if (kTreeRoot != kNone && walk_found(walk)) walk.nearest.order = fetch_record(walk.nearest.slot).c.w;
   walk.current = walk.any_hit && walk_found(walk) ? kNone : kTreeRoot;
 }
 

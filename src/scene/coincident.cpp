@@ -24,11 +24,28 @@ constexpr std::size_t kMaxPairs = std::size_t{1} << 22;
 constexpr double kNormalStep = 3.1e-5;
 constexpr double kOffsetStep = 2.7e-7;
 
+/// More than so many instances are not compared box by box.
+constexpr std::size_t kManyInstances = 2000;
+
 /// Where a triangle lies: its plane in steps, whichever way it faces, and its interval along an axis of that plane.
 struct Face {
   std::array<std::int64_t, 4> plane{};
   double lower = 0.0, upper = 0.0;
   std::uint32_t instance = 0, triangle = 0;
+};
+
+struct Bounds {
+  glm::dvec3 lower{std::numeric_limits<double>::infinity()};
+  glm::dvec3 upper{-std::numeric_limits<double>::infinity()};
+
+  void add(const glm::dvec3& p) {
+    lower = glm::min(lower, p);
+    upper = glm::max(upper, p);
+  }
+  bool meets(const Bounds& b, double margin) const {
+    return glm::all(glm::lessThanEqual(lower, b.upper + margin)) &&
+           glm::all(glm::lessThanEqual(b.lower, upper + margin));
+  }
 };
 
 class Finder {
@@ -52,26 +69,43 @@ class Finder {
   }
 
  private:
-  /// The largest coordinate, which offsets of planes are measured by.
+  /// The boxes of all meshes, and the largest coordinate, which offsets of planes are measured by.
   void measure() {
     for (const Instance& instance : scene_.instances) {
+      Bounds& box = boxes_.emplace_back();
       const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
       if (mesh == nullptr) continue;
       const PlacedMesh placed(*mesh, instance);
-      for (std::uint32_t i = 0; i < mesh->positions.size(); ++i) {
-        const glm::dvec3 p = glm::abs(placed.position(i));
-        size_ = std::max({size_, p.x, p.y, p.z});
-      }
+      for (std::uint32_t i = 0; i < mesh->positions.size(); ++i) box.add(placed.position(i));
+      const glm::dvec3 farthest = glm::max(glm::abs(box.lower), glm::abs(box.upper));
+      if (!mesh->positions.empty()) size_ = std::max({size_, farthest.x, farthest.y, farthest.z});
     }
+  }
+
+  /// The boxes of other meshes that meet that of this one.
+  std::vector<Bounds> neighbours(std::uint32_t index) const {
+    std::vector<Bounds> found;
+    for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
+      if (i != index && boxes_[i].meets(boxes_[index], size_ * kOffsetStep)) found.push_back(boxes_[i]);
+    }
+    return found;
   }
 
   void add_faces(std::uint32_t index) {
     const Instance& instance = scene_.instances[index];
     const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
     if (mesh == nullptr) return;
+    // Most meshes meet few others, and of a large one few triangles can lie in one of theirs.
+    const bool many = boxes_.size() > kManyInstances;
+    const std::vector<Bounds> others = many ? std::vector<Bounds>() : neighbours(index);
+    if (!many && others.empty()) return;
     const PlacedMesh placed(*mesh, instance);
     for (std::size_t t = 0; t < placed.triangle_count(); ++t) {
       const auto [a, b, c] = placed.triangle(t);
+      Bounds box;
+      for (const glm::dvec3& p : {a, b, c}) box.add(p);
+      const auto meets = [&](const Bounds& other) { return other.meets(box, size_ * kOffsetStep); };
+      if (!many && std::none_of(others.begin(), others.end(), meets)) continue;
       glm::dvec3 n = glm::cross(b - a, c - a);
       const double length = glm::length(n);
       if (!(length > 0.0)) continue;
@@ -151,6 +185,7 @@ class Finder {
   const Scene& scene_;
   Diagnostics& sink_;
   double size_ = 1e-300;
+  std::vector<Bounds> boxes_;  ///< of the instances; empty boxes for what is no mesh
   std::vector<Face> faces_;
   std::size_t pairs_ = 0;
   std::set<std::pair<std::uint32_t, std::uint32_t>> reported_;

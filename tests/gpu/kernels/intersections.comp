@@ -19,6 +19,5 @@ void main() {
     found = intersect_triangle(rf, c.p0, c.p1, c.p2, c.t_max, t);
     weights = triangle_weights(rf, c.p0 - c.o, c.p1 - c.o, c.p2 - c.o);
   }
-  found = found && t < c.t_max;  // at t_max itself the caller decides
   outputs[lane()] = IntersectAnswer(found ? 1u : 0u, t, weights.y, weights.z);
 }
