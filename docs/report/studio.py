@@ -90,7 +90,7 @@ class Studio:
                environment=None):
         """Renders scene (a path, or a name in scenes/) to <scratch>/<name>.exr and .png."""
         path = self.scratch / f"{name}.exr"
-        command = ["render", self.scene(scene), "-q", "--json", "--seed", seed, "-o", path, "-o", path.with_suffix(".png")]
+        command = ["render", self.scene(scene), "--force", "-q", "--json", "--seed", seed, "-o", path, "-o", path.with_suffix(".png")]
         command += ["--spp", spp] if spp else []
         command += ["--size", f"{size[0]}x{size[1]}"] if size else []
         command += ["--samples", f"{samples[0]}:{samples[1]}"] if samples else []

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "core/printable.h"
 #include "core/version.h"
 
 namespace etendue {
@@ -84,7 +85,8 @@ Json json(const SceneReport& s) {
 }
 
 std::string scene_table(const SceneReport& s) {
-  std::string out = fmt::format("\n{}: {} triangles, {} spheres\n", s.name, s.triangles, s.spheres);
+  std::string out = fmt::format("\n{}: {} triangles, {} spheres\n", text::printable(s.name, text::kLongestLine),
+                                s.triangles, s.spheres);
   if (s.compile.count > 0) {
     out += fmt::format("  {:<20} {:>26}\n", "tree etc., ms", text(s.compile, 1e-3));
     out += fmt::format("  {:<20} {:>26}\n", "upload, ms", text(s.upload, 1e-3));

@@ -115,9 +115,9 @@ ExitCode run_bench(const Options& options) {
                      .repetitions = repetitions};
   for (const auto& scene : benches) report.scenes.push_back(scene->report());
   if (options.json) {
-    print_result("{}\n", bench_json(report).dump(2));
+    print_json(bench_json(report));
   } else {
-    print_result("{}", bench_table(report));
+    print_text(bench_table(report));
   }
   if (report.passed()) return ExitCode::ok;
   log::error("Rays hit something else than in the reference; the rates above are worth nothing.");

@@ -4,6 +4,7 @@
 #include "cli/command.h"
 #include "cli/results.h"
 #include "core/json.h"
+#include "core/printable.h"
 #include "validate/scene_probe.h"
 
 namespace etendue::cli {
@@ -47,14 +48,14 @@ ExitCode check_files(const Options& options) {
                        {"column", d.position.column},
                        {"message", d.message}});
       } else {
-        print_result("{}: {}\n", severity_name(d.severity), to_string(d));
+        print_result("{}: {}\n", severity_name(d.severity), text::printable(to_string(d), text::kLongestLine));
       }
     }
     if (options.json) continue;
     if (diagnostics.dropped() > 0) print_result("{} more findings are not listed\n", diagnostics.dropped());
-    if (!diagnostics.has_errors()) print_result("{}: ok\n", file);
+    if (!diagnostics.has_errors()) print_result("{}: ok\n", text::printable(file, text::kLongestLine));
   }
-  if (options.json) print_result("{}\n", out.dump(2));
+  if (options.json) print_json(out);
   return code;
 }
 

@@ -48,7 +48,7 @@ ExitCode run_files(const Options& options) {
       std::fflush(stdout);
     }
   }
-  if (options.json) print_result("{}\n", out.dump(2));
+  if (options.json) print_json(out);
   OutputWriter files;
   write_text(files, options.junit, [&] { return junit_xml("chi2", cases); });
   files.finish();
@@ -67,6 +67,8 @@ void add_chi2_command(Command& app, Action& action) {
       ->capture_default_str();
   command->add_option("--samples", options->test.sample_count, "samples per test instead of the file's sampleCount")
       ->check(positive());
+  command->add_flag("--allow-untested", options->test.allow_untested,
+                    "exit 0 even if a test could not be made for want of samples");
   command->add_flag("--json", options->json, "machine-readable output");
   command->add_option("--junit", options->junit, "write the results as JUnit XML to this file");
   command->callback([&action, options] { action = [options] { return run_files(*options); }; });

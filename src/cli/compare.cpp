@@ -1,6 +1,7 @@
 #include "validate/compare.h"
 
-#include <cstdio>
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include <fmt/core.h>
@@ -8,6 +9,9 @@
 #include "cli/command.h"
 #include "cli/result_files.h"
 #include "cli/results.h"
+#include "core/errors.h"
+#include "core/memory.h"
+#include "image/picture_header.h"
 #include "validate/html_report.h"
 
 namespace etendue::cli {
@@ -18,19 +22,43 @@ struct Options {
   std::vector<std::string> above, below;
   double significance = 0.01;
   bool no_flip = false;
+  bool allow_untested = false;
   ResultFiles files;
 };
+
+/// Both pictures are held as a whole, and one file while it is unpacked. Better said than found out by the system,
+/// which would end the program, or another one.
+void check_memory(const Options& options, const PictureHeader& header) {
+  constexpr std::uint64_t kPixelBytes = 28;  // color, standard error, sample count
+  std::error_code error;
+  const auto size = [&](const std::string& path) { return std::uint64_t{std::filesystem::file_size(path, error)}; };
+  const std::uint64_t files = std::max(size(options.test), size(options.reference));
+  const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
+  const std::uint64_t needed = 2 * kPixelBytes * pixels + (error ? 0 : files), available = available_memory();
+  if (needed <= available) return;
+  throw Error(
+      ExitCode::device_lost,
+      fmt::format("Comparing two pictures of {}x{} pixels takes {:.1f} GB of memory, and {:.1f} GB are available; "
+                  "compare smaller pictures, or on another machine.",
+                  header.width, header.height, 1e-9 * static_cast<double>(needed),
+                  1e-9 * static_cast<double>(available)));
+}
 
 ExitCode run_compare(const Options& options) {
   options.files.check();
   CompareOptions compare;
   compare.significance = options.significance;
   compare.metrics.flip = !options.no_flip;
+  compare.allow_untested = options.allow_untested;
   for (const std::string& text : options.above) compare.limits.push_back(parse_limit(text, true));
   for (const std::string& text : options.below) compare.limits.push_back(parse_limit(text, false));
+  // Before gigabytes are unpacked from a small file: pictures of different sizes cannot be compared.
+  const PictureHeader a = read_picture_header(options.test), b = read_picture_header(options.reference);
+  require_same_size(a.width, a.height, b.width, b.height);
+  check_memory(options, a);
   const Image test = read_image(options.test), reference = read_image(options.reference);
   const Comparison comparison = compare_images(test, options.test, reference, options.reference, compare);
-  print_result("{}", comparison_text(comparison));
+  print_text(comparison_text(comparison));
   OutputWriter files;
   write_text(files, options.files.json, [&] { return json_text(comparison_json(comparison)); });
   write_text(files, options.files.junit, [&] { return junit_xml("compare", {comparison_junit(comparison)}); });
@@ -53,6 +81,8 @@ void add_compare_command(Command& app, Action& action) {
       ->check(in_range(1e-12, 0.5))
       ->capture_default_str();
   command->add_flag("--no-flip", options->no_flip, "leave out FLIP and HDR-FLIP, which take most of the time");
+  command->add_flag("--allow-untested", options->allow_untested,
+                    "exit 0 even if the pictures differ where no test of the difference could be made");
   options->files.add_to(*command, true);
   command->callback([&action, options] { action = [options] { return run_compare(*options); }; });
 }

@@ -29,7 +29,7 @@ ExitCode list(bool json) {
     }
   }
   if (json) {
-    print_result("{}\n", out.dump(2));
+    print_json(out);
   } else {
     print_result("reference  double-precision CPU reference\n");
   }

@@ -8,6 +8,7 @@
 #include "cli/results.h"
 #include "cli/units.h"
 #include "core/json.h"
+#include "core/printable.h"
 
 namespace etendue::cli {
 namespace {
@@ -95,18 +96,18 @@ void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Option
   if (options.json) {
     auto vertices = Json::array();
     for (const PathVertex& vertex : path) vertices.push_back(to_json(vertex));
-    print_result("{}\n", Json{{"scene", options.scene_file},
-                              {"device", renderer.device_name()},
-                              {"seed", options.seed},
-                              {"x", x},
-                              {"y", y},
-                              {"sample", id.sample},
-                              {"vertices", vertices}}
-                             .dump(2));
+    print_json(Json{{"scene", options.scene_file},
+                    {"device", renderer.device_name()},
+                    {"seed", options.seed},
+                    {"x", x},
+                    {"y", y},
+                    {"sample", id.sample},
+                    {"vertices", vertices}});
     return;
   }
-  print_result("{} on {}, seed {}: pixel ({}, {}), sample {}\n", options.scene_file, renderer.device_name(),
-               options.seed, x, y, id.sample);
+  print_result("{} on {}, seed {}: pixel ({}, {}), sample {}\n",
+               text::printable(options.scene_file, text::kLongestLine), renderer.device_name(), options.seed, x, y,
+               id.sample);
   print_result("{:>7}  {:<16} {:<16} {:<8} {:<13} {:<8}  radiance gathered so far\n", "segment", "meets", "light",
                "reached", "lobe", "survives");
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -155,17 +156,17 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
                         {"share", share(light.chosen, tally.light_samples)},
                         {"reached", light.reached}});
     }
-    print_result("{}\n", Json{{"scene", options.scene_file},
-                              {"device", renderer.device_name()},
-                              {"seed", options.seed},
-                              {"paths", tally.paths},
-                              {"lightSamples", tally.light_samples},
-                              {"lights", lights}}
-                             .dump(2));
+    print_json(Json{{"scene", options.scene_file},
+                    {"device", renderer.device_name()},
+                    {"seed", options.seed},
+                    {"paths", tally.paths},
+                    {"lightSamples", tally.light_samples},
+                    {"lights", lights}});
     return;
   }
-  print_result("{} on {}, seed {}: {} light samples of {} paths\n", options.scene_file, renderer.device_name(),
-               options.seed, tally.light_samples, tally.paths);
+  print_result("{} on {}, seed {}: {} light samples of {} paths\n",
+               text::printable(options.scene_file, text::kLongestLine), renderer.device_name(), options.seed,
+               tally.light_samples, tally.paths);
   print_result("{:<13} {:>10} {:>8} {:>10}\n", "light", "chosen", "share", "unhidden");
   for (const auto& [instance, light] : tally.lights) {
     print_result("instance {:<4} {:>10} {:>6.2f} % {:>8.2f} %\n", instance, light.chosen,

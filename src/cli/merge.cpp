@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 #include "cli/command.h"
 #include "cli/outputs.h"
+#include "cli/overwrite.h"
 #include "cli/results.h"
 #include "core/json.h"
 #include "core/log.h"
+#include "core/printable.h"
 
 namespace etendue::cli {
 namespace {
@@ -17,13 +19,15 @@ struct Options {
   bool picture = false;
   bool quiet = false;
   bool json = false;
+  OverwriteOptions overwrite;
 };
 
 // Films count samples; where the sampler deals out sets of paths, a sample is a set.
 std::string samples_text(const FilmFile& film, std::uint64_t count) {
   const auto sampler = film.metadata.find("sampler");
-  return sampler == film.metadata.end() ? fmt::format("{} spp", count)
-                                        : fmt::format("{} sets of paths a pixel ({})", count, sampler->second);
+  return sampler == film.metadata.end()
+             ? fmt::format("{} spp", count)
+             : fmt::format("{} sets of paths a pixel ({})", count, text::printable(sampler->second, 60));
 }
 
 // Outputs are different files, and none of them is a picture in place of a film that is read: its sums would be lost.
@@ -44,6 +48,10 @@ ExitCode merge(const Options& options) {
   const FilmFile film = merge_films(options.films);
   if (film.samples.empty())
     throw Error(ExitCode::file_error, "None of the films holds a sample; there is nothing to write.");
+  for (const std::string& path : options.outputs) {
+    const std::string note = check_replaceable(path, {header_of(film), !options.picture}, options.overwrite);
+    if (!note.empty() && !options.quiet) log::info(note);
+  }
   OutputWriter writer;
   for (const std::string& path : options.outputs)
     writer.write(path, [&] { write_output(path, film, !options.picture); });
@@ -51,15 +59,14 @@ ExitCode merge(const Options& options) {
   const std::uint64_t count = sample_count(film.samples);
   const std::uint64_t gaps = film.samples.back().second - count;
   if (options.json) {
-    print_result("{}\n", Json({{"outputs", writer.written()},
-                               {"films", options.films.size()},
-                               {"samples", count},
-                               {"missing", gaps},
-                               {"metadata", film_metadata(film)}})
-                             .dump(2));
+    print_json(Json({{"outputs", writer.written()},
+                     {"films", options.films.size()},
+                     {"samples", count},
+                     {"missing", gaps},
+                     {"metadata", film_metadata(film)}}));
   } else if (!options.quiet && !writer.written().empty()) {
     log::info(fmt::format("Merged {} films: {}, samples {}{}; wrote {}.", options.films.size(),
-                          samples_text(film, count), etendue::to_text(film.samples),
+                          samples_text(film, count), text::printable(etendue::to_text(film.samples), 200),
                           gaps > 0 ? fmt::format(" ({} of 0:{} are missing)", gaps, film.samples.back().second) : "",
                           fmt::join(writer.written(), " and ")));
   }
@@ -79,6 +86,7 @@ void add_merge_command(Command& app, Action& action) {
       ->allow_extra_args(false);
   command->add_flag("--picture", options->picture,
                     "write .exr files as plain pictures, which are smaller but cannot be merged or resumed");
+  options->overwrite.add_to(*command);
   command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--json", options->json, "print what was done as JSON");
   command->callback([&action, options] { action = [options] { return merge(*options); }; });

@@ -30,7 +30,7 @@ ExitCode run(const Options& options) {
   };
   const MutateReport report = run_mutate(test);
   if (log::stderr_is_terminal()) log::put("\r\033[K");
-  print_result("{}", options.markdown ? mutate_markdown(report) : mutate_text(report));
+  print_text(options.markdown ? mutate_markdown(report) : mutate_text(report));
   OutputWriter files;
   write_text(files, options.files.json, [&] { return json_text(mutate_json(report)); });
   write_text(files, options.files.junit, [&] { return junit_xml("mutate", mutate_junit(report)); });

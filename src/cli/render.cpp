@@ -1,10 +1,12 @@
 #include <chrono>
+#include <cmath>
 #include <limits>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include "cli/command.h"
 #include "cli/outputs.h"
+#include "cli/overwrite.h"
 #include "cli/progress.h"
 #include "cli/render_stats.h"
 #include "cli/results.h"
@@ -15,6 +17,7 @@
 #include "core/version.h"
 #include "gpu/gpu_renderer.h"
 #include "render/session.h"
+#include "render/stopping.h"
 
 namespace etendue::cli {
 namespace {
@@ -37,6 +40,7 @@ struct Options {
   bool json = false;
   bool stats = false;
   std::vector<std::string> heat_maps;  ///< .exr and .png
+  OverwriteOptions overwrite;
 };
 
 bool uses_gpu(const Options& options) {
@@ -51,7 +55,7 @@ std::string integrator_text(const Scene& scene) {
 }
 
 // What every film of this render agrees on. Nothing in a file depends on the time or the place of the run.
-FilmHeader identity(const Scene& scene, std::uint32_t seed) {
+FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
   FilmHeader header{.width = scene.camera.width,
                     .height = scene.camera.height,
                     .exponent = film_exponent(scene),
@@ -172,11 +176,19 @@ struct Outcome {
   OutputWriter files;
 };
 
+// A render that went on to its last sample for want of certainty says so.
+std::string missed_error_text(const Film& film, const std::string& wanted) {
+  const double error = stopping_error(film);
+  return std::isinf(error)
+             ? fmt::format(", all of them: no error is known yet, --until-error {} was not reached", wanted)
+             : fmt::format(", all of them, with an error of {:.3g} % for --until-error {}", 100.0 * error, wanted);
+}
+
 std::string reason_text(const Outcome& outcome, const RenderJob& job, const Options& options, std::uint32_t set_size) {
   const std::uint64_t total = job.total() * set_size;
   switch (outcome.end) {
     case SessionEnd::complete:
-      return "";
+      return options.until_error.empty() ? "" : missed_error_text(job.state().film, options.until_error);
     case SessionEnd::time:
       return fmt::format(" of {}, stopped by --time {}", total, options.time);
     case SessionEnd::error:
@@ -219,7 +231,7 @@ void report(const Outcome& outcome, const RenderJob& job, const Options& options
             const DeviceTeam& team) {
   const std::uint32_t set_size = plan.session.set_size;
   if (options.json) {
-    print_result("{}\n", to_json(outcome, job, options, plan, team).dump(2));
+    print_json(to_json(outcome, job, options, plan, team));
   } else if (!options.quiet) {
     const Film& film = job.state().film;
     const double rate =
@@ -231,7 +243,7 @@ void report(const Outcome& outcome, const RenderJob& job, const Options& options
                           written.empty() ? "nothing" : fmt::format("{}", fmt::join(written, " and "))));
   }
   if (outcome.profile && options.stats && !options.json)
-    print_result("{}", stats_text(*outcome.profile, gpu_timings(*team.renderers().front())));
+    print_text(stats_text(*outcome.profile, gpu_timings(*team.renderers().front())));
 }
 
 // Statistics and heat maps are counted afterwards, on the first device and a few samples: the render pays nothing.
@@ -301,6 +313,20 @@ ExitCode run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const
   return outcome.end == SessionEnd::interrupted ? ExitCode::interrupted : ExitCode::ok;
 }
 
+// Before the render, not after it: what stands where pictures are to go and is worth more than they will be.
+void check_outputs(const Options& options, const Plan& plan, const FilmHeader& wanted) {
+  FilmHeader heat = wanted;
+  heat.samples.clear();
+  std::vector<std::string> notes;
+  for (const std::string& path : plan.outputs)
+    notes.push_back(check_replaceable(path, {wanted, plan.film}, options.overwrite));
+  for (const std::string& path : options.heat_maps)
+    notes.push_back(check_replaceable(path, {heat, false}, options.overwrite));
+  for (const std::string& note : notes) {
+    if (!note.empty() && !options.quiet) log::info(note);
+  }
+}
+
 ExitCode render(const Options& options) {
   Plan plan = make_plan(options, Clock::now());
   SignalWatch signals(options.quiet);
@@ -313,9 +339,12 @@ ExitCode render(const Options& options) {
   plan.outputs = output_paths(options, scene);
   plan.session.set_size = scene.sampler.set_size();
   const SampleRange wanted = wanted_samples(options, scene);
-  RenderJob job(identity(scene, options.seed), {{wanted.begin, wanted.end}});
+  FilmHeader identity = film_identity(scene, options.seed);
+  RenderJob job(identity, {{wanted.begin, wanted.end}});
   if (!options.resume.empty()) job.resume(read_film(options.resume), options.resume);
+  identity.samples = {{wanted.begin, wanted.end}};
   check_files(plan, options);
+  check_outputs(options, plan, identity);
   Checkpoint checkpoint(options.checkpoint, job);
 
   const SharedScene shared(scene);  // compiled once for all devices, and for those that are opened afresh
@@ -381,6 +410,7 @@ void add_render_command(Command& app, Action& action) {
                    "what the pixels cost: nodes, primitives and rays per sample as .exr, false colours as .png; may be "
                    "repeated")
       ->allow_extra_args(false);
+  options->overwrite.add_to(*command);
   command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--json", options->json, "print what was done as JSON");
   command->footer(

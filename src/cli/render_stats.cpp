@@ -97,8 +97,10 @@ Image heat_values(const RenderProfile& p) {
   return {.width = p.width,
           .height = p.height,
           .pixels = p.visits,
-          .metadata = {{"channels", "R: nodes, G: primitives, B: rays, per sample"},
-                       {"samples", std::to_string(p.samples)}}};
+          .metadata = {{"software", "Etendue"},
+                       {"content", "heat map"},
+                       {"channels", "R: nodes, G: primitives, B: rays, per sample"},
+                       {"heatMapSamples", std::to_string(p.samples)}}};
 }
 
 Image heat_colors(const RenderProfile& p, float& white) {
@@ -108,7 +110,7 @@ Image heat_colors(const RenderProfile& p, float& white) {
   const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() - 1 - sorted.size() / 200);
   std::ranges::nth_element(sorted, high);
   white = std::max(*high, 1.0f);
-  Image image{.width = p.width, .height = p.height};
+  Image image{.width = p.width, .height = p.height, .metadata = {{"software", "Etendue"}, {"content", "heat map"}}};
   for (const float v : visits) image.pixels.push_back(ramp(v / white));
   return image;
 }

@@ -6,17 +6,26 @@
 #include <iostream>
 
 #include "core/errors.h"
+#include "core/printable.h"
 
 namespace etendue::cli {
 namespace {
 
 int g_error = 0;  // errno of the first write that failed
 
+void write(std::string_view bytes) {
+  errno = 0;
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size() && g_error == 0) g_error = errno;
+}
+
 }  // namespace
 
 void print_text(std::string_view text) {
-  errno = 0;
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() && g_error == 0) g_error = errno;
+  write(text::printable_lines(text));
+}
+
+void print_json(const Json& json) {
+  write(json.dump(2) + "\n");
 }
 
 void finish_results() {

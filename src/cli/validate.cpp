@@ -37,7 +37,7 @@ ExitCode run_validate(const Options& options) {
                             : options.require == "rounding" ? Verdict::rounding_only
                                                             : Verdict::statistically_equal;
   const Validation validation = validate_scene(*scene, options.device.factory(), reference.factory(), validate);
-  print_result("{}", validation_text(validation));
+  print_text(validation_text(validation));
   OutputWriter files;
   write_text(files, options.files.json, [&] { return json_text(validation_json(validation)); });
   write_text(files, options.files.junit, [&] { return junit_xml("validate", {validation_junit(validation)}); });
@@ -72,6 +72,8 @@ void add_validate_command(Command& app, Action& action) {
   command->add_option("--require", options->require, "worst verdict that exits 0: identical, rounding or statistical")
       ->check(one_of({"identical", "rounding", "statistical"}))
       ->capture_default_str();
+  command->add_flag("--allow-untested", options->validate.allow_untested,
+                    "exit 0 even if the pictures differ where no test of the difference could be made");
   command->add_flag("--no-flip", options->no_flip, "leave FLIP out of the HTML report");
   options->files.add_to(*command, true);
   command->callback([&action, options] { action = [options] { return run_validate(*options); }; });

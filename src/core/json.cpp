@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "core/printable.h"
 
 namespace etendue {
 
@@ -60,8 +63,38 @@ void Json::push_back(Json element) {
   std::get<Array>(value_).push_back(std::move(element));
 }
 
+namespace {
+
+/// The character of 1 to 3 bytes at `s[i]`, as \\uXXXX.
+std::string escaped(const std::string& s, std::size_t i, std::size_t length) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned>(static_cast<unsigned char>(s[i + k])); };
+  const unsigned code = length == 1   ? byte(0)
+                        : length == 2 ? (byte(0) & 0x1f) << 6 | (byte(1) & 0x3f)
+                                      : (byte(0) & 0x0f) << 12 | (byte(1) & 0x3f) << 6 | (byte(2) & 0x3f);
+  return fmt::format("\\u{:04x}", code);
+}
+
+/// Escapes what the library leaves as it is and a terminal obeys: DEL, C1 and the controls of bidirectional text. They
+/// can only stand inside strings, so the value is the same.
+std::string without_controls(const std::string& json) {
+  std::string out;
+  out.reserve(json.size());
+  for (std::size_t i = 0; i < json.size();) {
+    const std::size_t length = std::max<std::size_t>(text::utf8_length(json, i), 1);
+    if (json[i] != '\n' && text::is_control(json, i, length)) {
+      out += escaped(json, i, length);
+    } else {
+      out.append(json, i, length);
+    }
+    i += length;
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string Json::dump(int indent) const {
-  return JsonWriter()(*this).dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
+  return without_controls(JsonWriter()(*this).dump(indent, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 }  // namespace etendue

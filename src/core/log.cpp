@@ -12,6 +12,8 @@
 
 #include <fmt/core.h>
 
+#include "core/printable.h"
+
 namespace etendue::log {
 namespace {
 
@@ -39,7 +41,8 @@ void write(Level level, const char* label, const char* color, std::string_view s
   try {
     const bool colored = use_color();
     // One call per message, so that lines of several threads do not mix.
-    put(fmt::format("{}{}{}{}\n", colored ? color : "", label, colored ? "\x1b[0m" : "", sentence));
+    put(fmt::format("{}{}{}{}\n", colored ? color : "", label, colored ? "\x1b[0m" : "",
+                    text::printable(sentence, text::kLongestLine)));
   } catch (...) {  // no memory for the whole line
     put(sentence);
     put("\n");

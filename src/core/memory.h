@@ -1,6 +1,7 @@
 #pragma once
-/// Memory given back before its owner ends.
+/// Memory given back before its owner ends, and how much there is.
 
+#include <cstdint>
 #include <vector>
 
 namespace etendue {
@@ -10,5 +11,9 @@ template <typename T>
 void release(std::vector<T>& vector) {
   std::vector<T>().swap(vector);
 }
+
+/// Bytes of this machine that can be used without others having to give way; the largest number where the system does
+/// not say.
+std::uint64_t available_memory();
 
 }  // namespace etendue

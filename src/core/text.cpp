@@ -114,45 +114,6 @@ bool is_lfs_pointer(std::string_view beginning) {
   return beginning.starts_with("version https://git-lfs.");
 }
 
-std::size_t utf8_length(std::string_view s, std::size_t i) {
-  const auto byte = [&](std::size_t k) { return k < s.size() ? static_cast<unsigned char>(s[k]) : 0u; };
-  const unsigned lead = byte(i);
-  if (lead < 0x80) return 1;
-  const std::size_t length = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
-  if (lead < 0xc2 || lead > 0xf4) return 0;
-  for (std::size_t k = 1; k < length; ++k) {
-    if ((byte(i + k) & 0xc0) != 0x80) return 0;
-  }
-  const unsigned second = byte(i + 1);
-  const bool bad = (lead == 0xe0 && second < 0xa0) || (lead == 0xed && second > 0x9f) ||
-                   (lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second > 0x8f);
-  return bad ? 0 : length;
-}
-
-std::string quoted(std::string_view s) {
-  constexpr std::size_t kMaxShown = 40;
-  std::string shown = "\"";
-  std::size_t characters = 0;
-  for (std::size_t i = 0; i < s.size(); ++characters) {
-    if (characters == kMaxShown) {
-      shown += "…";
-      break;
-    }
-    const std::size_t length = utf8_length(s, i);
-    const auto c = static_cast<unsigned char>(s[i]);
-    // C1 control characters (U+0080…U+009F) can drive a terminal just as C0 can.
-    const bool control =
-        c < 0x20 || c == 0x7f || (c == 0xc2 && length == 2 && static_cast<unsigned char>(s[i + 1]) < 0xa0);
-    if (length == 0 || control) {
-      shown += "�";
-    } else {
-      shown += s.substr(i, length);
-    }
-    i += std::max<std::size_t>(length, 1);
-  }
-  return shown + '"';
-}
-
 namespace {
 
 /// Number of insertions, deletions, substitutions and swaps of neighbours (optimal string alignment) between two short

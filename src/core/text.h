@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/printable.h"
+
 namespace etendue::text {
 
 enum class NumberError { none, not_a_number, not_finite, too_large };
@@ -24,13 +26,6 @@ std::string describe(NumberError error, std::string_view token, const char* kind
 bool is_blank(char c);
 std::string_view trim(std::string_view s);
 bool equal_ignoring_case(std::string_view a, std::string_view b);
-
-/// A piece of the user's text for a message: in double quotes, shortened to 40 characters, with control characters and
-/// bytes that are not UTF-8 replaced, so that a hostile file cannot write to the terminal.
-std::string quoted(std::string_view s);
-
-/// Byte length of the UTF-8 sequence at `s[i]`, or 0 if it is malformed (overlong, surrogate, out of range, truncated).
-std::size_t utf8_length(std::string_view s, std::size_t i);
 
 /// True for the few lines that stand for a large file in a repository with Git LFS until the file itself is fetched.
 bool is_lfs_pointer(std::string_view beginning);

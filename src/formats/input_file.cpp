@@ -10,14 +10,20 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 
 namespace etendue {
+namespace {
 
-InputFile::InputFile(const std::string& path) : path_(path) {
+constexpr std::size_t kMostShown = 300;  // of a name that a scene may make as long as it likes
+
+}  // namespace
+
+InputFile::InputFile(const std::string& path) : path_(text::printable(path, kMostShown)) {
   // O_NONBLOCK lets open() return at once for a FIFO, which is then refused by its kind.
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor_ < 0) {
-    throw Error(ExitCode::scene_error, fmt::format("{}: cannot open the file: {}", path, std::strerror(errno)));
+    throw Error(ExitCode::scene_error, fmt::format("{}: cannot open the file: {}", path_, std::strerror(errno)));
   }
   struct stat info {};
   const bool known = ::fstat(descriptor_, &info) == 0;
@@ -27,7 +33,7 @@ InputFile::InputFile(const std::string& path) : path_(path) {
   }
   ::close(descriptor_);
   const char* kind = known && S_ISDIR(info.st_mode) ? "a folder" : "not a regular file (a pipe, socket or device)";
-  throw Error(ExitCode::scene_error, fmt::format("{}: this is {}; give the path of a regular file", path, kind));
+  throw Error(ExitCode::scene_error, fmt::format("{}: this is {}; give the path of a regular file", path_, kind));
 }
 
 InputFile::~InputFile() {

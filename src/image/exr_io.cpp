@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <filesystem>
 #include <mutex>
 
 #include <Iex.h>
@@ -19,6 +20,8 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/printable.h"
+#include "image/files.h"
 
 namespace etendue {
 namespace {
@@ -182,6 +185,25 @@ Imf::Header read_exr_header(std::span<const std::byte> bytes, const std::string&
   return header;
 }
 
+Imf::Header load_exr_header(const std::string& path) {
+  // Headers are short; one that fills the first piece is tried again with a longer one.
+  constexpr std::uint64_t kLongest = 1 << 24;
+  for (std::uint64_t limit = 1 << 16;; limit *= 16) {
+    const std::vector<std::byte> bytes = read_file(path, limit);
+    try {
+      Imf::Header header = read_exr_header(bytes, path);
+      check_exr_size(header, std::filesystem::file_size(path), path);
+      return header;
+    } catch (const Error&) {
+      if (bytes.size() < limit || limit == kLongest) throw;
+    }
+  }
+}
+
+bool is_film(const Imf::Header& header) {
+  return header.find(kFormatAttribute) != header.end() || header.find(kChecksumAttribute) != header.end();
+}
+
 void check_exr_size(const Imf::Header& header, std::uint64_t file_size, const std::string& path) {
   const Imath::Box2i& window = header.dataWindow();
   const std::uint64_t width = static_cast<std::uint64_t>(window.max.x - window.min.x) + 1;
@@ -202,7 +224,7 @@ Imf::Header make_exr_header(std::uint32_t width, std::uint32_t height, const Met
     const std::string name = attribute_name(key);
     if (key.empty() || name.size() > 255 || name.find('\0') != std::string::npos ||
         header.find(name.c_str()) != header.end()) {
-      fail(path, fmt::format("\"{}\" cannot be the name of a header attribute", key));
+      fail(path, fmt::format("{} cannot be the name of a header attribute", text::quoted(key)));
     }
     header.insert(name, Imf::StringAttribute(value));
   }

@@ -19,6 +19,8 @@ namespace etendue {
 
 /// Text attribute that only film files have; never part of the metadata.
 inline constexpr const char* kChecksumAttribute = "filmChecksum";
+/// Integer attribute that only film files have: the version of their layout.
+inline constexpr const char* kFormatAttribute = "filmFormat";
 
 class MemoryOStream : public Imf::OStream {
  public:
@@ -61,6 +63,12 @@ std::vector<ExrAttribute> exr_attributes(std::span<const std::byte> bytes, const
 /// The header, checked: attributes lie inside the bytes, the sizes are within the limits above. Throws
 /// Error(file_error).
 Imf::Header read_exr_header(std::span<const std::byte> bytes, const std::string& path);
+
+/// The same of a file, of which only the first bytes are read; checked against the size of the file.
+Imf::Header load_exr_header(const std::string& path);
+
+/// Whether the header is that of a film file, valid or not.
+bool is_film(const Imf::Header& header);
 
 /// Throws Error(file_error) unless a file of `file_size` bytes can hold the pixels its header announces.
 void check_exr_size(const Imf::Header& header, std::uint64_t file_size, const std::string& path);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <filesystem>
 #include <map>
 #include <new>
 #include <optional>
@@ -18,6 +17,7 @@
 #include <xxhash.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 #include "image/exr_io.h"
 #include "image/files.h"
 
@@ -25,7 +25,6 @@ namespace etendue {
 namespace {
 
 constexpr int kFilmFormat = 1;
-constexpr const char* kFormatAttribute = "filmFormat";
 constexpr const char* kExponentAttribute = "filmExponent";
 constexpr std::size_t kChecksumDigits = 32;
 constexpr std::array<char, 3> kColors = {'R', 'G', 'B'};
@@ -106,15 +105,16 @@ std::string file_checksum(std::span<const std::byte> bytes, const ExrAttribute& 
 /// Throws unless every pixel has seen exactly the samples of the ranges.
 void check_counts(const FilmFile& file, const std::string& path) {
   if (!is_canonical(file.samples)) {
-    fail(path, fmt::format("its sample ranges \"{}\" are not sorted, disjoint and joined", to_text(file.samples)));
+    fail(path,
+         fmt::format("its sample ranges {} are not sorted, disjoint and joined", text::quoted(to_text(file.samples))));
   }
   const std::uint64_t expected = sample_count(file.samples);
   const auto& pixels = file.film.pixels();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const std::uint64_t seen = std::uint64_t{pixels[i].count} + pixels[i].rejected;
     if (seen != expected) {
-      fail(path, fmt::format("pixel ({}, {}) has {} samples, but the sample ranges \"{}\" hold {}",
-                             i % file.film.width(), i / file.film.width(), seen, to_text(file.samples), expected));
+      fail(path, fmt::format("pixel ({}, {}) has {} samples, but the sample ranges {} hold {}", i % file.film.width(),
+                             i / file.film.width(), seen, text::quoted(to_text(file.samples)), expected));
     }
   }
 }
@@ -141,7 +141,8 @@ FilmHeader film_header(const Imf::Header& header, const std::string& path) {
   if (samples == film.metadata.end()) fail(path, "holds no film: its header has no text \"samples\"");
   const std::optional<SampleRanges> ranges = parse_sample_ranges(samples->second);
   if (!ranges)
-    fail(path, fmt::format("has the sample ranges \"{}\"; expected sorted ones like 0:64,128:192", samples->second));
+    fail(path, fmt::format("has the sample ranges {}; expected sorted ones like 0:64,128:192",
+                           text::quoted(samples->second)));
   film.samples = *ranges;
   const Imath::Box2i& window = header.dataWindow();
   if (window.min.x != 0 || window.min.y != 0) fail(path, "holds no film: its data window does not begin at (0, 0)");
@@ -165,8 +166,8 @@ void check_channels(const Imf::ChannelList& channels, const std::string& path) {
     const auto expected = known.find(channel.name());
     const Imf::Channel& c = channel.channel();
     if (expected == known.end() || c.type != expected->second || c.xSampling != 1 || c.ySampling != 1) {
-      fail(path,
-           fmt::format("holds no film: channel {} does not belong into one or has the wrong type", channel.name()));
+      fail(path, fmt::format("holds no film: channel {} does not belong into one or has the wrong type",
+                             text::quoted(channel.name())));
     }
   }
 }
@@ -174,7 +175,7 @@ void check_channels(const Imf::ChannelList& channels, const std::string& path) {
 std::vector<std::byte> encode_film(const Film& film, const Metadata& metadata, const std::string& path) {
   Imf::Header header = make_exr_header(film.width(), film.height(), metadata, path);
   for (const char* name : {kFormatAttribute, kExponentAttribute, kChecksumAttribute}) {
-    if (metadata.contains(name)) fail(path, fmt::format("\"{}\" cannot be metadata of a film", name));
+    if (metadata.contains(name)) fail(path, fmt::format("{} cannot be metadata of a film", text::quoted(name)));
   }
   header.insert(kFormatAttribute, Imf::IntAttribute(kFilmFormat));
   header.insert(kExponentAttribute, Imf::IntAttribute(film.exponent()));
@@ -219,30 +220,35 @@ void write_film(const std::string& path, const FilmFile& file) {
 }
 
 FilmHeader read_film_header(const std::string& path) {
-  // Headers are short; one that fills the first piece is tried again with a longer one.
-  constexpr std::uint64_t kLongest = 1 << 24;
-  for (std::uint64_t limit = 1 << 16;; limit *= 16) {
-    const std::vector<std::byte> bytes = read_file(path, limit);
-    try {
-      const Imf::Header header = read_exr_header(bytes, path);
-      check_exr_size(header, std::filesystem::file_size(path), path);
-      return film_header(header, path);
-    } catch (const Error&) {
-      if (bytes.size() < limit || limit == kLongest) throw;
-    }
-  }
+  return film_header(load_exr_header(path), path);
 }
 
-FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, bool verify) {
-  if (!is_exr(bytes)) fail(path, "holds no film: it is not an EXR file");
+namespace {
+
+ExrAttribute checksum_of_film(std::span<const std::byte> bytes, const std::string& path) {
   const std::optional<ExrAttribute> attribute = find_checksum(bytes, path);
   if (!attribute)
     fail(path, fmt::format("holds no film: its header has no \"{}\"; pictures cannot be merged or resumed",
                            kChecksumAttribute));
-  const std::string stored(reinterpret_cast<const char*>(bytes.data()) + attribute->offset, kChecksumDigits);
-  if (const std::string actual = file_checksum(bytes, *attribute); verify && actual != stored) {
+  return *attribute;
+}
+
+void verify_checksum(std::span<const std::byte> bytes, const ExrAttribute& attribute, const std::string& path) {
+  const std::string stored(reinterpret_cast<const char*>(bytes.data()) + attribute.offset, kChecksumDigits);
+  if (const std::string actual = file_checksum(bytes, attribute); actual != stored)
     fail(path, fmt::format("is truncated or was changed: its checksum is {}, but it says {}", actual, stored));
-  }
+}
+
+}  // namespace
+
+void verify_film(std::span<const std::byte> bytes, const std::string& path) {
+  if (is_film(read_exr_header(bytes, path))) verify_checksum(bytes, checksum_of_film(bytes, path), path);
+}
+
+FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, bool verify) {
+  if (!is_exr(bytes)) fail(path, "holds no film: it is not an EXR file");
+  const ExrAttribute checksum = checksum_of_film(bytes, path);
+  if (verify) verify_checksum(bytes, checksum, path);
   const Imf::Header header = read_exr_header(bytes, path);
   FilmHeader described = film_header(header, path);
   check_channels(header.channels(), path);

@@ -43,7 +43,11 @@ Image read_image(const std::string& path) {
   try {
     // The kind first: gigabytes of something else need not be read.
     const std::vector<std::byte> head = read_file(path, 8);
-    if (is_exr(head)) return decode_exr_image(read_whole_image(path), path);
+    if (is_exr(head)) {
+      const std::vector<std::byte> bytes = read_whole_image(path);
+      verify_film(bytes, path);
+      return decode_exr_image(bytes, path);
+    }
     if (is_png(head)) return decode_png(read_whole_image(path), path);
   } catch (const std::bad_alloc&) {
     throw Error(ExitCode::file_error, fmt::format("{}: is too large for the memory of this machine", path));

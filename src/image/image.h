@@ -32,7 +32,8 @@ struct Image {
 Image image_from_film(const Film& film, Metadata metadata);
 
 /// Reads EXR (float or half R,G,B or Y; StdErr.* and SampleCount when present) or PNG (sRGB decoded to linear), by
-/// content. Throws Error(file_error) with the path and the reason; never returns a partly read image.
+/// content. Throws Error(file_error) with the path and the reason; never returns a partly read image, nor the picture
+/// of a film file that does not match its checksum.
 Image read_image(const std::string& path);
 
 /// Float32 EXR with R G B, StdErr.R/G/B and SampleCount (when known) and the metadata as string attributes. Written

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 
 namespace etendue {
 namespace {
@@ -33,7 +34,8 @@ struct Shard {
 
 std::string value_of(const Metadata& metadata, const std::string& key) {
   const auto found = metadata.find(key);
-  return found != metadata.end() ? fmt::format("\"{}\"", found->second) : "none";
+  constexpr std::size_t kMostShown = 120;  // an integrator with all its settings
+  return found != metadata.end() ? fmt::format("\"{}\"", text::printable(found->second, kMostShown)) : "none";
 }
 
 [[noreturn]] void refuse(const std::string& a_name, const std::string& b_name, const char* what,
@@ -171,6 +173,13 @@ void check_same_render(const FilmHeader& a, const std::string& a_name, const Fil
   if (a.exponent != b.exponent) {
     refuse(a_name, b_name, "film exponents", std::to_string(a.exponent), std::to_string(b.exponent));
   }
+}
+
+bool same_samples(const Metadata& a, const Metadata& b) {
+  return std::all_of(kIdentity.begin(), kIdentity.end(), [&](const IdentityKey& identity) {
+    const auto in_a = a.find(identity.key), in_b = b.find(identity.key);
+    return in_a != a.end() && in_b != b.end() && in_a->second == in_b->second;
+  });
 }
 
 FilmHeader merge_headers(const FilmHeader& a, const FilmHeader& b) {

@@ -13,6 +13,10 @@ namespace etendue {
 /// "sceneHash", "seed" and "integrator". The sentence names the difference and both values.
 void check_same_render(const FilmHeader& a, const std::string& a_name, const FilmHeader& b, const std::string& b_name);
 
+/// Whether both metadata name the same "version", "sceneHash", "seed" and "integrator": samples of the same indices are
+/// then the same samples, if the sizes are equal too.
+bool same_samples(const Metadata& a, const Metadata& b);
+
 /// The header of two films of one render put together: samples and metadata as merge_films gives them, "samples" and
 /// "rejected" as film_metadata will set them. Throws like merge_films.
 FilmHeader merge_headers(const FilmHeader& a, const FilmHeader& b);

@@ -167,14 +167,14 @@ Metadata png_metadata(png_structp png, png_infop info) {
   return metadata;
 }
 
-/// Whether no chunk announces more than the file holds. libpng reserves what a chunk announces before it reads it, up
-/// to 2 GiB, and only warns about its own limit.
-bool chunks_fit(std::span<const std::byte> bytes) {
+/// Whether no chunk before the one called `last` announces more than the bytes hold. libpng reserves what a chunk
+/// announces before it reads it, up to 2 GiB, and only warns about its own limit.
+bool chunks_fit(std::span<const std::byte> bytes, const char* last) {
   const auto at = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]); };
   for (std::size_t begin = 8; bytes.size() >= begin + 8;) {
     const std::size_t length = at(begin) << 24 | at(begin + 1) << 16 | at(begin + 2) << 8 | at(begin + 3);
+    if (std::memcmp(&bytes[begin + 4], last, 4) == 0) break;
     if (length > bytes.size() - begin - 8) return false;
-    if (std::memcmp(&bytes[begin + 4], "IEND", 4) == 0) break;
     begin += length + 12;
   }
   return true;
@@ -238,6 +238,17 @@ bool is_png(std::span<const std::byte> bytes) {
   return bytes.size() >= 8 && png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes.data()), 0, 8) == 0;
 }
 
+PictureHeader decode_png_header(std::span<const std::byte> bytes, const std::string& path) {
+  PngState state;
+  state.input = bytes;
+  PngReader reader(state);
+  if (!chunks_fit(bytes, "IDAT") || !read_info(reader.png, reader.info, state))
+    throw Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file, or one with very long texts", path));
+  return {.width = png_get_image_width(reader.png, reader.info),
+          .height = png_get_image_height(reader.png, reader.info),
+          .metadata = png_metadata(reader.png, reader.info)};
+}
+
 Image decode_png(std::span<const std::byte> bytes, const std::string& path) {
   PngState state;
   state.input = bytes;
@@ -245,7 +256,7 @@ Image decode_png(std::span<const std::byte> bytes, const std::string& path) {
   const auto damaged = [&] {
     return Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file: {}", path, state.message.data()));
   };
-  if (is_png(bytes) && !chunks_fit(bytes)) {
+  if (is_png(bytes) && !chunks_fit(bytes, "IEND")) {
     throw Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file: a chunk is longer than the file", path));
   }
   if (!read_info(reader.png, reader.info, state)) throw damaged();

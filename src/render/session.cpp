@@ -87,7 +87,7 @@ bool Session::time_is_up() const {
 
 bool Session::good_enough() const {
   return options_.max_error && is_error_check(job_.done(), first_error_check(options_.set_size)) &&
-         relative_standard_error(job_.state().film) <= *options_.max_error;
+         stopping_error(job_.state().film) <= *options_.max_error;
 }
 
 void Session::try_checkpoint() {

@@ -15,7 +15,7 @@ namespace etendue {
 struct SessionOptions {
   double checkpoint_seconds = 60.0;    ///< between two checkpoints
   std::optional<double> time_seconds;  ///< stop in time, counted from `start`
-  std::optional<double> max_error;     ///< stop when relative_standard_error is at most this
+  std::optional<double> max_error;     ///< stop when stopping_error is at most this
   std::uint32_t set_size = 1;          ///< paths of a film sample, see Sampler::set_size
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 };

@@ -19,9 +19,17 @@ double relative_standard_error(const Film& film) {
       sum += image.pixels[i][c];
     }
   }
-  if (squares == 0.0) return 0.0;
+  if (sum == 0.0) return std::numeric_limits<double>::infinity();
   const double n = 3.0 * static_cast<double>(image.pixels.size());
   return std::sqrt(squares / n) / std::abs(sum / n);
+}
+
+double stopping_error(const Film& film) {
+  std::uint32_t fewest = std::numeric_limits<std::uint32_t>::max();
+  for (const FilmPixel& pixel : film.pixels()) fewest = std::min(fewest, pixel.count);
+  if (film.pixels().empty() || fewest < 2) return std::numeric_limits<double>::infinity();
+  const double unseen = kUnseenBrightness * std::sqrt(3.0 / static_cast<double>(film.pixels().size())) / fewest;
+  return std::hypot(relative_standard_error(film), unseen);
 }
 
 std::uint64_t next_error_check(std::uint64_t count, std::uint64_t first) {

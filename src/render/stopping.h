@@ -8,9 +8,19 @@
 namespace etendue {
 
 /// Root mean square of the standard error over pixels and channels, divided by the mean pixel value of the film: the
-/// noise as a fraction of the image's brightness. 0 for a film without light, infinity while a pixel has fewer than two
-/// samples.
+/// noise as a fraction of the image's brightness. Infinite for a film without light, of which nothing is known yet, and
+/// while a pixel has fewer than two samples.
 double relative_standard_error(const Film& film);
+
+/// How bright, as a multiple of the mean of the picture, light may be that no sample has met yet.
+inline constexpr double kUnseenBrightness = 100.0;
+/// What a render is stopped by: relative_standard_error, and with it, in the root of the squares, what the samples
+/// cannot know. Light that none of N pixels with n samples each has met comes with at most 3 in N · n samples
+/// (confidence 0.95) [Hanley1983]; if it is kUnseenBrightness times as bright as the picture, its share of the error is
+/// kUnseenBrightness · √(3/N) / n. So a start that shows no light, the same light in all samples, or light from a part
+/// of the scene only does not pass for a finished picture, while a picture whose noise is all seen pays next to
+/// nothing: that share falls with n, the noise with √n.
+double stopping_error(const Film& film);
 
 /// Sample counts at which the error is looked at: 16, 24, 32, 48, 64, 96, … They are fixed, so that where a render
 /// stops depends on its samples only, not on time, devices or interruptions; and early looks, where the error is itself

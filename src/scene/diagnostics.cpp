@@ -5,17 +5,20 @@
 #include <fmt/format.h>
 
 #include "core/log.h"
+#include "core/printable.h"
 
 namespace etendue {
 
 std::string to_string(const SourcePosition& position) {
-  if (position.line == 0) return position.file;
-  return fmt::format("{}:{}:{}", position.file, position.line, position.column);
+  constexpr std::size_t kMostShown = 300;
+  const std::string file = text::printable(position.file, kMostShown);
+  return position.line == 0 ? file : fmt::format("{}:{}:{}", file, position.line, position.column);
 }
 
 std::string to_string(const Diagnostic& diagnostic) {
   const std::string place = to_string(diagnostic.position);
-  return place.empty() ? diagnostic.message : place + ": " + diagnostic.message;
+  const std::string message = text::printable(diagnostic.message, text::kLongestLine);
+  return place.empty() ? message : place + ": " + message;
 }
 
 void Diagnostics::add(Diagnostic diagnostic) {

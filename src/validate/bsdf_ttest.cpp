@@ -73,7 +73,7 @@ TTestReport run_bsdf_ttest(const TTest& test, const std::string& file, const Bsd
       SceneTTest result = test_albedo(*probe, angle, test.references[index], count,
                                       options.seed + static_cast<std::uint32_t>(index), options.tail_samples);
       result.name = fmt::format("{}, {:g}°", bsdf.name, angle);
-      result.passed = result.rejected == 0 && result.test.p_value >= report.test_level;
+      judge_ttest(result, report.test_level, options.allow_untested);
       report.scenes.push_back(std::move(result));
     }
   }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 #include "reference/material_probe.h"
 #include "validate/closed_form.h"
 #include "validate/sphere_quadrature.h"
@@ -161,6 +162,13 @@ dvec3 incident_direction(const Bsdf& bsdf, std::uint32_t seed) {
   return spherical_direction(behind ? -cosine : cosine, phi);
 }
 
+std::string verdict_of(const BsdfChi2& t) {
+  if (!t.tested)
+    return fmt::format("{}: {} samples do not fill two cells", t.passed ? "not tested, allowed" : "NOT TESTED",
+                       t.samples);
+  return fmt::format("{}{}", t.passed ? "passed" : "FAILED", t.fault.empty() ? "" : ": " + t.fault);
+}
+
 std::string direction_text(const dvec3& d) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", d.x, d.y, d.z);
 }
@@ -195,7 +203,8 @@ BsdfChi2 test_bsdf(BsdfProbe& probe, const Bsdf& bsdf, const dvec3& wo, const Ch
   result.delta_error = histogram.delta_error();
   if (result.delta_error > kRounding)
     result.fault = fmt::format("a delta sample differs from its closed form by {:.3g}", result.delta_error);
-  result.passed = result.fault.empty() && result.test.p_value >= level;
+  result.tested = !result.fault.empty() || result.test.p_value < level || result.test.made;
+  result.passed = result.tested && result.fault.empty() && result.test.p_value >= level;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
@@ -222,6 +231,7 @@ Chi2Report run_chi2(const Chi2Test& test, const std::string& file, const BsdfPro
       const dvec3 wo = incident_direction(bsdf.bsdf, seed);
       BsdfChi2 result = test_bsdf(*probe, bsdf.bsdf, wo, test, samples, seed, report.test_level);
       result.name = fmt::format("{}, wo {}", bsdf.name, direction_text(wo));
+      result.passed = result.passed || (!result.tested && options.allow_untested);
       report.tests.push_back(std::move(result));
     }
   }
@@ -229,19 +239,21 @@ Chi2Report run_chi2(const Chi2Test& test, const std::string& file, const BsdfPro
 }
 
 std::string chi2_table(const Chi2Report& report) {
-  std::string out = fmt::format("{} on {} ({}), seed {}\n", report.file, report.device, report.driver, report.seed);
+  std::string out = fmt::format("{} on {} ({}), seed {}\n", text::printable(report.file, text::kLongestLine),
+                                report.device, report.driver, report.seed);
   out += fmt::format("{:<38} {:>10} {:>6} {:>6} {:>10} {:>10} {:>9}  verdict\n", "material", "samples", "cells",
                      "pooled", "chi2", "p", "pdf sum");
-  std::size_t passed = 0;
+  std::size_t passed = 0, untested = 0;
   for (const BsdfChi2& t : report.tests) {
-    passed += t.passed;
-    out += fmt::format("{:<38} {:>10} {:>6} {:>6} {:>10.4g} {:>10.4g} {:>9.6g}  {}{}\n", t.name, t.samples,
-                       t.test.cells, t.test.pooled, t.test.statistic, t.test.p_value, t.pdf_integral,
-                       t.passed ? "passed" : "FAILED", t.fault.empty() ? "" : ": " + t.fault);
+    passed += t.passed && t.tested;
+    untested += !t.tested;
+    out += fmt::format("{:<38} {:>10} {:>6} {:>6} {:>10.4g} {:>10.4g} {:>9.6g}  {}\n", t.name, t.samples, t.test.cells,
+                       t.test.pooled, t.test.statistic, t.test.p_value, t.pdf_integral, verdict_of(t));
   }
-  return out + fmt::format("{}: {} of {} passed; false-alarm rate of the file {:.4g}, of one test {:.4g} (Šidák)\n",
+  return out + fmt::format("{}: {} of {} passed{}; false-alarm rate of the file {:.4g}, of one test {:.4g} (Šidák)\n",
                            report.passed() ? "passed" : "FAILED", passed, report.tests.size(),
-                           report.significance_level, report.test_level);
+                           untested > 0 ? fmt::format(", {} not tested", untested) : "", report.significance_level,
+                           report.test_level);
 }
 
 Json chi2_json(const Chi2Report& report) {
@@ -263,6 +275,7 @@ Json chi2_json(const Chi2Report& report) {
                      {"deltaError", t.delta_error},
                      {"fault", t.fault},
                      {"seconds", t.seconds},
+                     {"tested", t.tested},
                      {"passed", t.passed}});
   }
   return {{"file", report.file},
@@ -282,9 +295,11 @@ std::vector<JunitCase> chi2_junit(const Chi2Report& report) {
     c.name = report.file + ": " + t.name;
     c.seconds = t.seconds;
     c.failed = !t.passed;
-    c.message = t.fault.empty() ? fmt::format("chi2 = {:.5g} with {} degrees of freedom, p = {:.3g} < {:.3g}",
-                                              t.test.statistic, t.test.dof, t.test.p_value, report.test_level)
-                                : t.fault;
+    c.skipped = t.passed && !t.tested;
+    c.message = !t.tested         ? verdict_of(t)
+                : t.fault.empty() ? fmt::format("chi2 = {:.5g} with {} degrees of freedom, p = {:.3g} < {:.3g}",
+                                                t.test.statistic, t.test.dof, t.test.p_value, report.test_level)
+                                  : t.fault;
     c.details = fmt::format("n = {}, cells = {}, chi2 = {:.6g}, p = {:.5g}, integral of the pdf = {:.7g}", t.samples,
                             t.test.cells, t.test.statistic, t.test.p_value, t.pdf_integral);
     cases.push_back(std::move(c));

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 
 namespace etendue {
 namespace {
@@ -72,12 +73,41 @@ void note_dependence(const Image& test, const Image& reference, Comparison& c) {
   }
 }
 
+/// What is computed: FLIP of large pictures takes minutes, so it is left out, with a note, unless a limit asks for it.
+MetricOptions metrics_wanted(const CompareOptions& options, std::size_t pixels, std::vector<std::string>& notes) {
+  const auto limited = [&](const char* metric) {
+    return std::ranges::any_of(options.limits, [&](const Limit& limit) { return limit.metric == metric; });
+  };
+  MetricOptions wanted = options.metrics;
+  if (wanted.flip && pixels > kMostFlipPixels) {
+    wanted.flip = wanted.hdr_flip = false;
+    notes.push_back(fmt::format("FLIP is left out: it takes minutes for {} megapixels; --fail-above flip=… computes it",
+                                pixels >> 20));
+  } else if (wanted.flip && pixels > kMostHdrFlipPixels) {
+    wanted.hdr_flip = false;
+    notes.push_back(fmt::format(
+        "HDR-FLIP is left out: it takes long for {} megapixels; --fail-above hdrflip=… computes it", pixels >> 20));
+  }
+  if (limited("hdrflip")) wanted.flip = wanted.hdr_flip = true;
+  if (limited("flip")) wanted.flip = true;
+  return wanted;
+}
+
 Verdict judge(const Image& test, const Image& reference, const Comparison& c) {
   // A NaN is never equal, not even to itself: it is an error in the picture.
   if (c.metrics.non_finite_test + c.metrics.non_finite_reference > 0) return Verdict::different;
   if (test.pixels == reference.pixels) return Verdict::identical;
   if (!c.tests) return Verdict::untested;
-  return c.tests->passed() ? Verdict::statistically_equal : Verdict::different;
+  if (!c.tests->passed()) return Verdict::different;
+  return c.tests->made() ? Verdict::statistically_equal : Verdict::untested;
+}
+
+std::string reason_for_no_test(const Image& test, const Image& reference, const Comparison& c) {
+  if (c.verdict != Verdict::untested) return "";
+  if (c.tests) return c.tests->gap();
+  const bool neither = !test.has_statistics() && !reference.has_statistics();
+  return fmt::format("{} no standard errors; --fail-above and --fail-below judge by distances instead",
+                     neither ? "the pictures have" : fmt::format("{} has", test.has_statistics() ? "B" : "A"));
 }
 
 Json interval_json(const Interval& i) {
@@ -128,8 +158,9 @@ Limit parse_limit(const std::string& text, bool upper) {
 }
 
 bool Comparison::passed() const {
-  return verdict != Verdict::different &&
-         std::all_of(limits.begin(), limits.end(), [](const LimitOutcome& l) { return l.kept; });
+  if (!std::all_of(limits.begin(), limits.end(), [](const LimitOutcome& l) { return l.kept; })) return false;
+  if (verdict == Verdict::untested) return allow_untested || !limits.empty();
+  return verdict != Verdict::different;
 }
 
 Comparison compare_images(const Image& test, const std::string& test_name, const Image& reference,
@@ -139,9 +170,7 @@ Comparison compare_images(const Image& test, const std::string& test_name, const
   c.reference_name = reference_name;
   c.width = test.width;
   c.height = test.height;
-  MetricOptions metric_options = options.metrics;
-  for (const Limit& limit : options.limits) metric_options.flip |= limit.metric == "flip" || limit.metric == "hdrflip";
-  c.metrics = compute_metrics(test, reference, metric_options);
+  c.metrics = compute_metrics(test, reference, metrics_wanted(options, test.pixels.size(), c.notes));
   if (test.has_statistics() && reference.has_statistics()) {
     c.tests = test_images(test, reference, options.significance);
     note_dependence(test, reference, c);
@@ -149,6 +178,8 @@ Comparison compare_images(const Image& test, const std::string& test_name, const
   for (const Limit& limit : options.limits) c.limits.push_back(evaluate(limit, c.metrics));
   c.metadata = metadata_differences(test.metadata, reference.metadata);
   c.verdict = judge(test, reference, c);
+  c.untested_why = reason_for_no_test(test, reference, c);
+  c.allow_untested = options.allow_untested;
   return c;
 }
 
@@ -160,7 +191,10 @@ std::vector<MetadataDifference> metadata_differences(const Metadata& test, const
   for (const std::string& name : names) {
     const auto a = test.find(name), b = reference.find(name);
     const std::string va = a == test.end() ? "" : a->second, vb = b == reference.end() ? "" : b->second;
-    if (va != vb) differences.push_back({name, va, vb});
+    constexpr std::size_t kMostShown = 1000;  // headers may hold megabytes
+    if (va != vb)
+      differences.push_back(
+          {text::printable(name, kMostShown), text::printable(va, kMostShown), text::printable(vb, kMostShown)});
   }
   return differences;
 }
@@ -180,19 +214,23 @@ std::string image_tests_text(const ImageTests& tests) {
         kChannelNames[static_cast<std::size_t>(f.worst_channel)], f.worst_test, f.worst_reference, f.worst_z,
         f.passed() ? "" : "  FAILED");
   }
-  out += fmt::format(
-      "false-alarm rate {:.3g} for all tests together ({:.3g} a family, Šidák inside each); a bias of {:.3g} % "
-      "of the image mean would be found with probability 0.99\n",
-      tests.significance, tests.significance / 3.0, 100.0 * tests.detectable_bias);
+  out += fmt::format("false-alarm rate {:.3g} for all tests together ({:.3g} a family, Šidák inside each); {}\n",
+                     tests.significance, tests.significance / 3.0,
+                     std::isinf(tests.detectable_bias)
+                         ? "no pixel could be tested"
+                         : fmt::format("a bias of {:.3g} % of the image mean would be found with probability 0.99",
+                                       100.0 * tests.detectable_bias));
   return out;
 }
 
 std::string comparison_text(const Comparison& c) {
   const Metrics& m = c.metrics;
-  std::string out = fmt::format("{} against {}, {}×{}\n", c.test_name, c.reference_name, c.width, c.height);
+  std::string out = fmt::format("{} against {}, {}×{}\n", text::printable(c.test_name, text::kLongestLine),
+                                text::printable(c.reference_name, text::kLongestLine), c.width, c.height);
   out += fmt::format("MSE {:.4g}  RMSE {:.4g}  relMSE {:.4g}  MAE {:.4g}  PSNR {:.2f} dB  SSIM {:.5f}", m.mse, m.rmse,
                      m.rel_mse, m.mae, m.psnr, m.ssim);
-  if (!std::isnan(m.flip)) out += fmt::format("  FLIP {:.5f}  HDR-FLIP {:.5f}", m.flip, m.hdr_flip);
+  if (!std::isnan(m.flip)) out += fmt::format("  FLIP {:.5f}", m.flip);
+  if (!std::isnan(m.hdr_flip)) out += fmt::format("  HDR-FLIP {:.5f}", m.hdr_flip);
   out += fmt::format(
       "\nbias of the luminance {:+.4g} [{:+.4g}, {:+.4g}], {:+.3g} % [{:+.3g}, {:+.3g}], {:.3g} % confidence {}\n",
       m.bias, m.bias_interval.low, m.bias_interval.high, 100 * m.relative_bias, 100 * m.relative_bias_interval.low,
@@ -209,7 +247,7 @@ std::string comparison_text(const Comparison& c) {
                        l.limit.value, l.kept ? "kept" : "FAILED");
   }
   out += fmt::format("verdict: {}{}\n", verdict_name(c.verdict),
-                     c.verdict == Verdict::untested ? " (no standard errors in both pictures; use --fail-above)" : "");
+                     c.untested_why.empty() ? "" : fmt::format(": {}", c.untested_why));
   return out;
 }
 
@@ -238,6 +276,10 @@ Json image_tests_json(const ImageTests& tests) {
   return {{"significance", tests.significance},
           {"families", families},
           {"detectableRelativeBias", tests.detectable_bias},
+          {"pixels", tests.pixels},
+          {"differingPixels", tests.differing},
+          {"untestedPixels", tests.untested},
+          {"made", tests.made()},
           {"passed", tests.passed()}};
 }
 
@@ -271,6 +313,7 @@ Json comparison_json(const Comparison& c) {
               {"metadata", metadata},
               {"notes", c.notes},
               {"verdict", verdict_name(c.verdict)},
+              {"untestedWhy", c.untested_why},
               {"passed", c.passed()}};
   if (c.tests) out["tests"] = image_tests_json(*c.tests);
   return out;
@@ -280,7 +323,9 @@ JunitCase comparison_junit(const Comparison& c) {
   JunitCase junit;
   junit.name = c.test_name + " against " + c.reference_name;
   junit.failed = !c.passed();
-  junit.message = fmt::format("verdict: {}", verdict_name(c.verdict));
+  junit.skipped = c.passed() && c.verdict == Verdict::untested && c.limits.empty();
+  junit.message = fmt::format("verdict: {}{}", verdict_name(c.verdict),
+                              c.untested_why.empty() ? "" : fmt::format(": {}", c.untested_why));
   for (const LimitOutcome& l : c.limits) {
     if (!l.kept)
       junit.message += fmt::format("; {} = {:.6g} breaks its limit {:.6g}", l.limit.metric, l.value, l.limit.value);

@@ -19,7 +19,7 @@ enum class Verdict {
   rounding_only,        ///< the same decisions, values apart by rounding (validate)
   statistically_equal,  ///< chance explains the differences
   different,            ///< it does not
-  untested,             ///< no standard errors to judge by: only distances
+  untested,             ///< nothing, or too little, to judge by: only distances
 };
 const char* verdict_name(Verdict verdict);
 
@@ -37,6 +37,7 @@ struct CompareOptions {
   double significance = 0.01;  ///< false-alarm rate of all statistical tests together
   MetricOptions metrics;
   std::vector<Limit> limits;
+  bool allow_untested = false;  ///< a comparison that could not be tested passes
 };
 
 struct LimitOutcome {
@@ -58,7 +59,9 @@ struct Comparison {
   std::vector<MetadataDifference> metadata;
   std::vector<std::string> notes;
   Verdict verdict = Verdict::untested;
-  /// Neither different nor beyond a limit.
+  std::string untested_why;     ///< one sentence when the verdict is untested
+  bool allow_untested = false;  ///< as in CompareOptions
+  /// Neither different nor beyond a limit; and tested, or judged by limits instead, or allow_untested.
   bool passed() const;
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/parallel.h"
 #include "validate/metrics.h"
@@ -14,8 +15,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 // Section 4.1.3: exponent of the colour difference, and the knee that gives the visible range 95 % of [0,1].
 constexpr double kColorExponent = 0.7, kKneeIn = 0.4, kKneeOut = 0.95;
-// Section 4.2: width of the feature detectors in degrees, exponent of the feature difference.
-constexpr double kFeatureWidth = 0.082, kFeatureExponent = 0.5;
+// Section 4.2: width of the feature detectors in degrees. The exponent of the feature difference is 0.5.
+constexpr double kFeatureWidth = 0.082;
 
 /// Contrast sensitivity of a channel as a sum of two Gaussians a √(π/b) exp(−π² x²/b), x in degrees (table 1).
 struct Sensitivity {
@@ -32,6 +33,46 @@ const glm::dmat3 kXyzFromRgb{{0.4123907992659595, 0.2126390058715104, 0.01933081
 const glm::dmat3 kRgbFromXyz = glm::inverse(kXyzFromRgb);
 const glm::dvec3 kWhite = kXyzFromRgb * glm::dvec3(1.0);
 
+// The formulas in double for whoever checks them, in float for the pixels, where the powers are what takes the time.
+
+template <typename T>
+glm::vec<3, T> rgb_of(const glm::vec<3, T>& ycxcz) {
+  static const glm::mat<3, 3, T> rgb_from_xyz(kRgbFromXyz);
+  static const glm::vec<3, T> white(kWhite);
+  const T y = (ycxcz.x + T(16)) / T(116);
+  return rgb_from_xyz * (white * glm::vec<3, T>(y + ycxcz.y / T(500), y, y - ycxcz.z / T(200)));
+}
+
+template <typename T>
+glm::vec<3, T> hunt_lab_of(const glm::vec<3, T>& rgb) {
+  static const glm::mat<3, 3, T> xyz_from_rgb(kXyzFromRgb);
+  static const glm::vec<3, T> white(kWhite);
+  constexpr T kDelta = T(6) / T(29);
+  const auto f = [](T t) {
+    return t > kDelta * kDelta * kDelta ? std::cbrt(t) : t / (T(3) * kDelta * kDelta) + T(4) / T(29);
+  };
+  const glm::vec<3, T> t = (xyz_from_rgb * rgb) / white;
+  const T x = f(t.x), y = f(t.y), z = f(t.z), l = T(116) * y - T(16);
+  return {l, T(0.01) * l * T(500) * (x - y), T(0.01) * l * T(200) * (y - z)};
+}
+
+template <typename T>
+T hyab_of(const glm::vec<3, T>& a, const glm::vec<3, T>& b) {
+  const T u = a.y - b.y, v = a.z - b.z;
+  return std::abs(a.x - b.x) + std::sqrt(u * u + v * v);
+}
+
+template <typename T>
+T redistributed(T hyab_distance) {
+  // The largest difference the paper allows for: green against blue.
+  static const T max = static_cast<T>(
+      std::pow(hyab_of(hunt_lab_of(glm::dvec3(0, 1, 0)), hunt_lab_of(glm::dvec3(0, 0, 1))), kColorExponent));
+  const T knee = T(kKneeIn) * max, error = std::pow(hyab_distance, T(kColorExponent));
+  const T out =
+      error < knee ? T(kKneeOut) / knee * error : T(kKneeOut) + (error - knee) / (max - knee) * (T(1) - T(kKneeOut));
+  return std::min(out, T(1));
+}
+
 /// A picture of one channel.
 struct Plane {
   int width = 0, height = 0;
@@ -45,37 +86,44 @@ struct Plane {
 /// Weights at −radius … radius.
 using Kernel = std::vector<double>;
 
-/// Convolves with kx along rows and ky along columns; the border pixel is repeated outside.
-Plane convolve(const Plane& in, const Kernel& kx, const Kernel& ky) {
-  const int rx = static_cast<int>(kx.size() / 2), ry = static_cast<int>(ky.size() / 2);
-  const double *const weight_x = kx.data() + rx, *const weight_y = ky.data() + ry;
-  Plane middle(in.width, in.height), out(in.width, in.height);
-  constexpr std::uint64_t kRows = 16;
-  parallel_for(static_cast<std::uint64_t>(in.height), kRows, [&](std::uint64_t begin, std::uint64_t end) {
-    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      for (int x = 0; x < in.width; ++x) {
-        double sum = 0;
-        for (int k = -rx; k <= rx; ++k) {
-          sum += weight_x[k] * static_cast<double>(in.values[in.index(std::clamp(x + k, 0, in.width - 1), y)]);
-        }
-        middle.values[in.index(x, y)] = static_cast<float>(sum);
-      }
+/// Along rows; the border pixel is repeated outside. Loops over x are innermost, so that they are vector code.
+Plane convolve_rows(const Plane& in, const Kernel& kernel) {
+  const std::size_t width = static_cast<std::size_t>(in.width), taps = kernel.size(), radius = taps / 2;
+  Plane out(in.width, in.height);
+  std::vector<float> padded(width + 2 * radius);
+  for (int y = 0; y < in.height; ++y) {
+    const float* row = &in.values[in.index(0, y)];
+    std::fill_n(padded.begin(), radius, row[0]);
+    std::copy_n(row, width, padded.begin() + static_cast<std::ptrdiff_t>(radius));
+    std::fill_n(padded.end() - static_cast<std::ptrdiff_t>(radius), radius, row[width - 1]);
+    float* to = &out.values[out.index(0, y)];
+    for (std::size_t k = 0; k < taps; ++k) {
+      const auto w = static_cast<float>(kernel[k]);
+      const float* from = &padded[k];
+      for (std::size_t x = 0; x < width; ++x) to[x] += w * from[x];
     }
-  });
-  parallel_for(static_cast<std::uint64_t>(in.height), kRows, [&](std::uint64_t begin, std::uint64_t end) {
-    std::vector<double> row(static_cast<std::size_t>(in.width));
-    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      std::fill(row.begin(), row.end(), 0.0);
-      for (int k = -ry; k <= ry; ++k) {
-        const float* from = &middle.values[in.index(0, std::clamp(y + k, 0, in.height - 1))];
-        const double w = weight_y[k];
-        for (std::size_t x = 0; x < row.size(); ++x) row[x] += w * static_cast<double>(from[x]);
-      }
-      for (int x = 0; x < in.width; ++x)
-        out.values[in.index(x, y)] = static_cast<float>(row[static_cast<std::size_t>(x)]);
-    }
-  });
+  }
   return out;
+}
+
+/// Along columns.
+Plane convolve_columns(const Plane& in, const Kernel& kernel) {
+  const std::size_t width = static_cast<std::size_t>(in.width);
+  const int radius = static_cast<int>(kernel.size() / 2);
+  Plane out(in.width, in.height);
+  for (int y = 0; y < in.height; ++y) {
+    float* to = &out.values[out.index(0, y)];
+    for (int k = -radius; k <= radius; ++k) {
+      const auto w = static_cast<float>(kernel[static_cast<std::size_t>(k + radius)]);
+      const float* from = &in.values[in.index(0, std::clamp(y + k, 0, in.height - 1))];
+      for (std::size_t x = 0; x < width; ++x) to[x] += w * from[x];
+    }
+  }
+  return out;
+}
+
+Plane convolve(const Plane& in, const Kernel& kx, const Kernel& ky) {
+  return convolve_columns(convolve_rows(in, kx), ky);
 }
 
 /// Radius that holds three standard deviations of the widest sensitivity filter (b = 0.04), the same for all channels.
@@ -143,12 +191,10 @@ std::vector<glm::vec3> perceived_colors(const Opponent& planes, double ppd) {
   const Plane cx = apply_sensitivity(planes.cx, kRedGreen, ppd);
   const Plane cz = apply_sensitivity(planes.cz, kBlueYellow, ppd);
   std::vector<glm::vec3> out(y.values.size());
-  parallel_for(out.size(), 4096, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const glm::dvec3 rgb = flip::rgb_from_ycxcz({y.values[i], cx.values[i], cz.values[i]});
-      out[i] = glm::vec3(flip::hunt_lab_from_rgb(glm::clamp(rgb, 0.0, 1.0)));
-    }
-  });
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const glm::vec3 rgb = rgb_of(glm::vec3(y.values[i], cx.values[i], cz.values[i]));
+    out[i] = hunt_lab_of(glm::clamp(rgb, 0.0f, 1.0f));
+  }
   return out;
 }
 
@@ -159,6 +205,11 @@ void normalize_by_sign(Kernel& kernel) {
   for (double& w : kernel) w /= w > 0 ? positive : -negative;
 }
 
+/// Radius of the feature detectors: three standard deviations.
+int feature_radius(double ppd) {
+  return static_cast<int>(std::ceil(1.5 * kFeatureWidth * ppd));
+}
+
 /// Magnitudes of the detectors for edges (first derivative of a Gaussian) and points (second derivative).
 struct Features {
   std::vector<float> edge, point;
@@ -167,7 +218,7 @@ struct Features {
 /// Section 4.2: detectors on the achromatic channel, scaled to [0,1].
 Features features(const Plane& y, double ppd) {
   const double sigma = 0.5 * kFeatureWidth * ppd;
-  const int radius = static_cast<int>(std::ceil(3.0 * sigma));
+  const int radius = feature_radius(ppd);
   Kernel smooth, first, second;
   for (int i = -radius; i <= radius; ++i) {
     const double g = std::exp(-i * i / (2.0 * sigma * sigma));
@@ -182,10 +233,12 @@ Features features(const Plane& y, double ppd) {
 
   Plane scaled = y;
   for (float& v : scaled.values) v = (v + 16.0f) / 116.0f;
+  const Plane smoothed = convolve_rows(scaled, smooth);
   const auto magnitude = [&](const Kernel& derivative) {
-    const Plane dx = convolve(scaled, derivative, smooth), dy = convolve(scaled, smooth, derivative);
+    const Plane dx = convolve(scaled, derivative, smooth), dy = convolve_columns(smoothed, derivative);
     std::vector<float> out(dx.values.size());
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::hypot(dx.values[i], dy.values[i]);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = std::sqrt(dx.values[i] * dx.values[i] + dy.values[i] * dy.values[i]);
     return out;
   };
   return {magnitude(first), magnitude(second)};
@@ -201,32 +254,19 @@ glm::dvec3 ycxcz_from_rgb(const glm::dvec3& rgb) {
 }
 
 glm::dvec3 rgb_from_ycxcz(const glm::dvec3& v) {
-  const double y = (v.x + 16.0) / 116.0;
-  return kRgbFromXyz * (kWhite * glm::dvec3(y + v.y / 500.0, y, y - v.z / 200.0));
+  return rgb_of(v);
 }
 
 glm::dvec3 hunt_lab_from_rgb(const glm::dvec3& rgb) {
-  constexpr double kDelta = 6.0 / 29.0;
-  const auto f = [](double t) {
-    return t > kDelta * kDelta * kDelta ? std::cbrt(t) : t / (3.0 * kDelta * kDelta) + 4.0 / 29.0;
-  };
-  const glm::dvec3 t = (kXyzFromRgb * rgb) / kWhite;
-  const double l = 116.0 * f(t.y) - 16.0;
-  return {l, 0.01 * l * 500.0 * (f(t.x) - f(t.y)), 0.01 * l * 200.0 * (f(t.y) - f(t.z))};
+  return hunt_lab_of(rgb);
 }
 
 double hyab(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z);
+  return hyab_of(a, b);
 }
 
 double redistribute(double hyab_distance) {
-  // The largest difference the paper allows for: green against blue.
-  static const double kMax = std::pow(hyab(hunt_lab_from_rgb({0, 1, 0}), hunt_lab_from_rgb({0, 0, 1})), kColorExponent);
-  const double knee = kKneeIn * kMax;
-  const double error = std::pow(hyab_distance, kColorExponent);
-  const double out =
-      error < knee ? kKneeOut / knee * error : kKneeOut + (error - knee) / (kMax - knee) * (1.0 - kKneeOut);
-  return std::min(out, 1.0);
+  return redistributed(hyab_distance);
 }
 
 double tone_map(double x) {
@@ -236,25 +276,92 @@ double tone_map(double x) {
 
 }  // namespace flip
 
-std::vector<float> ldr_flip(const std::vector<glm::vec3>& test, const std::vector<glm::vec3>& reference,
-                            std::uint32_t width, std::uint32_t height, double pixels_per_degree) {
-  const int w = static_cast<int>(width), h = static_cast<int>(height);
+namespace {
+
+using Pixels = std::vector<glm::vec3>;
+
+/// LDR-FLIP of two pictures or strips of pictures, on this thread.
+std::vector<float> ldr_flip_here(const Pixels& test, const Pixels& reference, int w, int h, double ppd) {
   const Opponent planes_t = opponent_planes(test, w, h), planes_r = opponent_planes(reference, w, h);
-  const Features features_t = features(planes_t.y, pixels_per_degree);
-  const Features features_r = features(planes_r.y, pixels_per_degree);
-  const std::vector<glm::vec3> colors_t = perceived_colors(planes_t, pixels_per_degree);
-  const std::vector<glm::vec3> colors_r = perceived_colors(planes_r, pixels_per_degree);
+  const Features features_t = features(planes_t.y, ppd), features_r = features(planes_r.y, ppd);
+  const Pixels colors_t = perceived_colors(planes_t, ppd), colors_r = perceived_colors(planes_r, ppd);
   std::vector<float> map(test.size());
-  parallel_for(map.size(), 4096, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const double color = flip::redistribute(flip::hyab(colors_t[i], colors_r[i]));
-      const double difference = std::max(std::abs(features_t.edge[i] - features_r.edge[i]),
-                                         std::abs(features_t.point[i] - features_r.point[i]));
-      const double feature = std::pow(std::min(1.0, difference / std::numbers::sqrt2), kFeatureExponent);
-      map[i] = static_cast<float>(std::pow(color, 1.0 - feature));
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const float color = redistributed(hyab_of(colors_t[i], colors_r[i]));
+    const float difference = std::max(std::abs(features_t.edge[i] - features_r.edge[i]),
+                                      std::abs(features_t.point[i] - features_r.point[i]));
+    const float feature = std::sqrt(std::min(1.0f, difference / std::numbers::sqrt2_v<float>));
+    map[i] = std::pow(color, 1.0f - feature);
+  }
+  return map;
+}
+
+/// Maps strips of rows in parallel, each with as many rows more on both sides as the filters reach: what a pixel gets
+/// does not depend on the strips, and memory not on the size of the picture. `map` gives one value for each pixel it is
+/// handed; `visit` gets the rows [y0, y1) and their first value, from any thread.
+template <typename Map, typename Visit>
+void for_strips(const Pixels& test, const Pixels& reference, std::uint32_t width, std::uint32_t height, double ppd,
+                const Map& map, const Visit& visit) {
+  constexpr std::uint32_t kRows = 64;
+  const auto reach = static_cast<std::uint32_t>(std::max(sensitivity_radius(ppd), feature_radius(ppd)));
+  parallel_for((height + kRows - 1) / kRows, 1, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t strip = begin; strip < end; ++strip) {
+      const auto y0 = static_cast<std::uint32_t>(strip) * kRows, y1 = std::min(y0 + kRows, height);
+      const std::uint32_t first = y0 - std::min(y0, reach), last = std::min(y1 + reach, height);
+      const auto rows = [&](const Pixels& picture) {
+        const auto from = picture.begin() + static_cast<std::ptrdiff_t>(first) * width;
+        return Pixels(from, from + static_cast<std::ptrdiff_t>(last - first) * width);
+      };
+      const std::vector<float> values =
+          map(rows(test), rows(reference), static_cast<int>(width), static_cast<int>(last - first));
+      visit(y0, y1, &values[std::size_t{y0 - first} * width]);
     }
   });
-  return map;
+}
+
+/// The whole map of a strip-wise computation.
+template <typename Map>
+std::vector<float> whole_map(const Pixels& test, const Pixels& reference, std::uint32_t width, std::uint32_t height,
+                             double ppd, const Map& map) {
+  std::vector<float> out(test.size());
+  for_strips(test, reference, width, height, ppd, map, [&](std::uint32_t y0, std::uint32_t y1, const float* values) {
+    std::copy_n(values, std::size_t{y1 - y0} * width, &out[std::size_t{y0} * width]);
+  });
+  return out;
+}
+
+/// The mean of it, the same for any number of threads.
+template <typename Map>
+double map_mean(const Pixels& test, const Pixels& reference, std::uint32_t width, std::uint32_t height, double ppd,
+                const Map& map) {
+  std::vector<double> rows(height, 0.0);
+  for_strips(test, reference, width, height, ppd, map, [&](std::uint32_t y0, std::uint32_t y1, const float* values) {
+    for (std::uint32_t y = y0; y < y1; ++y) {
+      for (std::uint32_t x = 0; x < width; ++x) rows[y] += static_cast<double>(*values++);
+    }
+  });
+  double sum = 0;
+  for (const double row : rows) sum += row;
+  return sum / static_cast<double>(test.size());
+}
+
+/// The map function of LDR-FLIP for for_strips.
+auto ldr_map(double ppd) {
+  return [ppd](const Pixels& test, const Pixels& reference, int w, int h) {
+    return ldr_flip_here(test, reference, w, h, ppd);
+  };
+}
+
+}  // namespace
+
+std::vector<float> ldr_flip(const std::vector<glm::vec3>& test, const std::vector<glm::vec3>& reference,
+                            std::uint32_t width, std::uint32_t height, double pixels_per_degree) {
+  return whole_map(test, reference, width, height, pixels_per_degree, ldr_map(pixels_per_degree));
+}
+
+double mean_ldr_flip(const std::vector<glm::vec3>& test, const std::vector<glm::vec3>& reference, std::uint32_t width,
+                     std::uint32_t height, double pixels_per_degree) {
+  return map_mean(test, reference, width, height, pixels_per_degree, ldr_map(pixels_per_degree));
 }
 
 std::vector<double> hdr_flip_exposures(const std::vector<glm::vec3>& reference) {
@@ -286,27 +393,45 @@ std::vector<double> hdr_flip_exposures(const std::vector<glm::vec3>& reference) 
   return exposures;
 }
 
+namespace {
+
+Pixels exposed(const Pixels& picture, double exposure) {
+  const double factor = std::exp2(exposure);
+  Pixels out(picture.size());
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const double v = static_cast<double>(picture[i][k]) * factor;
+      // Infinity is white, NaN and negative values are black.
+      out[i][k] = v > 0.0 ? static_cast<float>(std::isinf(v) ? 1.0 : flip::tone_map(v)) : 0.0f;
+    }
+  }
+  return out;
+}
+
+/// The map function of HDR-FLIP: the worst of all exposures.
+auto hdr_map(std::vector<double> exposures, double ppd) {
+  return [exposures = std::move(exposures), ppd](const Pixels& test, const Pixels& reference, int w, int h) {
+    std::vector<float> worst(test.size(), 0.0f);
+    for (const double exposure : exposures) {
+      const std::vector<float> map = ldr_flip_here(exposed(test, exposure), exposed(reference, exposure), w, h, ppd);
+      for (std::size_t i = 0; i < worst.size(); ++i) worst[i] = std::max(worst[i], map[i]);
+    }
+    return worst;
+  };
+}
+
+}  // namespace
+
 std::vector<float> hdr_flip(const std::vector<glm::vec3>& test, const std::vector<glm::vec3>& reference,
                             std::uint32_t width, std::uint32_t height, double pixels_per_degree) {
-  const auto exposed = [](const std::vector<glm::vec3>& picture, double exposure) {
-    const double factor = std::exp2(exposure);
-    std::vector<glm::vec3> out(picture.size());
-    for (std::size_t i = 0; i < picture.size(); ++i) {
-      for (int k = 0; k < 3; ++k) {
-        const double v = static_cast<double>(picture[i][k]) * factor;
-        // Infinity is white, NaN and negative values are black.
-        out[i][k] = v > 0.0 ? static_cast<float>(std::isinf(v) ? 1.0 : flip::tone_map(v)) : 0.0f;
-      }
-    }
-    return out;
-  };
-  std::vector<float> worst(test.size(), 0.0f);
-  for (const double exposure : hdr_flip_exposures(reference)) {
-    const std::vector<float> map =
-        ldr_flip(exposed(test, exposure), exposed(reference, exposure), width, height, pixels_per_degree);
-    for (std::size_t i = 0; i < worst.size(); ++i) worst[i] = std::max(worst[i], map[i]);
-  }
-  return worst;
+  return whole_map(test, reference, width, height, pixels_per_degree,
+                   hdr_map(hdr_flip_exposures(reference), pixels_per_degree));
+}
+
+double mean_hdr_flip(const std::vector<glm::vec3>& test, const std::vector<glm::vec3>& reference, std::uint32_t width,
+                     std::uint32_t height, double pixels_per_degree) {
+  return map_mean(test, reference, width, height, pixels_per_degree,
+                  hdr_map(hdr_flip_exposures(reference), pixels_per_degree));
 }
 
 }  // namespace etendue

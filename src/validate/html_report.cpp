@@ -1,5 +1,6 @@
 #include "validate/html_report.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <string_view>
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/printable.h"
 #include "core/version.h"
 #include "report_assets.h"
 
@@ -22,9 +24,9 @@ std::string encode(const std::vector<glm::vec3>& values) {
   return base64(values.data(), values.size() * sizeof(glm::vec3));
 }
 
-std::string escape_html(const std::string& text) {
+std::string escape_html(const std::string& raw) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : text::printable(raw, text::kLongestLine)) {
     switch (c) {
       case '&':
         out += "&amp;";
@@ -64,15 +66,50 @@ std::string fill_page(const std::vector<std::pair<std::string_view, std::string>
   return out;
 }
 
-std::string page(const Json& data, const std::string& title, const Image& test, const Image& reference,
-                 const std::vector<glm::vec3>& scores) {
+/// Side of the squares that become one pixel of the report.
+std::uint32_t reduction_of(const Image& image) {
+  std::uint32_t side = 1;
+  const auto blocks = [&](std::uint32_t length) { return (std::uint64_t{length} + side - 1) / side; };
+  while (blocks(image.width) * blocks(image.height) > kReportPixels) ++side;
+  return side;
+}
+
+/// Means of squares, cut off at the right and lower border. One NaN makes a mean NaN, so that it is seen.
+std::vector<glm::vec3> reduced(const Image& image, std::uint32_t side) {
+  if (side == 1) return image.pixels;
+  const std::uint32_t columns = (image.width + side - 1) / side, rows = (image.height + side - 1) / side;
+  std::vector<glm::vec3> out(std::size_t{columns} * rows);
+  for (std::uint32_t y = 0; y < rows; ++y) {
+    for (std::uint32_t x = 0; x < columns; ++x) {
+      const std::uint32_t right = std::min((x + 1) * side, image.width), low = std::min((y + 1) * side, image.height);
+      glm::dvec3 sum(0.0);
+      for (std::uint32_t v = y * side; v < low; ++v) {
+        for (std::uint32_t u = x * side; u < right; ++u)
+          sum += glm::dvec3(image.pixels[std::size_t{v} * image.width + u]);
+      }
+      out[std::size_t{y} * columns + x] = glm::vec3(sum / (double(right - x * side) * double(low - y * side)));
+    }
+  }
+  return out;
+}
+
+/// `data` without what depends on the size of the report's pictures.
+std::string page(Json data, const std::string& title, const Image& test, const Image& reference, bool with_scores) {
+  const std::uint32_t side = reduction_of(test);
+  data["reduction"] = side;
+  data["fullWidth"] = test.width;
+  data["fullHeight"] = test.height;
+  data["width"] = (test.width + side - 1) / side;
+  data["height"] = (test.height + side - 1) / side;
+  std::string pixels_a = encode(reduced(test, side)), pixels_b = encode(reduced(reference, side));
+  std::string scores = with_scores ? encode(pixel_scores(test, reference, side)) : "";
   return fill_page({{"@TITLE@", escape_html(title)},
                     {"@CSS@", std::string(assets::report_css)},
                     {"@JS@", std::string(assets::report_js)},
                     {"@DATA@", script_json(data)},
-                    {"@PIXELS_A@", encode(test.pixels)},
-                    {"@PIXELS_B@", encode(reference.pixels)},
-                    {"@SCORES@", encode(scores)}});
+                    {"@PIXELS_A@", std::move(pixels_a)},
+                    {"@PIXELS_B@", std::move(pixels_b)},
+                    {"@SCORES@", std::move(scores)}});
 }
 
 /// "folder/cbox.exr" → "cbox.exr": what fits on a button.
@@ -118,14 +155,12 @@ std::string comparison_html(const Comparison& c, const Image& test, const Image&
   const std::string title = fmt::format("{} against {}", short_name(c.test_name), short_name(c.reference_name));
   const Json data = {{"title", title},
                      {"subtitle", fmt::format("{} × {} pixels · etendue {} compare", c.width, c.height, version())},
-                     {"width", c.width},
-                     {"height", c.height},
                      {"labelA", short_name(c.test_name)},
                      {"labelB", short_name(c.reference_name)},
                      {"verdict", verdict_name(c.verdict)},
                      {"passed", c.passed()},
                      {"comparison", comparison_json(c)}};
-  return page(data, title, test, reference, c.tests ? c.tests->z : std::vector<glm::vec3>{});
+  return page(data, title, test, reference, c.tests.has_value());
 }
 
 std::string validation_html(const Validation& v, const MetricOptions& metrics) {
@@ -139,15 +174,13 @@ std::string validation_html(const Validation& v, const MetricOptions& metrics) {
       {"subtitle", fmt::format("{} ({}) against {} ({}) · {} samples per pixel, seeds {} and {} · etendue {} validate",
                                v.device, v.device_driver, v.reference, v.reference_driver, v.samples_per_pixel,
                                v.seed + 1, v.seed + 2, version())},
-      {"width", v.device_image.width},
-      {"height", v.device_image.height},
       {"labelA", "device"},
       {"labelB", "reference"},
       {"verdict", verdict_name(v.verdict)},
       {"passed", v.passed()},
       {"comparison", comparison_json(c)},
       {"validation", validation_json(v)}};
-  return page(data, title, v.device_image, v.reference_image, v.tests.z);
+  return page(data, title, v.device_image, v.reference_image, true);
 }
 
 }  // namespace etendue

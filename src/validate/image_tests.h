@@ -31,13 +31,28 @@ struct TestFamily {
   bool passed() const { return tests == 0 || family_p >= family_level; }
 };
 
+/// Largest relative bias that may go unnoticed before a test of a mean says nothing.
+inline constexpr double kBlindBias = 1.0;
+
 struct ImageTests {
   double significance = 0;           ///< false-alarm rate of everything together
   std::vector<TestFamily> families;  ///< pixels, blocks, image mean
-  /// Relative bias of the image's luminance-heavy channel (green) that would be found with probability 0.99.
+  /// Relative bias of the mean of the image's brightest channel that would be found with probability 0.99; infinite
+  /// when no pixel could be tested.
   double detectable_bias = 0;
-  std::vector<glm::vec3> z;  ///< score per pixel and channel; 0 where not tested
+  std::uint64_t pixels = 0;     ///< of the picture
+  std::uint64_t differing = 0;  ///< pixels that differ by more than kNumericalTolerance
+  /// Of those, pixels that no test looked at: fewer than two samples in one of the pictures, or a standard error that
+  /// is infinite, NaN or negative.
+  std::uint64_t untested = 0;
+
+  /// No test rejects. Says nothing by itself when the tests could not be made.
   bool passed() const;
+  /// Every pixel that differs was tested, with power enough to find a bias of kBlindBias. Pixels that agree need no
+  /// test.
+  bool made() const { return untested == 0 && (differing == 0 || detectable_bias <= kBlindBias); }
+  /// What was not tested and what would help, one sentence without a full stop; "" when everything was.
+  std::string gap() const;
 };
 
 /// A score test per mean: the variance is that of all samples around the mean common to both pictures, which keeps its
@@ -46,5 +61,9 @@ struct ImageTests {
 /// mean carry the power. Differences within kNumericalTolerance are never significant. Throws Error(usage) when a
 /// picture has no statistics or the sizes differ.
 ImageTests test_images(const Image& test, const Image& reference, double significance = 0.01);
+
+/// Scores of the pixels, red, green and blue apart; 0 where not tested. Of each square of `reduction` × `reduction`
+/// pixels (smaller at the right and lower border) the score farthest from 0. Throws like test_images.
+std::vector<glm::vec3> pixel_scores(const Image& test, const Image& reference, std::uint32_t reduction = 1);
 
 }  // namespace etendue

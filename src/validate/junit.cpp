@@ -4,12 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "core/printable.h"
+
 namespace etendue {
 namespace {
 
-std::string escape(const std::string& text) {
+std::string escape(const std::string& raw) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : text::printable_lines(raw)) {
     switch (c) {
       case '&':
         out += "&amp;";
@@ -23,12 +25,8 @@ std::string escape(const std::string& text) {
       case '"':
         out += "&quot;";
         break;
-      case '\n':
-      case '\t':
-        out += c;
-        break;
       default:
-        out += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+        out += c;
     }
   }
   return out;

@@ -15,7 +15,8 @@ struct JunitCase {
   std::string details;  ///< the numbers; shown as system-out
 };
 
-/// One `<testsuite>` document (UTF-8). Control characters that XML cannot hold become '?'.
+/// One `<testsuite>` document (UTF-8). Control characters and bytes that are not UTF-8, which XML cannot
+/// hold, become U+FFFD; long lines are cut.
 std::string junit_xml(const std::string& suite, const std::vector<JunitCase>& cases);
 
 }  // namespace etendue

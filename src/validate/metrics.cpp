@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/parallel.h"
 
 namespace etendue {
 namespace {
@@ -23,88 +25,113 @@ double luminance(const glm::vec3& rgb) {
 }
 
 /// Luma of the display values, which is what SSIM is defined on.
-std::vector<double> display_luma(const Image& image) {
-  std::vector<double> luma;
-  luma.reserve(image.pixels.size());
-  for (const glm::vec3& p : image.pixels) {
-    luma.push_back(0.2126 * srgb_encode(p.x) + 0.7152 * srgb_encode(p.y) + 0.0722 * srgb_encode(p.z));
-  }
-  return luma;
+double display_luma(const glm::vec3& p) {
+  return 0.2126 * srgb_encode(p.x) + 0.7152 * srgb_encode(p.y) + 0.0722 * srgb_encode(p.z);
 }
 
 /// Standard error of the difference of mean luminance; luminance weights are applied as if channels were fully
-/// correlated, which they nearly are under white light and which errs on the wide side.
+/// correlated, which they nearly are under white light and which errs on the wide side. Infinite when one is unknown.
 double luminance_error(const Image& image) {
   double variance = 0;
   std::uint64_t n = 0;
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     if (!finite(image.pixels[i])) continue;
     const double e = luminance(image.standard_error[i]);
+    if (std::isnan(e)) return std::numeric_limits<double>::infinity();
     variance += e * e;
     ++n;
   }
   return n == 0 ? 0.0 : std::sqrt(variance) / static_cast<double>(n);
 }
 
-/// Fills mse, rmse, rel_mse, mae, psnr, bias and its interval.
-void pixel_metrics(const Image& test, const Image& reference, Metrics& m) {
-  double squares = 0, relative = 0, absolute = 0, display_squares = 0, reference_mean = 0;
-  RunningMoments difference;
-  for (std::size_t i = 0; i < test.pixels.size(); ++i) {
-    const glm::vec3 &a = test.pixels[i], &b = reference.pixels[i];
-    m.non_finite_test += !finite(a);
-    m.non_finite_reference += !finite(b);
-    if (!finite(a) || !finite(b)) continue;
+/// Sums over some of the pixels.
+struct PixelSums {
+  double squares = 0, relative = 0, absolute = 0, display_squares = 0, reference = 0;
+  std::uint64_t non_finite_test = 0, non_finite_reference = 0;
+  RunningMoments difference;  ///< of the luminance
+
+  void add(const glm::vec3& a, const glm::vec3& b) {
+    non_finite_test += !finite(a);
+    non_finite_reference += !finite(b);
+    if (!finite(a) || !finite(b)) return;
     for (int c = 0; c < 3; ++c) {
       const double x = a[c], y = b[c], d = x - y;
       squares += d * d;
       absolute += std::abs(d);
       relative += d * d / (y * y + kRelativeEpsilon);
-      const double e = srgb_encode(x) - srgb_encode(y);
+      const double e = x == y ? 0.0 : srgb_encode(x) - srgb_encode(y);
       display_squares += e * e;
     }
     difference.add(luminance(a) - luminance(b));
-    reference_mean += luminance(b);
+    reference += luminance(b);
   }
-  const auto pixels = static_cast<double>(difference.n());
-  const double values = std::max(1.0, 3.0 * pixels);
-  m.mse = squares / values;
-  m.rmse = std::sqrt(m.mse);
-  m.rel_mse = relative / values;
-  m.mae = absolute / values;
-  m.psnr =
-      display_squares == 0 ? std::numeric_limits<double>::infinity() : -10.0 * std::log10(display_squares / values);
+  void merge(const PixelSums& other) {
+    squares += other.squares;
+    relative += other.relative;
+    absolute += other.absolute;
+    display_squares += other.display_squares;
+    reference += other.reference;
+    non_finite_test += other.non_finite_test;
+    non_finite_reference += other.non_finite_reference;
+    difference.merge(other.difference);
+  }
+};
 
-  m.bias = difference.mean();
+/// Pieces of fixed size, put together in order: the same numbers for any number of threads.
+PixelSums sum_pixels(const Image& test, const Image& reference) {
+  constexpr std::size_t kPiece = 1 << 16;
+  const std::size_t pixels = test.pixels.size();
+  std::vector<PixelSums> pieces((pixels + kPiece - 1) / kPiece);
+  parallel_for(pieces.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::size_t i = begin * kPiece; i < std::min<std::size_t>(end * kPiece, pixels); ++i)
+      pieces[i / kPiece].add(test.pixels[i], reference.pixels[i]);
+  });
+  PixelSums all;
+  for (const PixelSums& piece : pieces) all.merge(piece);
+  return all;
+}
+
+/// Fills mse, rmse, rel_mse, mae, psnr, bias and its interval.
+void pixel_metrics(const Image& test, const Image& reference, Metrics& m) {
+  const PixelSums sums = sum_pixels(test, reference);
+  m.non_finite_test = sums.non_finite_test;
+  m.non_finite_reference = sums.non_finite_reference;
+  const auto pixels = static_cast<double>(sums.difference.n());
+  const double values = std::max(1.0, 3.0 * pixels);
+  m.mse = sums.squares / values;
+  m.rmse = std::sqrt(m.mse);
+  m.rel_mse = sums.relative / values;
+  m.mae = sums.absolute / values;
+  m.psnr = sums.display_squares == 0 ? std::numeric_limits<double>::infinity()
+                                     : -10.0 * std::log10(sums.display_squares / values);
+
+  m.bias = sums.difference.mean();
   m.bias_from_errors = test.has_statistics() && reference.has_statistics();
   if (m.bias_from_errors) {
     m.bias_interval =
         normal_interval(m.bias, std::hypot(luminance_error(test), luminance_error(reference)), m.bias_level);
   } else {
-    m.bias_interval = student_interval(m.bias, difference.standard_error(), pixels - 1, m.bias_level);
+    m.bias_interval = student_interval(m.bias, sums.difference.standard_error(), pixels - 1, m.bias_level);
   }
-  reference_mean /= std::max(1.0, pixels);
+  const double reference_mean = sums.reference / std::max(1.0, pixels);
   if (reference_mean != 0) {
     m.relative_bias = m.bias / reference_mean;
     m.relative_bias_interval = {m.bias_interval.low / reference_mean, m.bias_interval.high / reference_mean};
   }
 }
 
-double mean_of(const std::vector<float>& map) {
-  double sum = 0;
-  for (const float x : map) sum += x;
-  return sum / static_cast<double>(map.size());
-}
-
 }  // namespace
 
+void require_same_size(std::uint32_t test_width, std::uint32_t test_height, std::uint32_t reference_width,
+                       std::uint32_t reference_height) {
+  if (test_width == reference_width && test_height == reference_height) return;
+  throw Error(ExitCode::usage,
+              fmt::format("the pictures differ in size: {}×{} and {}×{} pixels; compare pictures of the same size",
+                          test_width, test_height, reference_width, reference_height));
+}
+
 void require_comparable(const Image& test, const Image& reference) {
-  if (test.width != reference.width || test.height != reference.height) {
-    throw Error(ExitCode::usage,
-                fmt::format("the pictures differ in size: {}×{} and {}×{} pixels; compare pictures of the "
-                            "same size",
-                            test.width, test.height, reference.width, reference.height));
-  }
+  require_same_size(test.width, test.height, reference.width, reference.height);
   if (test.pixels.empty() || test.pixels.size() != reference.pixels.size()) {
     throw Error(ExitCode::usage, fmt::format("the pictures have {} and {} pixels; there is nothing to compare",
                                              test.pixels.size(), reference.pixels.size()));
@@ -126,12 +153,12 @@ Metrics compute_metrics(const Image& test, const Image& reference, const MetricO
   Metrics m;
   m.bias_level = options.bias_level;
   pixel_metrics(test, reference, m);
-  m.ssim = ssim(display_luma(test), display_luma(reference), test.width, test.height);
+  m.ssim = mean_ssim(test, reference);
   m.flip = m.hdr_flip = std::numeric_limits<double>::quiet_NaN();
-  if (options.flip) {
-    m.flip = mean_of(ldr_flip(test.pixels, reference.pixels, test.width, test.height, options.pixels_per_degree));
-    m.hdr_flip = mean_of(hdr_flip(test.pixels, reference.pixels, test.width, test.height, options.pixels_per_degree));
-  }
+  if (options.flip)
+    m.flip = mean_ldr_flip(test.pixels, reference.pixels, test.width, test.height, options.pixels_per_degree);
+  if (options.flip && options.hdr_flip)
+    m.hdr_flip = mean_hdr_flip(test.pixels, reference.pixels, test.width, test.height, options.pixels_per_degree);
   return m;
 }
 
@@ -176,27 +203,76 @@ std::vector<double> product(const std::vector<double>& a, const std::vector<doub
 
 }  // namespace
 
-double ssim(const std::vector<double>& a, const std::vector<double>& b, std::uint32_t width, std::uint32_t height) {
+namespace {
+
+/// Sum of the structural similarity over the windows around the rows [y0, y1) of two strips of `rows` rows.
+double ssim_sum(const std::vector<double>& a, const std::vector<double>& b, std::uint32_t width, std::uint32_t rows,
+                std::uint32_t y0, std::uint32_t y1, std::uint32_t border) {
   constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
-  const std::vector<double> mean_a = window_mean(a, width, height), mean_b = window_mean(b, width, height);
-  const std::vector<double> aa = window_mean(product(a, a), width, height);
-  const std::vector<double> bb = window_mean(product(b, b), width, height);
-  const std::vector<double> ab = window_mean(product(a, b), width, height);
-  const bool fits = width > 2 * kSsimRadius && height > 2 * kSsimRadius;
-  const std::uint32_t border = fits ? kSsimRadius : 0;
+  const std::vector<double> mean_a = window_mean(a, width, rows), mean_b = window_mean(b, width, rows);
+  const std::vector<double> aa = window_mean(product(a, a), width, rows);
+  const std::vector<double> bb = window_mean(product(b, b), width, rows);
+  const std::vector<double> ab = window_mean(product(a, b), width, rows);
   double sum = 0;
-  std::uint64_t windows = 0;
-  for (std::uint32_t y = border; y < height - border; ++y) {
+  for (std::uint32_t y = y0; y < y1; ++y) {
     for (std::uint32_t x = border; x < width - border; ++x) {
       const std::size_t i = std::size_t{y} * width + x;
       const double variance_a = aa[i] - mean_a[i] * mean_a[i], variance_b = bb[i] - mean_b[i] * mean_b[i];
       const double covariance = ab[i] - mean_a[i] * mean_b[i];
       sum += (2 * mean_a[i] * mean_b[i] + kC1) * (2 * covariance + kC2) /
              ((mean_a[i] * mean_a[i] + mean_b[i] * mean_b[i] + kC1) * (variance_a + variance_b + kC2));
-      ++windows;
     }
   }
-  return sum / static_cast<double>(windows);
+  return sum;
+}
+
+/// In strips of rows with the rows that their windows reach, so that memory does not grow with the picture.
+/// `rows(first, last)` gives the values of these rows of both pictures.
+template <typename Rows>
+double ssim_in_strips(std::uint32_t width, std::uint32_t height, const Rows& rows) {
+  constexpr std::uint32_t kRows = 64;
+  const bool fits = width > 2 * kSsimRadius && height > 2 * kSsimRadius;
+  const std::uint32_t border = fits ? kSsimRadius : 0;
+  const std::uint32_t lines = height - 2 * border;
+  std::vector<double> sums((lines + kRows - 1) / kRows, 0.0);
+  parallel_for(sums.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t strip = begin; strip < end; ++strip) {
+      const std::uint32_t y0 = border + static_cast<std::uint32_t>(strip) * kRows;
+      const std::uint32_t y1 = std::min(y0 + kRows, border + lines);
+      const std::uint32_t first = y0 - std::min<std::uint32_t>(y0, kSsimRadius);
+      const std::uint32_t last = std::min<std::uint32_t>(y1 + kSsimRadius, height);
+      const auto [a, b] = rows(first, last);
+      sums[strip] = ssim_sum(a, b, width, last - first, y0 - first, y1 - first, border);
+    }
+  });
+  double sum = 0;
+  for (const double part : sums) sum += part;
+  return sum / (static_cast<double>(lines) * (width - 2 * border));
+}
+
+}  // namespace
+
+double ssim(const std::vector<double>& a, const std::vector<double>& b, std::uint32_t width, std::uint32_t height) {
+  const auto part = [width](const std::vector<double>& all, std::uint32_t first, std::uint32_t last) {
+    const auto row = [&](std::uint32_t y) { return all.begin() + static_cast<std::ptrdiff_t>(y) * width; };
+    return std::vector<double>(row(first), row(last));
+  };
+  return ssim_in_strips(width, height, [&](std::uint32_t first, std::uint32_t last) {
+    return std::pair(part(a, first, last), part(b, first, last));
+  });
+}
+
+double mean_ssim(const Image& test, const Image& reference) {
+  const auto luma = [](const Image& image, std::uint32_t first, std::uint32_t last) {
+    std::vector<double> out;
+    out.reserve(std::size_t{last - first} * image.width);
+    for (std::size_t i = std::size_t{first} * image.width; i < std::size_t{last} * image.width; ++i)
+      out.push_back(display_luma(image.pixels[i]));
+    return out;
+  };
+  return ssim_in_strips(test.width, test.height, [&](std::uint32_t first, std::uint32_t last) {
+    return std::pair(luma(test, first, last), luma(reference, first, last));
+  });
 }
 
 }  // namespace etendue

@@ -10,6 +10,9 @@
 
 namespace etendue {
 
+/// Throws Error(usage) when the sizes differ.
+void require_same_size(std::uint32_t test_width, std::uint32_t test_height, std::uint32_t reference_width,
+                       std::uint32_t reference_height);
 /// Throws Error(usage) when the sizes differ or a picture has no pixels.
 void require_comparable(const Image& test, const Image& reference);
 
@@ -36,8 +39,13 @@ struct Metrics {
   std::uint64_t non_finite_reference = 0;
 };
 
+/// Largest pictures that FLIP and HDR-FLIP are computed of without being asked for.
+inline constexpr std::uint64_t kMostFlipPixels = std::uint64_t{1} << 24;
+inline constexpr std::uint64_t kMostHdrFlipPixels = std::uint64_t{1} << 21;
+
 struct MetricOptions {
-  bool flip = true;                          ///< FLIP costs a second a megapixel, HDR-FLIP some ten; NaN when left out
+  bool flip = true;                          ///< NaN when left out
+  bool hdr_flip = true;                      ///< some ten times as long as FLIP; NaN when left out
   double pixels_per_degree = 67.0206432766;  ///< 0.7 m from a 0.7 m wide screen of 3840 pixels, the papers' default
   double bias_level = 0.95;                  ///< of the interval
 };
@@ -47,9 +55,16 @@ Metrics compute_metrics(const Image& test, const Image& reference, const MetricO
 /// mean over the windows that fit; where the picture is smaller than a window, over all windows cut off at its border.
 double ssim(const std::vector<double>& a, const std::vector<double>& b, std::uint32_t width, std::uint32_t height);
 
+/// ssim of the luma of the display values.
+double mean_ssim(const Image& test, const Image& reference);
+
 /// Error map of LDR-FLIP in [0,1]; colours are linear and clamped to [0,1] first.
 std::vector<float> ldr_flip(const std::vector<glm::vec3>& test, const std::vector<glm::vec3>& reference,
                             std::uint32_t width, std::uint32_t height, double pixels_per_degree);
+
+/// Its mean, in memory that does not grow with the picture.
+double mean_ldr_flip(const std::vector<glm::vec3>& test, const std::vector<glm::vec3>& reference, std::uint32_t width,
+                     std::uint32_t height, double pixels_per_degree);
 
 /// The exposures HDR-FLIP looks at: from the one that brings the reference's brightest pixel to 0.85 after the ACES
 /// tone curve to the one that does so for its median, ⌈difference⌉ steps, at least 2.
@@ -57,6 +72,10 @@ std::vector<double> hdr_flip_exposures(const std::vector<glm::vec3>& reference);
 /// Error map of HDR-FLIP: the largest LDR-FLIP over the exposures, pixel by pixel.
 std::vector<float> hdr_flip(const std::vector<glm::vec3>& test, const std::vector<glm::vec3>& reference,
                             std::uint32_t width, std::uint32_t height, double pixels_per_degree);
+
+/// Its mean, in memory that does not grow with the picture.
+double mean_hdr_flip(const std::vector<glm::vec3>& test, const std::vector<glm::vec3>& reference, std::uint32_t width,
+                     std::uint32_t height, double pixels_per_degree);
 
 /// Steps of FLIP, exposed so that each can be checked against the paper.
 namespace flip {

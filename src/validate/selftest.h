@@ -20,6 +20,7 @@ struct SelftestOptions {
   std::uint32_t seeds = 1;                           ///< number of suites
   std::uint64_t samples = 65536;                     ///< of each test
   double significance = 0.01;                        ///< probability that a suite fails without an error
+  bool allow_untested = false;                       ///< tests that say nothing do no harm
   std::function<void(std::uint32_t done)> progress;  ///< called after each suite, if set
 };
 
@@ -30,6 +31,7 @@ struct SelftestCase {
   std::string result;  ///< the numbers, for a person
   double p_value = 0;
   bool statistical = true;  ///< false: decided by a numerical tolerance, p is 0 or 1
+  bool tested = true;       ///< false: too few samples for the test to say anything; it has neither passed nor failed
   bool passed = false;
   double seconds = 0;
 };
@@ -39,10 +41,11 @@ struct SelftestReport {
   SelftestOptions options;
   std::vector<SelftestCase> cases;
   std::uint32_t failed_suites = 0;
-  double suites_p = 1;    ///< P(at least so many suites fail without an error)
-  double smallest_p = 1;  ///< of all cases together (Šidák)
+  std::uint64_t untested = 0;  ///< cases
+  double suites_p = 1;         ///< P(at least so many suites fail without an error)
+  double smallest_p = 1;       ///< of all cases together (Šidák)
   /// One suite: it passed. Several: no more failed than chance explains (0.001), no case is beyond chance (0.001 over
-  /// all), and none failed its numerical tolerance.
+  /// all), and none failed its numerical tolerance. In either case every test was made, unless allow_untested.
   bool passed() const;
 };
 

@@ -154,6 +154,19 @@ TTestResult t_test(double mean, double variance, std::uint64_t n, double referen
   return result;
 }
 
+double detectable_difference(const TTestResult& test, double level) {
+  if (test.n < 2) return kInfinity;
+  if (test.decision == Decision::numerical) return 0.0;
+  const double quantile = bm::quantile(bm::complement(bm::students_t(test.dof), 0.5 * level));
+  return (quantile + normal_quantile_upper(0.01)) * test.standard_error;
+}
+
+bool is_conclusive(const TTestResult& test, double level) {
+  if (test.n < 2) return false;
+  return test.p_value < level ||
+         detectable_difference(test, level) <= std::max(std::abs(test.mean), std::abs(test.reference));
+}
+
 ZTestResult z_test(double mean_a, double standard_error_a, double mean_b, double standard_error_b,
                    double relative_tolerance) {
   ZTestResult result;
@@ -211,6 +224,29 @@ std::vector<Cell> pool_cells(std::span<const double> observed, std::span<const d
   return cells;
 }
 
+/// Two cells of which one expects too little for Pearson's test, such as glass that reflects one sample in a thousand:
+/// the exact binomial test of the rarer one instead. False when there are more cells, or fewer.
+bool test_two_cells(std::span<const double> observed, std::span<const double> expected, ChiSquareResult& result) {
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < expected.size() && cells.size() < 3; ++i) {
+    if (expected[i] > 0.0) cells.push_back({observed[i], expected[i], 1});
+  }
+  if (cells.size() != 2) return false;
+  if (cells[1].expected < cells[0].expected) std::swap(cells[0], cells[1]);
+  const double samples = std::round(cells[0].observed + cells[1].observed);
+  if (samples < 1.0) return false;
+  const double prob = cells[0].expected / (cells[0].expected + cells[1].expected);
+  result.statistic = 0.0;
+  for (const Cell& cell : cells)
+    result.statistic += (cell.observed - cell.expected) * (cell.observed - cell.expected) / cell.expected;
+  result.cells = 2;
+  result.dof = 1.0;
+  result.pooled = 0;
+  result.p_value = binomial_two_sided(static_cast<std::uint64_t>(std::round(cells[0].observed)),
+                                      static_cast<std::uint64_t>(samples), prob);
+  return true;
+}
+
 }  // namespace
 
 ChiSquareResult chi_square_test(std::span<const double> observed, std::span<const double> expected,
@@ -236,7 +272,10 @@ ChiSquareResult chi_square_test(std::span<const double> observed, std::span<cons
   result.cells = cells.size();
   result.dof = static_cast<double>(cells.size()) - 1.0;
   if (result.impossible > options.impossible_share * total) return result;  // p = 0
+  if (cells.size() < 2 && test_two_cells(observed, expected, result)) return result;
   result.p_value = cells.size() < 2 ? 1.0 : chi_square_upper_tail(result.statistic, result.dof);
+  // One cell that the density itself leaves alone is tested by what is impossible.
+  result.made = cells.size() >= 2 || result.pooled == 0;
   return result;
 }
 

@@ -90,6 +90,13 @@ struct TTestResult {
 TTestResult t_test(double mean, double variance, std::uint64_t n, double reference,
                    double relative_tolerance = kNumericalTolerance);
 
+/// Smallest |mean − reference| that the test at `level` would find with probability 0.99, about; 0 where the tolerance
+/// decides, infinite for n < 2.
+double detectable_difference(const TTestResult& test, double level);
+/// Whether the test says anything: it rejects at `level`, or it would have found a mean off by as much as the larger of
+/// mean and reference. A test that is not conclusive must not be counted as passed.
+bool is_conclusive(const TTestResult& test, double level);
+
 struct ZTestResult {
   double difference = 0;      ///< a − b
   double standard_error = 0;  ///< of the difference
@@ -99,7 +106,8 @@ struct ZTestResult {
 };
 /// Two independent means with known standard errors. Differences within the tolerance (relative to max(|a|, |b|)) have
 /// z limited by it: z = difference / max(standard_error, tolerance), so that constant pixels compare by tolerance and
-/// not by division by 0. Infinite standard errors (fewer than two samples) carry no information: p = 1.
+/// not by division by 0. Infinite standard errors (fewer than two samples) carry no information: p = 1, so that a
+/// caller who wants a verdict must leave such means out and say so (ImageTests::untested).
 ZTestResult z_test(double mean_a, double standard_error_a, double mean_b, double standard_error_b,
                    double relative_tolerance = kNumericalTolerance);
 
@@ -115,11 +123,14 @@ struct ChiSquareResult {
   double dof = 0;          ///< cells − 1
   double p_value = 0;
   double impossible = 0;  ///< samples in cells of expectation 0
+  bool made = true;       ///< false: too few samples, all cells that expect any ended in one pool
 };
 /// Pearson's test of counts against expectations with the same total: a caller whose density integrates to less than 1
-/// adds the rest (samples rejected) as a cell of its own. Cells are pooled in ascending order of expectation. With a
-/// single cell left there is nothing to test: p = 1. Samples in impossible cells beyond the allowed share, or
-/// expectations that are negative or not finite, give p = 0. Throws Error(usage) when the sizes differ.
+/// adds the rest (samples rejected) as a cell of its own. Cells are pooled in ascending order of expectation. Two cells
+/// that pooling would join are tested by the binomial distribution of the rarer one instead. With a
+/// single cell left there is nothing to test: p = 1, and `made` says whether that is for want of samples. Samples in
+/// impossible cells beyond the allowed share, or expectations that are negative or not finite, give p = 0. Throws
+/// Error(usage) when the sizes differ.
 ChiSquareResult chi_square_test(std::span<const double> observed, std::span<const double> expected,
                                 const ChiSquareOptions& options = {});
 
@@ -154,6 +165,15 @@ class RunningMoments {
     const double delta = x - mean_;
     mean_ += delta / static_cast<double>(n_);
     sum_squares_ += delta * (x - mean_);
+  }
+  /// As if the other's values had been added here [Chan1983].
+  void merge(const RunningMoments& other) {
+    if (other.n_ == 0) return;
+    const auto n = static_cast<double>(n_), m = static_cast<double>(other.n_);
+    const double delta = other.mean_ - mean_;
+    mean_ += delta * m / (n + m);
+    sum_squares_ += other.sum_squares_ + delta * delta * n * m / (n + m);
+    n_ += other.n_;
   }
   std::uint64_t n() const { return n_; }
   double mean() const { return mean_; }

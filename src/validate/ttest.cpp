@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 #include "image/film.h"
 
 namespace etendue {
@@ -82,6 +83,21 @@ SceneTTest test_scene(const Scene& scene, double reference, std::uint32_t seed, 
   return result;
 }
 
+/// What a person reads in the last column.
+std::string verdict_of(const SceneTTest& scene) {
+  if (!scene.tested) return scene.passed ? "not tested, allowed" : "NOT TESTED";
+  return scene.passed ? "passed" : "FAILED";
+}
+
+std::string untested_note(const SceneTTest& s, double level) {
+  if (s.test.n < 2)
+    return fmt::format("not tested: {} sample(s) have no variance; raise the number of samples", s.test.n);
+  return fmt::format(
+      "not tested: with {} samples of this noise a mean off by up to {:.3g} (mean {:.4g}, reference {:.4g}) would go "
+      "unnoticed; raise the number of samples",
+      s.test.n, detectable_difference(s.test, level), s.test.mean, s.test.reference);
+}
+
 std::string tail_note(const TailReport& tail) {
   return fmt::format(
       "heavy tail: the largest of {} samples ({:.4g}, mean {:.4g}) makes {:.1f} % of the variance, Hill index "
@@ -100,6 +116,11 @@ std::string rejected_note(const SceneTTest& scene) {
 }
 
 }  // namespace
+
+void judge_ttest(SceneTTest& scene, double level, bool allow_untested) {
+  scene.tested = scene.rejected > 0 || is_conclusive(scene.test, level);
+  scene.passed = scene.rejected == 0 && (scene.tested ? scene.test.p_value >= level : allow_untested);
+}
 
 bool TTestReport::passed() const {
   return std::all_of(scenes.begin(), scenes.end(), [](const SceneTTest& s) { return s.passed; });
@@ -122,31 +143,35 @@ TTestReport run_ttest(const TTest& test, const std::string& file, const Renderer
         test_scene(scene, test.references[i], options.seed + static_cast<std::uint32_t>(i),
                    options.sample_count.value_or(test.sample_count), options.tail_samples, make_renderer, report);
     result.name = fmt::format("scene {}", i + 1);
-    result.passed = result.rejected == 0 && result.test.p_value >= report.test_level;
+    judge_ttest(result, report.test_level, options.allow_untested);
     report.scenes.push_back(std::move(result));
   }
   return report;
 }
 
 std::string ttest_table(const TTestReport& report) {
-  std::string out = fmt::format("{} on {} ({}), seed {}\n", report.file, report.device, report.driver, report.seed);
+  std::string out = fmt::format("{} on {} ({}), seed {}\n", text::printable(report.file, text::kLongestLine),
+                                report.device, report.driver, report.seed);
   out += fmt::format("{:<10} {:>10} {:>12} {:>12} {:>11} {:>9} {:>10}  verdict\n", "scene", "samples", "mean",
                      "reference", "std. error", "t", "p");
   for (const SceneTTest& s : report.scenes) {
-    out += fmt::format(
-        "{:<10} {:>10} {:>12.7g} {:>12.7g} {:>11.3g} {:>9.4g} {:>10.4g}  {}{}\n", s.name, s.test.n, s.test.mean,
-        s.test.reference, s.test.standard_error, s.test.t, s.test.p_value, s.passed ? "passed" : "FAILED",
-        s.test.decision == Decision::numerical ? fmt::format(" (no variance: by tolerance {:.1g})", s.test.tolerance)
-                                               : "");
+    out += fmt::format("{:<10} {:>10} {:>12.7g} {:>12.7g} {:>11.3g} {:>9.4g} {:>10.4g}  {}{}\n", s.name, s.test.n,
+                       s.test.mean, s.test.reference, s.test.standard_error, s.test.t, s.test.p_value, verdict_of(s),
+                       s.test.decision == Decision::numerical
+                           ? fmt::format(" (no variance: by tolerance {:.1g})", s.test.tolerance)
+                           : "");
   }
-  std::size_t passed = 0;
+  std::size_t passed = 0, untested = 0;
   for (const SceneTTest& s : report.scenes) {
-    passed += s.passed;
+    passed += s.passed && s.tested;
+    untested += !s.tested;
+    if (!s.tested) out += fmt::format("{}: {}\n", s.name, untested_note(s, report.test_level));
     if (s.rejected > 0) out += fmt::format("{}: {}\n", s.name, rejected_note(s));
     if (s.tail.heavy()) out += fmt::format("{}: {}\n", s.name, tail_note(s.tail));
   }
-  out += fmt::format("{}: {} of {} passed; false-alarm rate of the file {:.4g}, of one scene {:.4g} (Šidák)\n",
-                     report.passed() ? "passed" : "FAILED", passed, report.scenes.size(), report.significance_level,
+  out += fmt::format("{}: {} of {} passed{}; false-alarm rate of the file {:.4g}, of one scene {:.4g} (Šidák)\n",
+                     report.passed() ? "passed" : "FAILED", passed, report.scenes.size(),
+                     untested > 0 ? fmt::format(", {} not tested", untested) : "", report.significance_level,
                      report.test_level);
   return out;
 }
@@ -177,6 +202,7 @@ Json ttest_json(const TTestReport& report) {
                         {"hillError", s.tail.hill_error},
                         {"heavy", s.tail.heavy()}}},
                       {"seconds", s.seconds},
+                      {"tested", s.tested},
                       {"passed", s.passed}});
   }
   return {{"file", report.file},
@@ -196,9 +222,11 @@ std::vector<JunitCase> ttest_junit(const TTestReport& report) {
     c.name = report.file + ": " + s.name;
     c.seconds = s.seconds;
     c.failed = !s.passed;
+    c.skipped = s.passed && !s.tested;
     c.message =
-        s.rejected > 0
-            ? rejected_note(s)
+        s.rejected > 0 ? rejected_note(s)
+        : !s.tested
+            ? untested_note(s, report.test_level)
             : fmt::format("mean {:.7g} is {:.4g} standard errors from the reference {:.7g}, p = {:.3g} < {:.3g}",
                           s.test.mean, s.test.t, s.test.reference, s.test.p_value, report.test_level);
     c.details = fmt::format("n = {}, mean = {:.9g}, reference = {:.9g}, t = {:.5g}, p = {:.5g}{}", s.test.n,

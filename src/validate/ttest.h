@@ -19,6 +19,7 @@ struct TTestOptions {
   std::optional<double> significance_level;   ///< instead of the file's, in (0,1)
   std::optional<std::uint64_t> sample_count;  ///< instead of the file's
   std::uint64_t tail_samples = 65536;         ///< samples looked at one by one for the tail report; 0 = none
+  bool allow_untested = false;                ///< a test that says nothing passes
 };
 
 struct SceneTTest {
@@ -30,8 +31,12 @@ struct SceneTTest {
   std::uint64_t rejected = 0;           ///< NaN, infinite or out-of-range samples: any is a failure
   std::vector<RejectedSample> located;  ///< the first of them
   double seconds = 0;
-  bool passed = false;
+  bool tested = false;  ///< false: too few samples, or too much noise, for the test to say anything (is_conclusive)
+  bool passed = false;  ///< untested ones only where that is allowed
 };
+
+/// Fills in `tested` and `passed`.
+void judge_ttest(SceneTTest& scene, double level, bool allow_untested);
 
 struct TTestReport {
   std::string file;
@@ -45,8 +50,8 @@ struct TTestReport {
 
 /// Renders `sampleCount` paths of each scene, spread evenly over its film (rounded up to whole samples per
 /// pixel), and tests their mean luminance. Over more than one pixel the variance includes that between pixels, which
-/// makes the test conservative. Throws Error(usage) when references and scenes differ in number, or whatever the
-/// renderer throws.
+/// makes the test conservative. A test that is not conclusive is no pass. Throws Error(usage) when references and
+/// scenes differ in number, or whatever the renderer throws.
 TTestReport run_ttest(const TTest& test, const std::string& file, const RendererFactory& make_renderer,
                       const TTestOptions& options = {});
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 
 namespace etendue {
 namespace {
@@ -29,7 +30,9 @@ Image render_image(Renderer& renderer, const Scene& scene, std::uint32_t spp, co
 
 Verdict judge(const Validation& v) {
   if (v.device_rejected + v.reference_rejected > 0) return Verdict::different;
-  if (!v.tests.passed() || !v.samples.same_mean()) return Verdict::different;
+  const bool paired = v.samples.paired.n >= 2 || v.samples.non_finite > 0;
+  if (!v.tests.passed() || (paired && !v.samples.same_mean())) return Verdict::different;
+  if (!paired || !v.tests.made()) return Verdict::untested;
   if (v.samples.identical()) return Verdict::identical;
   return v.samples.rounding_only() ? Verdict::rounding_only : Verdict::statistically_equal;
 }
@@ -70,6 +73,10 @@ std::string samples_text(const SampleComparison& s, std::uint32_t width) {
   return out;
 }
 
+std::string verdict_text(const Validation& v) {
+  return fmt::format("verdict: {}{}", verdict_name(v.verdict), v.untested_why.empty() ? "" : ": " + v.untested_why);
+}
+
 }  // namespace
 
 Validation validate_scene(const Scene& scene, const RendererFactory& make_device, const RendererFactory& make_reference,
@@ -100,13 +107,17 @@ Validation validate_scene(const Scene& scene, const RendererFactory& make_device
       render_image(*reference, scene, v.samples_per_pixel, options, options.seed + 2, v.reference_rejected, v.rejected);
   v.tests = test_images(v.device_image, v.reference_image, options.significance);
   v.verdict = judge(v);
+  v.allow_untested = options.allow_untested;
+  if (v.verdict == Verdict::untested)
+    v.untested_why =
+        v.tests.made() ? "fewer than two samples were compared one by one; raise --samples" : v.tests.gap();
   return v;
 }
 
 std::string validation_text(const Validation& v) {
   const std::uint32_t width = v.device_image.width;
-  std::string out =
-      fmt::format("{}: {} ({}) against {} ({})\n", v.scene, v.device, v.device_driver, v.reference, v.reference_driver);
+  std::string out = fmt::format("{}: {} ({}) against {} ({})\n", text::printable(v.scene, text::kLongestLine), v.device,
+                                v.device_driver, v.reference, v.reference_driver);
   out += samples_text(v.samples, width);
   out += fmt::format("L3, independent random numbers: {} samples per pixel, seeds {} and {}\n", v.samples_per_pixel,
                      v.seed + 1, v.seed + 2);
@@ -121,7 +132,7 @@ std::string validation_text(const Validation& v) {
     }
     out += "\n";
   }
-  return out + fmt::format("verdict: {}\n", verdict_name(v.verdict));
+  return out + verdict_text(v) + "\n";
 }
 
 Json validation_json(const Validation& v) {
@@ -177,6 +188,7 @@ Json validation_json(const Validation& v) {
           {"L3", image_tests_json(v.tests)},
           {"rejected", {{"device", v.device_rejected}, {"reference", v.reference_rejected}, {"located", rejected}}},
           {"verdict", verdict_name(v.verdict)},
+          {"untestedWhy", v.untested_why},
           {"passed", v.passed()}};
 }
 
@@ -184,7 +196,8 @@ JunitCase validation_junit(const Validation& v) {
   JunitCase junit;
   junit.name = v.scene + " on " + v.device;
   junit.failed = !v.passed();
-  junit.message = fmt::format("verdict: {}", verdict_name(v.verdict));
+  junit.skipped = v.passed() && v.verdict == Verdict::untested;
+  junit.message = verdict_text(v);
   junit.details = validation_text(v);
   return junit;
 }

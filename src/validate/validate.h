@@ -19,6 +19,7 @@ struct ValidateOptions {
   double significance = 0.01;             ///< false-alarm rate of L3
   SampleLimits limits;
   Verdict worst_accepted = Verdict::statistically_equal;  ///< or rounding_only, or identical
+  bool allow_untested = false;                            ///< a validation that could not be made passes
   Progress progress;                                      ///< of the two L3 renders; may stop them (Error(interrupted))
 };
 
@@ -33,13 +34,18 @@ struct Validation {
   Image device_image, reference_image;  ///< of L3, independent seeds
   Verdict verdict = Verdict::untested;
   Verdict worst_accepted = Verdict::statistically_equal;
-  /// The verdict is at least as good as accepted.
-  bool passed() const { return static_cast<int>(verdict) <= static_cast<int>(worst_accepted); }
+  std::string untested_why;  ///< one sentence when the verdict is untested
+  bool allow_untested = false;
+  /// The verdict is at least as good as accepted, or untested where that is allowed.
+  bool passed() const {
+    if (verdict == Verdict::untested) return allow_untested;
+    return static_cast<int>(verdict) <= static_cast<int>(worst_accepted);
+  }
 };
 
 /// Identical: every sample of L2 equal to the bit. Rounding only: L2 within its limits. Statistically equal: neither,
-/// but the means of L2 and all tests of L3 agree. Different: a test rejects, or a sample is not finite. L3 must pass in
-/// every case.
+/// but the means of L2 and all tests of L3 agree. Different: a test rejects, or a sample is not finite. Untested: the
+/// tests of L3 could not be made (ImageTests::made), or L2 has fewer than two samples. L3 must pass in every case.
 Validation validate_scene(const Scene& scene, const RendererFactory& make_device, const RendererFactory& make_reference,
                           const ValidateOptions& options = {});
 

@@ -175,6 +175,7 @@ TEST_F(BadFile, EveryTenthByteOfAFilmGuarded) {
     std::string bytes = film_;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x11);
     expect_bad_film("byte " + std::to_string(at), bytes);
+    expect_bad_picture("byte " + std::to_string(at) + " of a film", bytes, "bad.exr");
   }
 }
 
@@ -204,6 +205,20 @@ TEST_F(BadFile, PngsThatLie) {
     std::string bytes = png_;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x20);  // the checksum of its chunk no longer fits
     expect_bad_picture("byte " + std::to_string(at), bytes, "bad.png");
+  }
+}
+
+// A few kilobytes can unpack to gigabytes: what cannot be compared is not unpacked.
+TEST_F(BadFile, PicturesOfOtherSizesAreNotUnpacked) {
+  const std::string bomb = png(8192, 8192, std::string(10000, 'x'), 1, 0);  // never looked into
+  for (const auto& files : {std::pair{"bomb.png", "good.exr"}, std::pair{"good.exr", "bomb.png"}}) {
+    expect_refused({"bomb",
+                    {"bomb.png", bomb, "good.exr", exr_},
+                    {"compare", files.first, files.second},
+                    2,
+                    "the pictures differ in size",
+                    "8192×8192",
+                    {}});
   }
 }
 

@@ -187,7 +187,8 @@ class FileFaults : public DeviceFaults {
 TEST_F(FileFaults, AFullDiskLeavesTheTarget) {
   if (!mount_small("full")) GTEST_SKIP() << "mounting a tmpfs is not allowed here: " << std::strerror(errno);
   write_text(mounted_ / "x.exr", "old");
-  expect_error(run({"render", kScene, "--size", "160x120", "--spp", "2", "-o", "full/x.exr"}), 6, "No space left");
+  expect_error(run({"render", kScene, "--size", "160x120", "--spp", "2", "--force", "-o", "full/x.exr"}), 6,
+               "No space left");
   EXPECT_EQ(read_text(mounted_ / "x.exr"), "old");
   expect_no_leftovers(mounted_);
 }
@@ -200,7 +201,7 @@ TEST_F(FileFaults, AFullDiskUnderTheCheckpointKeepsTheLastOne) {
   write_text(mounted_ / "ballast", std::string(40000, 'x'));
   write_text(folder_ / "x.exr", "old");
   const ProcessResult result = run({"render", kScene, "--size", "16x16", "--spp", "4000", "--checkpoint", "full/ck.exr",
-                                    "--checkpoint-every", "50ms", "--resume", "full/ck.exr", "-o", "x.exr"});
+                                    "--checkpoint-every", "50ms", "--resume", "full/ck.exr", "--force", "-o", "x.exr"});
   expect_error(result, 6, "No space left");
   EXPECT_TRUE(before == read_text(mounted_ / "ck.exr"));
   EXPECT_NE(read_text(folder_ / "x.exr"), "old");  // the finished picture is not thrown away

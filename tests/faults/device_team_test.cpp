@@ -210,7 +210,34 @@ TEST(Stopping, RelativeErrorIsThatOfTheMeans) {
   for (FilmPixel& pixel : dark.pixels()) {
     for (int i = 0; i < 2; ++i) pixel.add(glm::vec3(0.0f), 0);
   }
-  EXPECT_EQ(relative_standard_error(dark), 0.0);
+  EXPECT_EQ(relative_standard_error(dark), std::numeric_limits<double>::infinity());
+}
+
+TEST(Stopping, AStartThatHasNotSeenTheLightIsNotGoodEnough) {
+  const auto picture = [](std::uint32_t side, int samples, float left, float right) {
+    Film film(side, side, 4);
+    for (std::uint32_t i = 0; i < side * side; ++i) {
+      for (int s = 0; s < samples; ++s) film.pixels()[i].add(glm::vec3(i % side < side / 2 ? left : right), 4);
+    }
+    return film;
+  };
+  // All black: nothing is known, however many samples there are.
+  EXPECT_EQ(stopping_error(picture(16, 4096, 0.0f, 0.0f)), std::numeric_limits<double>::infinity());
+  // A sky, and under it what no light has reached yet: no sample differs from another, which is no proof.
+  EXPECT_GT(stopping_error(picture(16, 16, 1.0f, 0.0f)), 0.5);
+  // Many samples are one in the end.
+  EXPECT_LT(stopping_error(picture(16, 2048, 1.0f, 0.0f)), 0.01);
+  EXPECT_LT(stopping_error(picture(256, 64, 1.0f, 0.0f)), 0.015);
+  // Fewer than two samples have no error.
+  EXPECT_EQ(stopping_error(picture(16, 1, 1.0f, 1.0f)), std::numeric_limits<double>::infinity());
+}
+
+TEST(Stopping, SeenNoiseIsWhatCountsInAPictureOfUsualSize) {
+  Film film(320, 240, 2);
+  for (FilmPixel& pixel : film.pixels()) {
+    for (int s = 0; s < 64; ++s) pixel.add(glm::vec3(s % 2 == 0 ? 1.0f : 3.0f), 2);
+  }
+  EXPECT_NEAR(stopping_error(film), relative_standard_error(film), 0.02 * relative_standard_error(film));
 }
 
 }  // namespace

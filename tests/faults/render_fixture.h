@@ -27,9 +27,9 @@ class RenderTest : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  /// Arguments of a small render; `more` is appended.
+  /// Arguments of a small render that replaces whatever is there; `more` is appended.
   static std::vector<std::string> render(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"render", kScene, "--size", "40x30"};
+    std::vector<std::string> arguments = {"render", kScene, "--size", "40x30", "--force"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }

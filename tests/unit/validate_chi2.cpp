@@ -9,7 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "reference/material_probe.h"
+#include "reference/reference_renderer.h"
 #include "validate/chi2.h"
+#include "validate/selftest.h"
 #include "validate/sphere_quadrature.h"
 
 namespace etendue {
@@ -89,6 +91,42 @@ TEST(Chi2, FalseAlarmRateIsWhatItSays) {
   std::uint64_t failed = 0;
   for (std::uint32_t seed = 0; seed < 400; ++seed) failed += !test(*probe, DiffuseBsdf{}, seed, 4000, 0.05).passed;
   EXPECT_GT(binomial_two_sided(failed, 400, 0.05), 1e-3) << failed;
+}
+
+TEST(Chi2, AHistogramOfOneCellIsNoTest) {
+  const auto probe = make_reference_bsdf_probe(DiffuseBsdf{});
+  const BsdfChi2 few = test(*probe, DiffuseBsdf{}, 1, 4);
+  EXPECT_EQ(few.test.p_value, 1.0);
+  EXPECT_FALSE(few.tested);
+  EXPECT_FALSE(few.passed);
+  EXPECT_TRUE(test(*probe, DiffuseBsdf{}, 1, 4000).tested);
+  // A mirror has one direction, and all samples are there or not.
+  const auto mirror = make_reference_bsdf_probe(MirrorBsdf{});
+  EXPECT_TRUE(test(*mirror, MirrorBsdf{}, 1, 4).passed);
+  Chi2Test file;
+  file.test_count = 1;
+  file.bsdfs.push_back({.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = {}});
+  Chi2Options options;
+  options.sample_count = 4;
+  const Chi2Report report = run_chi2(file, "few", make_reference_bsdf_probe, options);
+  EXPECT_FALSE(report.passed());
+  EXPECT_NE(chi2_table(report).find("NOT TESTED: 4 samples"), std::string::npos);
+  options.allow_untested = true;
+  EXPECT_TRUE(run_chi2(file, "few", make_reference_bsdf_probe, options).passed());
+}
+
+TEST(Selftest, TestsThatCouldNotBeMadeAreNoPass) {
+  SelftestOptions options;
+  options.samples = 4;
+  const RendererFactory reference = [](const SharedScene& scene, const RenderSettings& settings) {
+    return make_reference_renderer(scene.scene(), settings);
+  };
+  SelftestReport report = run_selftest(reference, make_reference_bsdf_probe, options);
+  EXPECT_GT(report.untested, 0u);
+  EXPECT_FALSE(report.passed());
+  EXPECT_NE(selftest_text(report).find("could not be made"), std::string::npos);
+  report.options.allow_untested = true;
+  EXPECT_EQ(report.passed(), report.failed_suites == 0);
 }
 
 TEST(Chi2, DensitiesOffByTwoPercentFail) {

@@ -128,10 +128,90 @@ TEST(Compare, IdenticalAndUntestedAndNan) {
   bare.standard_error.clear();
   bare.pixels[0].x += 1.0f;
   EXPECT_EQ(compare(bare, a).verdict, Verdict::untested);
-  EXPECT_TRUE(compare(bare, a).passed());
+  EXPECT_FALSE(compare(bare, a).passed());
   a.pixels[0].x = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(compare(a, a).verdict, Verdict::different);
   EXPECT_FALSE(compare(a, a).passed());
+}
+
+// What a file says of its errors and samples, for a picture twice as bright as the other.
+struct Claim {
+  const char* name;
+  float error;  // relative
+  std::uint32_t samples;
+  Verdict verdict;
+};
+class CompareClaims : public ::testing::TestWithParam<Claim> {};
+TEST_P(CompareClaims, TwiceAsBrightIsNeverEqual) {
+  const Claim& claim = GetParam();
+  Image a = picture(16, 16, 2, 1), b = a;
+  for (Image* image : {&a, &b}) {
+    for (std::size_t i = 0; i < image->pixels.size(); ++i) {
+      if (image == &a) image->pixels[i] *= 2.0f;
+      image->standard_error[i] = image->pixels[i] * claim.error;
+      image->sample_count[i] = claim.samples;
+    }
+  }
+  const Comparison c = compare(a, b);
+  EXPECT_EQ(c.verdict, claim.verdict) << comparison_text(c);
+  EXPECT_FALSE(c.passed());
+  EXPECT_TRUE(comparison_junit(c).failed);
+  CompareOptions allowing = without_flip();
+  allowing.allow_untested = true;
+  EXPECT_EQ(compare(a, b, allowing).passed(), claim.verdict == Verdict::untested);
+  // With an error in one picture only there is no test either.
+  if (claim.verdict == Verdict::untested) {
+    const Comparison half = compare(a, picture(16, 16, 64, 3));
+    EXPECT_EQ(half.verdict, Verdict::untested) << comparison_text(half);
+  }
+}
+constexpr float kInfinite = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
+INSTANTIATE_TEST_SUITE_P(Errors, CompareClaims,
+                         ::testing::Values(Claim{"zero_of_one_sample", 0.0f, 1, Verdict::untested},
+                                           Claim{"zero_of_none", 0.0f, 0, Verdict::untested},
+                                           Claim{"zero_of_many", 0.0f, 64, Verdict::different},
+                                           Claim{"infinite", kInfinite, 1, Verdict::untested},
+                                           Claim{"infinite_of_many", kInfinite, 64, Verdict::untested},
+                                           Claim{"nan", kNan, 64, Verdict::untested},
+                                           Claim{"negative", -0.01f, 64, Verdict::untested},
+                                           Claim{"immense", 1e20f, 64, Verdict::untested}),
+                         [](const auto& claim) { return claim.param.name; });
+
+TEST(Compare, OneSampleAPixelIsNotTested) {
+  const Comparison c = compare(picture(16, 16, 1, 1), picture(16, 16, 1, 2));
+  EXPECT_EQ(c.verdict, Verdict::untested);
+  EXPECT_THAT(comparison_text(c), HasSubstr("256 of 256 pixels differ where there is no standard error"));
+  EXPECT_EQ(nlohmann::json::parse(comparison_json(c).dump())["verdict"], "not tested");
+  // The limits are the test then, if there are any.
+  CompareOptions options = without_flip();
+  options.limits = {parse_limit("rmse=1e3", true)};
+  EXPECT_TRUE(compare(picture(16, 16, 1, 1), picture(16, 16, 1, 2), options).passed());
+  options.limits = {parse_limit("rmse=1e-3", true)};
+  EXPECT_FALSE(compare(picture(16, 16, 1, 1), picture(16, 16, 1, 2), options).passed());
+}
+
+TEST(Compare, OnePixelThatCannotBeTestedSpoilsTheVerdictOnlyIfItDiffers) {
+  const Image reference = picture(32, 24, 64, 1);
+  Image hole = picture(32, 24, 64, 2);
+  hole.sample_count[100] = 0;
+  hole.standard_error[100] = glm::vec3(kInfinite);
+  EXPECT_EQ(compare(hole, reference).verdict, Verdict::untested);
+  EXPECT_EQ(compare(hole, reference).tests->untested, 1u);
+  hole.pixels[100] = reference.pixels[100];
+  EXPECT_EQ(compare(hole, reference).verdict, Verdict::statistically_equal);
+  // A difference that a test finds elsewhere is one whatever else is unknown.
+  hole.pixels[100] *= 2.0f;
+  hole.pixels[200] *= 5.0f;
+  EXPECT_EQ(compare(hole, reference).verdict, Verdict::different);
+}
+
+TEST(Compare, ATestThatCannotRejectIsNone) {
+  // Two samples of one pixel: no difference is beyond what chance allows.
+  Image a = picture(1, 1, 2, 1), b = a;
+  b.pixels[0] *= 50.0f;
+  const Comparison c = compare(a, b);
+  EXPECT_EQ(c.verdict, Verdict::untested) << comparison_text(c);
+  EXPECT_THAT(comparison_text(c), HasSubstr("the noise hides everything below"));
 }
 
 TEST(Compare, SharedSeedIsNoted) {

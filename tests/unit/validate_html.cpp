@@ -32,6 +32,31 @@ TEST(ScriptJson, CannotCloseItsElement) {
   EXPECT_EQ(nlohmann::json::parse(text)["name"], "</script><script>alert(1)</script>");
 }
 
+TEST(Report, OfALargePictureHoldsMeansAndTheWorstScores) {
+  Image a;
+  a.width = 1001;
+  a.height = 900;
+  a.pixels.assign(std::size_t{a.width} * a.height, glm::vec3(1.0f));
+  a.standard_error.assign(a.pixels.size(), glm::vec3(0.1f));
+  a.sample_count.assign(a.pixels.size(), 64);
+  Image b = a;
+  b.pixels[1] = glm::vec3(3.0f);  // the right one of the first square: mean 1.5, and a score beyond doubt
+  CompareOptions options;
+  options.metrics.flip = false;
+  const std::string html = comparison_html(compare_images(a, "a.exr", b, "b.exr", options), a, b);
+  EXPECT_LT(html.size(), 20u << 20);
+  EXPECT_THAT(html, HasSubstr("\"reduction\":2"));
+  EXPECT_THAT(html, HasSubstr("\"width\":501"));
+  EXPECT_THAT(html, HasSubstr("\"fullWidth\":1001"));
+  const std::vector<glm::vec3> first = {glm::vec3(1.5f), glm::vec3(1.0f)};
+  EXPECT_THAT(html, HasSubstr(">" + base64(first.data(), 24)));
+  const std::vector<glm::vec3> scores = pixel_scores(a, b, 2);
+  ASSERT_EQ(scores.size(), 501u * 450);
+  EXPECT_LT(scores[0].x, -5.0f);
+  EXPECT_EQ(scores[0].x, pixel_scores(a, b)[1].x);
+  EXPECT_EQ(scores[1].x, 0.0f);
+}
+
 TEST(Report, HoldsTheFloatsAndNoPlaceholder) {
   Image a;
   a.width = 2;

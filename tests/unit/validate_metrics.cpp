@@ -166,6 +166,37 @@ TEST(Ssim, OneWindowByHand) {
 // --- FLIP
 // --------------------------------------------------------------------------------------------------------------
 
+// Every window summed plainly, over a picture of several strips.
+TEST(Ssim, StripsLeaveNoSeam) {
+  constexpr int kWidth = 20, kHeight = 150;
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> uniform;
+  std::vector<double> a(kWidth * kHeight), b(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    a[i] = uniform(rng);
+    // Least alike around the rows where strips meet, so that a seam would show.
+    const double likeness = std::abs(static_cast<double>(i / kWidth % 64) - 5.0) < 6.0 ? 0.1 : 0.9;
+    b[i] = likeness * a[i] + (1.0 - likeness) * uniform(rng);
+  }
+  double total = 0;
+  for (int y = 5; y < kHeight - 5; ++y) {
+    for (int x = 5; x < kWidth - 5; ++x) {
+      double norm = 0, ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
+      for (int v = -5; v <= 5; ++v) {
+        for (int u = -5; u <= 5; ++u) {
+          const double w = std::exp(-(u * u + v * v) / 4.5);
+          const auto i = static_cast<std::size_t>((y + v) * kWidth + x + u);
+          norm += w, ma += w * a[i], mb += w * b[i], aa += w * a[i] * a[i], bb += w * b[i] * b[i],
+              ab += w * a[i] * b[i];
+        }
+      }
+      ma /= norm, mb /= norm, aa = aa / norm - ma * ma, bb = bb / norm - mb * mb, ab = ab / norm - ma * mb;
+      total += (2 * ma * mb + 1e-4) * (2 * ab + 9e-4) / ((ma * ma + mb * mb + 1e-4) * (aa + bb + 9e-4));
+    }
+  }
+  EXPECT_NEAR(ssim(a, b, kWidth, kHeight), total / ((kWidth - 10) * (kHeight - 10)), 1e-10);
+}
+
 TEST(Flip, ColorSpaces) {
   // White is L* = 100 without chroma; YCxCz is (100, 0, 0) there; the way back is the inverse.
   const glm::dvec3 white = flip::ycxcz_from_rgb({1, 1, 1});
@@ -282,6 +313,18 @@ TEST(Flip, AgreesWithThePlainSums) {
   for (const auto& [x, y] : {std::pair{20, 16}, {0, 0}, {39, 5}, {7, 31}}) {
     EXPECT_NEAR(map[static_cast<std::size_t>(y * 40 + x)], flip_at(a, b, x, y), 1e-4) << x << ", " << y;
   }
+}
+
+// Large pictures are computed in strips of rows; nothing may show where they meet.
+TEST(Flip, StripsLeaveNoSeam) {
+  const Image a = noise(24, 150, 3), b = noise(24, 150, 4, 0.8f);
+  const auto map = ldr_flip(a.pixels, b.pixels, 24, 150, kPpd);
+  for (const int y : {62, 63, 64, 65, 127, 128, 149}) {
+    EXPECT_NEAR(map[static_cast<std::size_t>(y * 24 + 9)], flip_at(a, b, 9, y), 1e-4) << y;
+  }
+  double sum = 0;
+  for (const float x : map) sum += static_cast<double>(x);
+  EXPECT_NEAR(mean_ldr_flip(a.pixels, b.pixels, 24, 150, kPpd), sum / static_cast<double>(map.size()), 1e-12);
 }
 
 TEST(HdrFlip, ExposuresBracketTheReference) {

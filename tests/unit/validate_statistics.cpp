@@ -211,6 +211,17 @@ TEST(ChiSquare, PoolsSmallCellsWithoutLosingSamples) {
   EXPECT_EQ(ones.p_value, 1.0);
 }
 
+TEST(ChiSquare, TwoCellsOfWhichOneIsRareAreTestedExactly) {
+  const std::vector<double> expected = {3999.0, 1.0};
+  const ChiSquareResult usual = chi_square_test(std::vector<double>{3998.0, 2.0}, expected);
+  EXPECT_TRUE(usual.made);
+  EXPECT_EQ(usual.cells, 2u);
+  EXPECT_NEAR(usual.p_value, 2.0 * binomial_upper_tail(2, 4000, 1.0 / 4000), 1e-12);
+  EXPECT_LT(chi_square_test(std::vector<double>{3985.0, 15.0}, expected).p_value, 1e-9);
+  // Three cells in one pool are no test.
+  EXPECT_FALSE(chi_square_test(std::vector<double>{1.0, 1.0, 1.0}, std::vector<double>{1.0, 1.0, 1.0}).made);
+}
+
 TEST(ChiSquare, SamplesWhereThereCanBeNoneAreAnError) {
   const std::vector<double> expected{500, 500, 0};
   EXPECT_EQ(chi_square_test(std::vector<double>{495, 505, 1}, expected).p_value, 0.0);

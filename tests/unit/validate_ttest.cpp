@@ -69,6 +69,30 @@ TEST(RunTTest, FalseAlarmRateOfTheFileIsWhatItSays) {
   EXPECT_GT(binomial_two_sided(failed, kExperiments, 0.05), 1e-4) << failed;
 }
 
+TEST(RunTTest, TooFewSamplesAreNoPass) {
+  // Two samples do not tell 1.5 from 2: no test, whatever p says.
+  const TTest test = make_test({1.5, 2.0}, 1, 1, 2);
+  const TTestReport report = run_ttest(test, "t.xml", fake());
+  EXPECT_FALSE(report.passed());
+  for (const SceneTTest& scene : report.scenes) {
+    ASSERT_GE(scene.test.p_value, report.test_level);
+    EXPECT_FALSE(scene.tested);
+  }
+  EXPECT_THAT(ttest_table(report), HasSubstr("NOT TESTED"));
+  EXPECT_THAT(ttest_table(report), HasSubstr("0 of 2 passed, 2 not tested"));
+  EXPECT_EQ(nlohmann::json::parse(ttest_json(report).dump())["scenes"][0]["tested"], false);
+  EXPECT_TRUE(ttest_junit(report)[0].failed);
+  TTestOptions allowing;
+  allowing.allow_untested = true;
+  const TTestReport allowed = run_ttest(test, "t.xml", fake(), allowing);
+  EXPECT_TRUE(allowed.passed());
+  EXPECT_TRUE(ttest_junit(allowed)[0].skipped);
+  // Samples that were thrown away are a failure, not a gap.
+  Defects nan;
+  nan.nan_every = 1;
+  EXPECT_FALSE(run_ttest(test, "t.xml", fake(nan), allowing).passed());
+}
+
 TEST(RunTTest, ConstantEstimatorIsJudgedByTheTolerance) {
   Defects constant;
   constant.constant = true;
@@ -124,7 +148,7 @@ TEST(RunTTest, ReportsForMachines) {
 TEST(Junit, SkippedAndControlCharacters) {
   const std::string xml = junit_xml("s", {{"n\x01", 0.5, false, true, "no device", ""}});
   EXPECT_THAT(xml, HasSubstr("skipped=\"1\""));
-  EXPECT_THAT(xml, HasSubstr("name=\"n?\""));
+  EXPECT_THAT(xml, HasSubstr("name=\"n\ufffd\""));
   EXPECT_THAT(xml, HasSubstr("<skipped message=\"no device\"/>"));
 }
 

@@ -36,6 +36,21 @@ TEST(Validate, TheSameRendererIsIdentical) {
   EXPECT_NE(v.device_image.pixels, v.reference_image.pixels) << "L3 needs independent seeds";
 }
 
+TEST(Validate, NoiseThatHidesEverythingIsNoVerdict) {
+  ValidateOptions options = quick();
+  options.samples_per_pixel = 2;
+  Validation v = validate_scene(small_scene(1, 1), fake(), fake(), options);
+  EXPECT_EQ(v.verdict, Verdict::untested) << validation_text(v);
+  EXPECT_FALSE(v.passed());
+  EXPECT_THAT(validation_text(v), HasSubstr("verdict: not tested: the noise hides"));
+  v.allow_untested = true;
+  EXPECT_TRUE(v.passed());
+  EXPECT_TRUE(validation_junit(v).skipped);
+  options.samples_per_pixel = 64;
+  options.sample_budget = 1;
+  EXPECT_EQ(validate_scene(small_scene(1, 1), fake(), fake(), options).verdict, Verdict::untested);
+}
+
 TEST(Validate, RoundingIsRounding) {
   Defects rounding;
   rounding.rounding = 1e-6f;

@@ -2,7 +2,8 @@
 (() => {
 const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
-const { width, height } = data;
+// Of a large picture the page holds the means of squares of `reduction` × `reduction` pixels.
+const { width, height, reduction } = data;
 
 // --- Data: float32 triples in base64, little-endian like every browser's typed arrays -----------------------------------------
 function floats(id) {
@@ -203,14 +204,17 @@ function mark(x, y) {
   x = Math.min(Math.max(x, 0), width - 1); y = Math.min(Math.max(y, 0), height - 1);
   state.pixel = [x, y];
   const i = y * width + x, rgb = [0, 1, 2], value = (p) => rgb.map((c) => shortest(p[3 * i + c]));
+  const first = [x * reduction, y * reduction];
+  const last = [Math.min(first[0] + reduction, data.fullWidth) - 1, Math.min(first[1] + reduction, data.fullHeight) - 1];
+  const place = reduction === 1 ? `pixel (${x}, ${y})` : `mean of pixels (${first}) to (${last})`;
   const rows = [row("A", value(a)), row("B", value(b)), row("A − B", rgb.map((c) => brief(a[3 * i + c] - b[3 * i + c])))];
   if (z) {
-    rows.push(row("z", rgb.map((c) => brief(z[3 * i + c]))));
+    rows.push(row(reduction === 1 ? "z" : "worst z", rgb.map((c) => brief(z[3 * i + c]))));
     rows.push(row("p", rgb.map((c) => brief(twoSided(z[3 * i + c])))));
   }
   const readout = $("readout");
   readout.dataset.x = x; readout.dataset.y = y;
-  readout.innerHTML = `<table><tr><th>pixel (${x}, ${y})</th><td>red</td><td>green</td><td>blue</td></tr>${rows.join("")}</table>`;
+  readout.innerHTML = `<table><tr><th>${place}</th><td>red</td><td>green</td><td>blue</td></tr>${rows.join("")}</table>`;
   draw();
 }
 
@@ -328,7 +332,8 @@ function metricsPanel(c) {
   const m = c.metrics, percent = (x) => `${brief(100 * x)} %`, range = (i, f) => `[${f(i[0])}, ${f(i[1])}]`;
   const rows = [["MSE", brief(m.mse)], ["RMSE", brief(m.rmse)], ["relMSE", brief(m.relmse)], ["MAE", brief(m.mae)],
     ["PSNR", m.psnr === null ? "∞ dB" : `${brief(m.psnr)} dB`], ["SSIM", brief(m.ssim)]];
-  if (m.flip !== null) rows.push(["FLIP (clamped to [0, 1])", brief(m.flip)], ["HDR-FLIP", brief(m.hdrflip)]);
+  if (m.flip !== null) rows.push(["FLIP (clamped to [0, 1])", brief(m.flip)]);
+  if (m.hdrflip !== null) rows.push(["HDR-FLIP", brief(m.hdrflip)]);
   rows.push(["bias of the luminance", `${brief(m.bias)} ${range(m.biasInterval, brief)}`],
     ["relative bias", `${percent(m.relbias)} ${range(m.relbiasInterval, percent)}`]);
   if (m.nonfinite) rows.push(["NaN or infinite pixels", `<span class="failed">${m.nonfinite}</span>`]);
@@ -349,7 +354,7 @@ function testsPanel(t) {
     `${brief(100 * t.detectableRelativeBias)} % of the image mean would be found with probability 0.99.</p><p>Worst places: ${worst.join(" ")}</p>`);
   for (const button of section.querySelectorAll("[data-x]")) {
     button.addEventListener("click", () => {
-      mark(+button.dataset.x, +button.dataset.y);
+      mark(Math.floor(button.dataset.x / reduction), Math.floor(button.dataset.y / reduction));
       state.x = state.pixel[0] + .5; state.y = state.pixel[1] + .5; state.zoom = Math.max(state.zoom, 12 * ratio()); state.fitted = false;
       showZoom();
       view.scrollIntoView({ block: "nearest", behavior: "smooth" });
@@ -358,6 +363,7 @@ function testsPanel(t) {
 }
 // Scores against the standard normal density; a right pair of pictures fills the curve.
 function histogramPanel() {
+  if (reduction > 1) return;  // the page holds the worst score of each square, which follows another law
   const bins = 48, limit = 6, counts = new Array(bins).fill(0);
   let n = 0, outside = 0;
   for (const score of z) {
@@ -397,7 +403,7 @@ function metadataPanel(rows) {
 
 // --- Start ----------------------------------------------------------------------------------------------------------------
 $("title").textContent = data.title;
-$("subtitle").textContent = data.subtitle;
+$("subtitle").textContent = data.subtitle + (reduction > 1 ? ` · shown as means of ${reduction} × ${reduction} pixels` : "");
 $("verdict").textContent = data.verdict;
 $("verdict").className = data.verdict === "not tested" && data.passed ? "" : data.passed ? "good" : "bad";
 $("label-a").textContent = data.labelA;

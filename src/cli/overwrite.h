@@ -1,0 +1,32 @@
+#pragma once
+/// Which existing files a command may replace; argued in docs/image_files.md, "Files that exist".
+
+#include <cstdint>
+#include <string>
+
+#include "core/command_line.h"
+#include "image/film_file.h"
+
+namespace etendue::cli {
+
+struct OverwriteOptions {
+  bool force = false;       ///< replace anything
+  bool no_clobber = false;  ///< replace nothing
+
+  /// Adds --force and --no-clobber.
+  void add_to(Command& command);
+};
+
+/// What is going to be written.
+struct NewPicture {
+  FilmHeader header;     ///< its samples are those that are wanted in the end; none: a heat map
+  bool as_film = false;  ///< where the path ends in .exr
+};
+
+/// Throws Error(usage) when both options are given; Error(file_error) when something stands at `path` that must not be
+/// replaced: anything that is not a picture or film of Etendue, a picture with more samples than the new one (over all
+/// pixels), a film where no film comes, or that holds samples the new one does not. Returns a sentence on what will be
+/// replaced; "" when nothing stands there, or an empty file. Better called before the render than after it.
+std::string check_replaceable(const std::string& path, const NewPicture& picture, const OverwriteOptions& options);
+
+}  // namespace etendue::cli

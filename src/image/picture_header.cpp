@@ -1,0 +1,51 @@
+#include "image/picture_header.h"
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "image/decode.h"
+#include "image/exr_io.h"
+#include "image/files.h"
+#include "image/film_file.h"
+
+namespace etendue {
+namespace {
+
+PictureHeader from_film(FilmHeader film) {
+  return {film.width, film.height, true, std::move(film.samples), std::move(film.metadata)};
+}
+
+SampleRanges samples_in(const Metadata& metadata) {
+  const auto samples = metadata.find("samples");
+  return samples == metadata.end() ? SampleRanges{} : parse_sample_ranges(samples->second).value_or(SampleRanges{});
+}
+
+PictureHeader read_exr_picture_header(const std::string& path) {
+  const Imf::Header header = load_exr_header(path);
+  if (is_film(header)) return from_film(read_film_header(path));
+  const Imath::Box2i& window = header.dataWindow();
+  PictureHeader picture{.width = static_cast<std::uint32_t>(window.max.x - window.min.x) + 1,
+                        .height = static_cast<std::uint32_t>(window.max.y - window.min.y) + 1,
+                        .metadata = exr_metadata(header)};
+  picture.samples = samples_in(picture.metadata);
+  return picture;
+}
+
+PictureHeader read_png_picture_header(const std::string& path) {
+  // Texts stand before the pixels, if they are ours. Longer ones than these are not.
+  constexpr std::uint64_t kLongest = 1 << 24;
+  PictureHeader picture = decode_png_header(read_file(path, kLongest), path);
+  picture.samples = samples_in(picture.metadata);
+  return picture;
+}
+
+}  // namespace
+
+PictureHeader read_picture_header(const std::string& path) {
+  const std::vector<std::byte> head = read_file(path, 8);
+  if (is_exr(head)) return read_exr_picture_header(path);
+  if (is_png(head)) return read_png_picture_header(path);
+  throw Error(ExitCode::file_error, fmt::format("{}: is neither an EXR nor a PNG file", path));
+}
+
+}  // namespace etendue

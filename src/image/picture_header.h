@@ -1,0 +1,24 @@
+#pragma once
+/// What a picture or film file says about itself, without its pixels.
+
+#include <cstdint>
+#include <string>
+
+#include "image/image.h"
+#include "image/sample_ranges.h"
+
+namespace etendue {
+
+struct PictureHeader {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  bool film = false;     ///< holds exact sums: can be merged and resumed
+  SampleRanges samples;  ///< sample indices inside; empty when the file does not say
+  Metadata metadata;
+};
+
+/// Reads the first bytes of an EXR or PNG file, by content, however large the picture is that it announces. Throws
+/// Error(file_error) with the path and the reason.
+PictureHeader read_picture_header(const std::string& path);
+
+}  // namespace etendue
