@@ -15,6 +15,7 @@
 #include "compile/light_tree.h"
 #include "compile/normalization.h"
 #include "compile/reinsertion.h"
+#include "compile/twins.h"
 #include "compile/wide_bvh.h"
 #include "core/errors.h"
 #include "scene/invariants.h"
@@ -207,10 +208,16 @@ class Compiler {
     std::vector<Box> boxes;
     boxes.reserve(flat_primitives_.size());
     for (const gpu::Primitive& p : flat_primitives_) boxes.push_back(primitive_box(p));
+    const std::vector<Twin> twins = find_twins(flat_primitives_);
+    for (const Twin& twin : twins) boxes[twin.primitive] = {};
     const std::vector<std::uint32_t> few = take_few_primitives(boxes);
+    std::vector<std::uint32_t> outside = few;
+    for (const Twin& twin : twins) outside.push_back(twin.primitive);
+    std::ranges::sort(outside);
+    outside.erase(std::ranges::unique(outside).begin(), outside.end());
     Bvh bvh;
-    if (few.size() < boxes.size()) {
-      bvh = build_bvh(std::move(boxes), few);
+    if (outside.size() < boxes.size()) {
+      bvh = build_bvh(std::move(boxes), outside);
       reinsert_subtrees(bvh);
     }
     WideBvh tree = make_wide_bvh<gpu::kBvhWidth>(bvh, flat_primitives_, few);

@@ -301,10 +301,12 @@ void GpuRenderer::run_groups(const Work& work, gpu::Pass pass, std::uint32_t gro
     }
     if (head.unfinished == 0) return;
     if (head.stuck > 0) {
-      throw Error(ExitCode::device_lost, fmt::format("{} paths need more than {} loop iterations each, the most a "
-                                                     "dispatch may take on '{}'; lower maxDepth or let roulette "
-                                                     "begin earlier (rrDepth).",
-                                                     head.stuck, pass.step_budget, context().info().name));
+      throw Error(
+          ExitCode::scene_error,
+          fmt::format("{} paths take more than {} steps each, the most '{}' allows. Either thousands of surfaces "
+                      "overlap where they pass (`etendue check` names such places): thin them out; or paths are "
+                      "endless: lower maxDepth or let roulette begin earlier (rrDepth).",
+                      head.stuck, pass.step_budget, context().info().name));
     }
   }
 }
@@ -427,9 +429,12 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
       // A long path is traced again alone, with the whole budget to itself.
       if (results[i].stuck != 0) results[i] = tracer_->trace(chunk.subspan(i, 1), step_budget_).front();
       if (results[i].stuck != 0) {
-        throw Error(ExitCode::device_lost,
-                    fmt::format("The path of pixel {} sample {} needs more than {} traversal steps; lower maxDepth.",
-                                chunk[i].pixel, chunk[i].sample, step_budget_));
+        throw Error(
+            ExitCode::scene_error,
+            fmt::format("The path of pixel {} sample {} takes more than {} steps: thousands of surfaces overlap "
+                        "where it passes (`etendue check` names such places), or it is endless; thin them out "
+                        "or lower maxDepth.",
+                        chunk[i].pixel, chunk[i].sample, step_budget_));
       }
       out.push_back({results[i].radiance, results[i].signature, results[i].segments});
     }

@@ -76,9 +76,10 @@ class GpuRayCaster final : public RayCaster {
     device_->commands.download(results_, 0, std::as_writable_bytes(std::span(hits)));
     for (std::size_t i = 0; i < hits.size(); ++i) {
       if (hits[i].steps <= kMostSteps) continue;
-      throw Error(ExitCode::device_lost,
-                  fmt::format("Ray {} needs more than {} steps through the tree, the most a ray may take here.", i,
-                              kMostSteps));
+      throw Error(ExitCode::scene_error,
+                  fmt::format("Ray {} takes more than {} steps through the tree, the most a ray may take here: "
+                              "thousands of surfaces overlap where it passes; thin them out.",
+                              i, kMostSteps));
     }
     return hits;
   }

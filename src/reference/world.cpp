@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "reference/intersect.h"
@@ -59,6 +61,28 @@ std::vector<World::Primitive> World::collect() const {
         primitives.push_back({.p0 = p0, .p1 = p1, .p2 = p2, .radius = 0.0, .instance = n, .index = i});
     }
   }
+  return without_twins(std::move(primitives));
+}
+
+/// Of primitives with the same vertices in the same order only the first counts: a ray meets all or none of them.
+std::vector<World::Primitive> World::without_twins(std::vector<Primitive> primitives) {
+  const auto key = [&](std::uint32_t i) {
+    const Primitive& p = primitives[i];
+    return std::tie(p.p0.x, p.p0.y, p.p0.z, p.p1.x, p.p1.y, p.p1.z, p.p2.x, p.p2.y, p.p2.z, p.radius);
+  };
+  std::vector<std::uint32_t> order(primitives.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
+    const auto ka = key(a), kb = key(b);
+    return ka != kb ? ka < kb : a < b;
+  });
+  std::vector<bool> is_twin(primitives.size(), false);
+  for (std::size_t i = 1; i < order.size(); ++i) is_twin[order[i]] = key(order[i]) == key(order[i - 1]);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    if (!is_twin[i]) primitives[kept++] = primitives[i];
+  }
+  primitives.resize(kept);
   return primitives;
 }
 

@@ -40,6 +40,7 @@ class World {
     std::uint32_t index = 0;  ///< triangle in its mesh, 0 for a sphere
   };
   std::vector<Primitive> collect() const;
+  static std::vector<Primitive> without_twins(std::vector<Primitive> primitives);
   Surface triangle_surface(const Primitive& primitive, const Vec3& barycentric) const;
   Surface sphere_surface(const Primitive& primitive, const Vec3& near_point) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -265,6 +266,30 @@ TEST(ReferenceScale, DirectLightIsTheSameAtAnyScale) {
     const Estimate e = estimate(scene, 200000);
     EXPECT_LT(e.t(0.26174), kMaxT) << scale << ": " << e.mean;
   }
+}
+
+// A ray that meets one copy meets them all; with each of them tested this would take a minute.
+TEST(World, CopiesOfAPrimitiveCostNothing) {
+  Scene scene;
+  scene.camera.width = scene.camera.height = 1;
+  TriangleMesh copies{.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}};
+  for (int i = 0; i < 300000; ++i) copies.triangles.push_back({0, 1, 2});
+  add(scene, copies, diffuse(0.5));
+  for (int i = 0; i < 3000; ++i) add(scene, Sphere{{0, 0, 3}, 1.0}, diffuse(0.5));
+  const World world(scene);
+  std::mt19937_64 random(5);
+  const std::clock_t start = std::clock();
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 p = 0.3 * random_point(random, 1.0);
+    const auto triangle = world.closest_hit({.origin = {p.x, p.y, 1.0}, .direction = {0, 0, -1}});
+    ASSERT_TRUE(triangle.has_value());
+    EXPECT_EQ(triangle->instance, 0u);
+    EXPECT_EQ(triangle->primitive, 0u);
+    const auto sphere = world.closest_hit({.origin = {p.x, p.y, 9.0}, .direction = {0, 0, -1}});
+    ASSERT_TRUE(sphere.has_value());
+    EXPECT_EQ(sphere->instance, 1u);
+  }
+  EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 5.0) << "seconds of CPU time";
 }
 
 }  // namespace

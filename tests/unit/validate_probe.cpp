@@ -13,6 +13,7 @@ namespace etendue {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 /// A sphere to be added to a scene.
 struct Ball {
@@ -81,6 +82,51 @@ TEST(Probe, PathsWithoutEndEnd) {
   box.integrator.rr_depth = 0;
   box.sky.top = glm::dvec3(1.0);
   probe(box);
+}
+
+/// `count` triangles one behind the other, the first nearest to the camera.
+TriangleMesh stack(std::uint32_t count, double step, double size = 1.0) {
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double z = 5.0 + step * i;
+    for (const glm::dvec3& p : {glm::dvec3(-size, -size, z), glm::dvec3(0, size, z), glm::dvec3(size, -size, z)})
+      mesh.positions.push_back(p);
+    mesh.triangles.push_back(glm::uvec3(0, 1, 2) + 3 * i);
+  }
+  return mesh;
+}
+
+TEST(Probe, TwinsAreNoCrowd) {
+  Scene scene = scene_of({lamp({0, 4, 2}, 0.5)});
+  scene.add(stack(200000, 0.0, 4.0));
+  EXPECT_EQ(probe(scene), "");
+}
+
+TEST(Probe, WhatNoTreeCanPartIsRefused) {
+  const auto errors = [](Scene scene) {
+    Diagnostics diagnostics;
+    probe_scene(std::move(scene), diagnostics);
+    return diagnostics.error_count();
+  };
+  // One behind the other: a ray beside the triangles and within their boxes passes them all.
+  Scene deep = scene_of({lamp({0, 4, 2}, 0.5)}), slow = deep;
+  deep.add(stack(30000, 1e-6));
+  EXPECT_THAT(probe(deep), HasSubstr("meets the boxes of 30000 triangles or spheres before it hits one"));
+  EXPECT_EQ(errors(deep), 1u);
+  slow.add(stack(10000, 1e-6));
+  EXPECT_THAT(probe(slow), HasSubstr("no paths were tried"));
+  EXPECT_EQ(errors(slow), 0u);
+  // What hides behind a wall costs the camera's rays nothing.
+  TriangleMesh wall{.positions = {{-20, -20, 4}, {-20, 20, 4}, {20, -20, 4}, {20, 20, 4}},
+                    .triangles = {{0, 1, 2}, {2, 1, 3}}};
+  Scene hidden = deep;
+  hidden.add(wall);
+  EXPECT_THAT(probe(hidden), Not(HasSubstr("meets the boxes")));
+  // All around one point.
+  std::vector<Ball> onion;
+  for (int i = 0; i < 12000; ++i) onion.push_back(ball({0, 0, 5}, 1.0 + 1e-5 * i));
+  EXPECT_THAT(probe(scene_of(onion)), HasSubstr("12000 triangles or spheres overlap at 0 0 5, \"ball\" among them"));
+  EXPECT_EQ(errors(scene_of(onion)), 1u);
 }
 
 }  // namespace
