@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "cli/command.h"
+#include "cli/overwrite.h"
 #include "cli/result_files.h"
 #include "cli/results.h"
 
@@ -22,6 +23,7 @@ struct Options {
 };
 
 ExitCode run_files(const Options& options) {
+  check_report_replaceable("--junit", options.junit);
   if (!options.junit.empty()) check_writable(options.junit);
   // All files are read before the first device is touched.
   std::vector<Chi2Test> tests;

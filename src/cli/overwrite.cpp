@@ -3,10 +3,12 @@
 #include <charconv>
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "image/files.h"
 #include "image/merge.h"
 #include "image/picture_header.h"
 #include "render/sample_queue.h"
@@ -55,6 +57,13 @@ std::string describe(const PictureHeader& old) {
                      spp > 0 ? fmt::format(" and {} samples each", spp) : "");
 }
 
+/// Whether a file begins like what the option writes.
+bool begins_like_report(const std::string& option, std::string_view beginning) {
+  if (option == "--json") return beginning.starts_with("{") || beginning.starts_with("[");
+  if (option == "--html") return beginning.starts_with("<!DOCTYPE html>");
+  return beginning.starts_with("<?xml") && beginning.find("<testsuites>") != std::string_view::npos;
+}
+
 }  // namespace
 
 void OverwriteOptions::add_to(Command& command) {
@@ -90,6 +99,17 @@ std::string check_replaceable(const std::string& path, const NewPicture& picture
                              wanted.width, wanted.height));
   }
   return fmt::format("{} exists, {}, and will be replaced.", path, describe(old));
+}
+
+void check_report_replaceable(const std::string& option, const std::string& path) {
+  std::error_code error;
+  if (path.empty() || !std::filesystem::is_regular_file(path, error)) return;
+  constexpr std::uint64_t kBeginning = 256;
+  const std::vector<std::byte> bytes = read_file(path, kBeginning);
+  const std::string_view beginning(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (bytes.empty() || begins_like_report(option, beginning)) return;
+  throw Error(ExitCode::file_error,
+              fmt::format("{}: exists and is no report, which '{}' would replace; give another name.", path, option));
 }
 
 }  // namespace etendue::cli

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "cli/overwrite.h"
 #include "image/files.h"
 
 namespace etendue::cli {
@@ -14,8 +15,10 @@ void ResultFiles::add_to(Command& command, bool with_html) {
 
 void ResultFiles::check() const {
   check_distinct({{"--json", json}, {"--junit", junit}, {"--html", html}});
-  for (const std::string& path : {json, junit, html}) {
-    if (!path.empty()) check_writable(path);
+  for (const auto& [option, path] : {NamedFile("--json", json), {"--junit", junit}, {"--html", html}}) {
+    if (path.empty()) continue;
+    check_report_replaceable(option, path);
+    check_writable(path);
   }
 }
 

@@ -28,8 +28,8 @@ bool is_png(std::span<const std::byte> bytes);
 
 Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path);
 Image decode_png(std::span<const std::byte> bytes, const std::string& path);
-/// Size and texts of a PNG file from its first bytes, which must reach to its pixels.
-PictureHeader decode_png_header(std::span<const std::byte> bytes, const std::string& path);
+/// Size and texts of a PNG file of `file_size` bytes from its first bytes, which must reach to its pixels.
+PictureHeader decode_png_header(std::span<const std::byte> bytes, std::uint64_t file_size, const std::string& path);
 /// Throws Error(file_error) when these are the bytes of a film file that does not match its checksum. An EXR picture
 /// has none and passes.
 void verify_film(std::span<const std::byte> bytes, const std::string& path);

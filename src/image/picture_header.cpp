@@ -1,5 +1,7 @@
 #include "image/picture_header.h"
 
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "core/errors.h"
@@ -34,7 +36,7 @@ PictureHeader read_exr_picture_header(const std::string& path) {
 PictureHeader read_png_picture_header(const std::string& path) {
   // Texts stand before the pixels, if they are ours. Longer ones than these are not.
   constexpr std::uint64_t kLongest = 1 << 24;
-  PictureHeader picture = decode_png_header(read_file(path, kLongest), path);
+  PictureHeader picture = decode_png_header(read_file(path, kLongest), std::filesystem::file_size(path), path);
   picture.samples = samples_in(picture.metadata);
   return picture;
 }

@@ -238,12 +238,13 @@ bool is_png(std::span<const std::byte> bytes) {
   return bytes.size() >= 8 && png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes.data()), 0, 8) == 0;
 }
 
-PictureHeader decode_png_header(std::span<const std::byte> bytes, const std::string& path) {
+PictureHeader decode_png_header(std::span<const std::byte> bytes, std::uint64_t file_size, const std::string& path) {
   PngState state;
   state.input = bytes;
   PngReader reader(state);
   if (!chunks_fit(bytes, "IDAT") || !read_info(reader.png, reader.info, state))
     throw Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file, or one with very long texts", path));
+  check_png_size(reader.png, reader.info, file_size, path);
   return {.width = png_get_image_width(reader.png, reader.info),
           .height = png_get_image_height(reader.png, reader.info),
           .metadata = png_metadata(reader.png, reader.info)};

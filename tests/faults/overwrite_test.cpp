@@ -130,6 +130,29 @@ TEST_F(Overwrite, MergeFollowsTheSameRule) {
   EXPECT_EQ(merge({"b.exr", "c.exr", "--force", "-o", "a.exr"}).code, 0);
 }
 
+TEST_F(Overwrite, ReportsReplaceReportsOnly) {
+  expect_ok({"--spp", "16", "-o", "a.exr"});
+  expect_ok({"--spp", "16", "--seed", "1", "-o", "b.exr", "-o", "b.png"});
+  fs::copy_file(SCENES_DIR "/chi2-bsdfs.xml", folder_ / "scene.xml");
+  const auto run = [&](std::vector<std::string> arguments) { return etendue(arguments, folder_); };
+  for (const std::string option : {"--json", "--junit", "--html"}) {
+    for (const std::string file : {"b.exr", "b.png", "scene.xml"}) {
+      SCOPED_TRACE(option + " " + file);
+      const std::string before = read_text(folder_ / file);
+      const ProcessResult result = run({"compare", "a.exr", "b.exr", "--no-flip", option, file});
+      EXPECT_EQ(result.code, 6) << result.err;
+      EXPECT_THAT(result.err, HasSubstr("is no report"));
+      EXPECT_TRUE(read_text(folder_ / file) == before);
+    }
+    for (int again = 0; again < 2; ++again)
+      EXPECT_EQ(run({"compare", "a.exr", "b.exr", "--no-flip", "--allow-untested", option, "r"}).code, 0) << option;
+    fs::remove(folder_ / "r");
+  }
+  EXPECT_EQ(run({"chi2", "scene.xml", "--device", "reference", "--samples", "100", "--junit", "scene.xml"}).code, 6);
+  write_text(folder_ / "empty", "");
+  EXPECT_EQ(run({"compare", "a.exr", "b.exr", "--no-flip", "--allow-untested", "--json", "empty"}).code, 0);
+}
+
 TEST_F(Overwrite, NoClobberReplacesNothing) {
   expect_ok({"--spp", "1", "-o", "a.exr"});
   expect_kept("a.exr", {"--spp", "4", "--no-clobber", "-o", "a.exr"}, "--no-clobber keeps it");
