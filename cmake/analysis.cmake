@@ -8,5 +8,5 @@ if(CPPCHECK)
   add_custom_target(cppcheck
     COMMAND ${CPPCHECK} --enable=warning,portability --std=c++20 --library=googletest --inline-suppr --quiet
             --error-exitcode=1 -I src -I shaders -I tests/gpu/kernels src tests
-    WORKING_DIRECTORY ${CMAKE_SOURCE_DIR} USES_TERMINAL VERBATIM)
+    WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
 endif()

@@ -15,7 +15,7 @@ function(etendue_embed_kernels target)
     set(spv ${out}/${name}.spv)
     add_custom_command(
       OUTPUT ${spv}
-      COMMAND ${GLSLANG_VALIDATOR} --target-env vulkan1.2 -V --quiet -I${CMAKE_SOURCE_DIR}/shaders -DETENDUE_BVH_WIDTH=${ETENDUE_BVH_WIDTH}
+      COMMAND ${GLSLANG_VALIDATOR} --target-env vulkan1.2 -V --quiet -I${PROJECT_SOURCE_DIR}/shaders -DETENDUE_BVH_WIDTH=${ETENDUE_BVH_WIDTH}
               ${arg_DEFINES}
               --depfile ${spv}.d -o ${spv} ${kernel}
       COMMAND ${SPIRV_VAL} --target-env vulkan1.2 ${spv}
@@ -25,8 +25,8 @@ function(etendue_embed_kernels target)
       VERBATIM)
     add_custom_command(
       OUTPUT ${out}/${name}.cpp
-      COMMAND ${CMAKE_COMMAND} -DSPV=${spv} -DNAME=${name} -DHEADER=kernels${arg_SUFFIX}.h -DOUT=${out}/${name}.cpp -P ${CMAKE_SOURCE_DIR}/cmake/embed.cmake
-      DEPENDS ${spv} ${CMAKE_SOURCE_DIR}/cmake/embed.cmake
+      COMMAND ${CMAKE_COMMAND} -DSPV=${spv} -DNAME=${name} -DHEADER=kernels${arg_SUFFIX}.h -DOUT=${out}/${name}.cpp -P ${PROJECT_SOURCE_DIR}/cmake/embed.cmake
+      DEPENDS ${spv} ${PROJECT_SOURCE_DIR}/cmake/embed.cmake
       VERBATIM)
     list(APPEND sources ${out}/${name}.cpp)
     string(APPEND declarations "extern const std::span<const std::uint32_t> ${name};\n")
@@ -40,5 +40,5 @@ namespace etendue::kernels {
 @declarations@}
 ")
   target_sources(${target} PRIVATE ${sources})
-  target_include_directories(${target} PUBLIC ${out})
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${out}>)
 endfunction()

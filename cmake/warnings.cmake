@@ -9,7 +9,7 @@ foreach(sanitizer IN LISTS ETENDUE_SANITIZE)
 endforeach()
 if(ETENDUE_SANITIZE)
   target_sources(etendue_flags INTERFACE
-    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${CMAKE_SOURCE_DIR}/tests/sanitizers/keep_libraries.c>)
+    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/tests/sanitizers/keep_libraries.c>)
   target_link_options(etendue_flags INTERFACE -Wl,--export-dynamic-symbol=dlclose)
 endif()
 if("undefined" IN_LIST ETENDUE_SANITIZE)

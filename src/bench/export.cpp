@@ -98,7 +98,7 @@ Json camera_json(const Scene& scene) {
                  across = glm::dot(axes[i], axes[(i + 1) % 3]) / (scale * scale);
     if (std::abs(along) > kTolerance || std::abs(across) > kTolerance) {
       throw Error(
-          ExitCode::scene_error,
+          ErrorKind::scene,
           fmt::format("{}:{}:{}: the camera's toWorld shears or scales its axes differently, which other programs "
                       "cannot do; export it without.",
                       camera.position.file, camera.position.line, camera.position.column));
@@ -137,7 +137,7 @@ Json instance_json(const Scene& scene, const Instance& instance, bool mirror, co
 void make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw Error(ExitCode::file_error, fmt::format("{}: cannot make the folder: {}", folder, error.message()));
+  if (error) throw Error(ErrorKind::file, fmt::format("{}: cannot make the folder: {}", folder, error.message()));
 }
 
 }  // namespace

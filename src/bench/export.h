@@ -10,8 +10,8 @@ namespace etendue {
 
 /// Writes scene.json and one PLY file (binary, little-endian, triangles in world space) for each instance of a mesh
 /// into `folder`, which is made. A mirrored camera becomes an ordinary one of a scene mirrored at x = 0, because few
-/// programs take the former: the picture is the same. Throws Error(scene_error) for a camera that shears or scales its
-/// axes differently, Error(file_error).
+/// programs take the former: the picture is the same. Throws Error(scene) for a camera that shears or scales its
+/// axes differently, Error(file).
 void export_scene(const Scene& scene, const std::string& folder);
 
 /// Writes the primitives of the scene in normalised coordinates, the ray sets and their answers to one file,

@@ -40,7 +40,7 @@ std::vector<std::string> default_scenes() {
   for (const char* name : {"cbox-sphere", "cbox-bumpy", "bubble"}) {
     const std::filesystem::path path = std::filesystem::path("scenes") / (std::string(name) + ".xml");
     if (!std::filesystem::exists(path))
-      throw Error(ExitCode::usage,
+      throw Error(ErrorKind::usage,
                   fmt::format("There is no {} here to measure; name scenes, or start in the folder of the "
                               "sources.",
                               path.string()));
@@ -95,7 +95,7 @@ void export_all(const std::string& folder, const std::vector<std::unique_ptr<Sce
   }
 }
 
-ExitCode run_bench(const Options& options) {
+Ending run_bench(const Options& options) {
   const BenchOptions bench = bench_options(options);
   const auto benches = read_scenes(options, bench);
   const std::uint32_t repetitions = options.quick ? std::min(options.repetitions, 2u) : options.repetitions;
@@ -119,9 +119,9 @@ ExitCode run_bench(const Options& options) {
   } else {
     print_text(bench_table(report));
   }
-  if (report.passed()) return ExitCode::ok;
+  if (report.passed()) return Ending::ok;
   log::error("Rays hit something else than in the reference; the rates above are worth nothing.");
-  return ExitCode::test_failed;
+  return Ending::failed;
 }
 
 }  // namespace

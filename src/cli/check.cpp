@@ -28,8 +28,8 @@ const char* severity_name(Severity severity) {
   return "";
 }
 
-ExitCode check_files(const Options& options) {
-  ExitCode code = ExitCode::ok;
+Result check_files(const Options& options) {
+  Result result = Ending::ok;
   auto out = Json::array();
   for (const std::string& file : options.files) {
     Diagnostics diagnostics;
@@ -40,7 +40,7 @@ ExitCode check_files(const Options& options) {
       if (auto* scene = std::get_if<Scene>(&*content)) probe_scene(std::move(*scene), diagnostics);
     }
     for (const Diagnostic& d : diagnostics.list()) {
-      if (d.severity == Severity::error && code == ExitCode::ok) code = d.code;
+      if (d.severity == Severity::error && result == Result(Ending::ok)) result = d.kind;
       if (options.json) {
         out.push_back({{"severity", severity_name(d.severity)},
                        {"file", d.position.file},
@@ -56,7 +56,7 @@ ExitCode check_files(const Options& options) {
     if (!diagnostics.has_errors()) print_result("{}: ok\n", text::printable(file, text::kLongestLine));
   }
   if (options.json) print_json(out);
-  return code;
+  return result;
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ struct Options {
   std::string junit;  ///< path; empty: not wanted
 };
 
-ExitCode run_files(const Options& options) {
+Ending run_files(const Options& options) {
   check_report_replaceable("--junit", options.junit);
   if (!options.junit.empty()) check_writable(options.junit);
   // All files are read before the first device is touched.
@@ -31,8 +31,8 @@ ExitCode run_files(const Options& options) {
     SceneFile read = read_scene_file(file, options.scene.read_options());
     auto* test = std::get_if<Chi2Test>(&read);
     if (test == nullptr) {
-      throw Error(ExitCode::scene_error, fmt::format("{}: holds no <test type=\"chi2test\">; use 'etendue {}'.", file,
-                                                     std::holds_alternative<TTest>(read) ? "ttest" : "render"));
+      throw Error(ErrorKind::scene, fmt::format("{}: holds no <test type=\"chi2test\">; use 'etendue {}'.", file,
+                                                std::holds_alternative<TTest>(read) ? "ttest" : "render"));
     }
     tests.push_back(std::move(*test));
   }
@@ -54,7 +54,7 @@ ExitCode run_files(const Options& options) {
   OutputWriter files;
   write_text(files, options.junit, [&] { return junit_xml("chi2", cases); });
   files.finish();
-  return passed ? ExitCode::ok : ExitCode::test_failed;
+  return passed ? Ending::ok : Ending::failed;
 }
 
 }  // namespace

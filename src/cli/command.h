@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "cli/ending.h"
 #include "core/command_line.h"
-#include "core/errors.h"
+#include "etendue/render.h"
 #include "formats/read_scene.h"
 #include "gpu/gpu_renderer.h"
 #include "render/bsdf_probe.h"
@@ -15,7 +16,7 @@
 namespace etendue::cli {
 
 /// Set by the parsed subcommand; run by main after the options were read.
-using Action = std::function<ExitCode()>;
+using Action = std::function<Result()>;
 
 void add_render_command(Command& app, Action& action);
 void add_devices_command(Command& app, Action& action);
@@ -47,14 +48,15 @@ struct DeviceOption {
   unsigned threads = 0;            ///< of the reference and of scene compilation; 0: as many as there are cores
 
   void add_to(Command& command);
+  /// For the library. Sets the number of threads.
+  DeviceSelection selection() const;
   /// Renderers on the chosen device; "reference" is the CPU reference.
   RendererFactory factory() const;
   /// Materials on the chosen device.
   BsdfProbeFactory probe_factory() const;
   /// The chosen Vulkan device. Throws Error(usage) for "reference".
   GpuOptions gpu_options() const;
-  /// One for each device where the selector names several: indices with commas between them, or "all", which leaves
-  /// drivers that run on the CPU out when there is anything else. Throws Error(usage, no_device).
+  /// One for each device where the selector names several. Throws Error(usage, device).
   std::vector<RendererFactory> factories() const;
 };
 

@@ -37,14 +37,14 @@ void check_memory(const Options& options, const PictureHeader& header) {
   const std::uint64_t needed = 2 * kPixelBytes * pixels + (error ? 0 : files), available = available_memory();
   if (needed <= available) return;
   throw Error(
-      ExitCode::device_lost,
+      ErrorKind::lost,
       fmt::format("Comparing two pictures of {}x{} pixels takes {:.1f} GB of memory, and {:.1f} GB are available; "
                   "compare smaller pictures, or on another machine.",
                   header.width, header.height, 1e-9 * static_cast<double>(needed),
                   1e-9 * static_cast<double>(available)));
 }
 
-ExitCode run_compare(const Options& options) {
+Ending run_compare(const Options& options) {
   options.files.check();
   CompareOptions compare;
   compare.significance = options.significance;
@@ -64,7 +64,7 @@ ExitCode run_compare(const Options& options) {
   write_text(files, options.files.junit, [&] { return junit_xml("compare", {comparison_junit(comparison)}); });
   write_text(files, options.files.html, [&] { return comparison_html(comparison, test, reference); });
   files.finish();
-  return comparison.passed() ? ExitCode::ok : ExitCode::test_failed;
+  return comparison.passed() ? Ending::ok : Ending::failed;
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace etendue::cli {
 namespace {
 
-ExitCode list(bool json) {
+Ending list(bool json) {
   const auto devices = vulkan::list_devices(gpu_context_options());
   auto out = Json::array();
   for (const vulkan::DeviceInfo& d : devices) {
@@ -33,7 +33,7 @@ ExitCode list(bool json) {
   } else {
     print_result("reference  double-precision CPU reference\n");
   }
-  return ExitCode::ok;
+  return Ending::ok;
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ std::uint32_t parse_pixel(const std::string& text, const Camera& camera) {
   int used = 0;
   if (std::sscanf(text.c_str(), "%9u,%9u%n", &x, &y, &used) != 2 || static_cast<std::size_t>(used) != text.size() ||
       x >= camera.width || y >= camera.height) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("'--pixel {}' names no pixel of {}x{}; write X,Y with 0,0 at the top left.", text,
                             camera.width, camera.height));
   }
@@ -174,7 +174,7 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
   }
 }
 
-ExitCode explain(const Options& options) {
+Ending explain(const Options& options) {
   Scene scene = read_scene(options.scene_file, options.scene.read_options());
   if (!options.size.empty()) {
     const Size size = parse_size(options.size);
@@ -188,7 +188,7 @@ ExitCode explain(const Options& options) {
   } else {
     tell_path(*renderer, scene, id, options);
   }
-  return ExitCode::ok;
+  return Ending::ok;
 }
 
 }  // namespace

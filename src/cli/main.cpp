@@ -14,14 +14,17 @@
 #include "core/command_line.h"
 #include "core/errors.h"
 #include "core/log.h"
+#include "core/terminal.h"
 #include "core/version.h"
 #include "vulkan/context.h"
 
 namespace {
 
-using etendue::ExitCode;
+using etendue::ErrorKind;
+using etendue::cli::Ending;
+using etendue::cli::exit_code;
 
-ExitCode run(int argc, char** argv) {
+int run(int argc, char** argv) {
   etendue::Command app("Etendue: a Vulkan path tracer that gives the same light on every device, and proves it.",
                        "etendue");
   app.set_version_flag(std::string("etendue ") + etendue::version());
@@ -43,15 +46,16 @@ ExitCode run(int argc, char** argv) {
   etendue::cli::add_mutate_command(app, action);
   etendue::cli::add_bench_command(app, action);
   etendue::cli::add_explain_command(app, action);
-  if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? ExitCode::ok : ExitCode::usage;
-  const ExitCode code = action();
+  if (const std::optional<bool> end = app.parse(argc, argv))
+    return *end ? exit_code(Ending::ok) : exit_code(ErrorKind::usage);
+  const etendue::cli::Result result = action();
   // A run under the validation layer is only good when the layer had nothing to say.
-  if (code == ExitCode::ok && etendue::vulkan::validation_message_count() > 0) {
+  if (result == etendue::cli::Result(Ending::ok) && etendue::vulkan::validation_message_count() > 0) {
     etendue::log::error(
         fmt::format("The validation layer sent {} messages.", etendue::vulkan::validation_message_count()));
-    return ExitCode::test_failed;
+    return exit_code(Ending::failed);
   }
-  return code;
+  return std::visit([](auto end) { return exit_code(end); }, result);
 }
 
 // A stream that is closed, full, or a pipe without a reader must cost what is written to it and nothing else. Closed
@@ -67,32 +71,68 @@ void guard_streams() {
 }
 
 // Runs the command; an error becomes a sentence on stderr and an exit code.
-ExitCode guarded_run(int argc, char** argv) {
+int guarded_run(int argc, char** argv) {
   try {
-    const ExitCode code = run(argc, argv);
+    const int code = run(argc, argv);
     // Results that did not arrive are no results: a full disk under a redirected stdout must not look like success.
     etendue::cli::finish_results();
     return code;
   } catch (const etendue::Error& error) {
     etendue::log::error(error.what());
-    return error.code();
+    return exit_code(error.kind());
   } catch (const std::bad_alloc&) {
     etendue::log::error("The host ran out of memory; use a smaller image or mesh.");
-    return ExitCode::device_lost;
+    return exit_code(ErrorKind::lost);
   } catch (const std::system_error& error) {
     etendue::log::error(fmt::format("The system refused: {}.", error.what()));
-    return ExitCode::file_error;
+    return exit_code(ErrorKind::file);
   } catch (const std::exception& error) {
     etendue::log::error(fmt::format("This is a bug in etendue, please report it: {}.", error.what()));
-    return ExitCode::bug;
+    return exit_code(ErrorKind::bug);
   }
 }
 
 }  // namespace
 
+// README.md lists these numbers; 77, "skipped", is for tests alone.
+int etendue::cli::exit_code(Ending ending) {
+  switch (ending) {
+    case Ending::ok:
+      return 0;
+    case Ending::failed:
+      return 1;
+    case Ending::interrupted:
+      return 130;
+  }
+  return 70;
+}
+
+int etendue::cli::exit_code(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::comparison:
+      return 1;
+    case ErrorKind::usage:
+      return 2;
+    case ErrorKind::scene:
+      return 3;
+    case ErrorKind::device:
+      return 4;
+    case ErrorKind::lost:
+      return 5;
+    case ErrorKind::file:
+      return 6;
+    case ErrorKind::bug:
+      return 70;
+    case ErrorKind::interrupted:
+      return 130;
+  }
+  return 70;
+}
+
 int main(int argc, char** argv) {
   guard_streams();
-  const int code = static_cast<int>(guarded_run(argc, argv));
+  const etendue::TerminalLog messages;
+  const int code = guarded_run(argc, argv);
   if (etendue::vulkan::any_abandoned()) {
     // The driver's threads may never end, and its exit handlers wait for them.
     std::fflush(nullptr);

@@ -41,13 +41,13 @@ void check_inputs_stay(const Options& options) {
   }
 }
 
-ExitCode merge(const Options& options) {
+Ending merge(const Options& options) {
   for (const std::string& path : options.outputs) check_output_name(path);
   for (const std::string& path : options.outputs) check_writable(path);
   check_inputs_stay(options);
   const FilmFile film = merge_films(options.films);
   if (film.samples.empty())
-    throw Error(ExitCode::file_error, "None of the films holds a sample; there is nothing to write.");
+    throw Error(ErrorKind::file, "None of the films holds a sample; there is nothing to write.");
   for (const std::string& path : options.outputs) {
     const std::string note = check_replaceable(path, {header_of(film), !options.picture}, options.overwrite);
     if (!note.empty() && !options.quiet) log::info(note);
@@ -71,7 +71,7 @@ ExitCode merge(const Options& options) {
                           fmt::join(writer.written(), " and ")));
   }
   writer.finish();
-  return ExitCode::ok;
+  return Ending::ok;
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "cli/command.h"
 #include "cli/result_files.h"
 #include "cli/results.h"
-#include "core/log.h"
+#include "core/terminal.h"
 #include "validate/compare.h"
 
 namespace etendue::cli {
@@ -21,21 +21,22 @@ struct Options {
   ResultFiles files;
 };
 
-ExitCode run(const Options& options) {
+Ending run(const Options& options) {
   options.files.check();
   MutateOptions test = options.test;
   test.gpu = options.device.gpu_options();
   test.progress = [](const MutantOutcome& outcome) {
-    if (log::stderr_is_terminal()) log::put(fmt::format("\r\033[K{} {}", outcome.mutant.id, outcome.mutant.name));
+    if (terminal::stderr_is_terminal())
+      terminal::put_line(fmt::format("{} {}", outcome.mutant.id, outcome.mutant.name));
   };
   const MutateReport report = run_mutate(test);
-  if (log::stderr_is_terminal()) log::put("\r\033[K");
+  terminal::end_line();
   print_text(options.markdown ? mutate_markdown(report) : mutate_text(report));
   OutputWriter files;
   write_text(files, options.files.json, [&] { return json_text(mutate_json(report)); });
   write_text(files, options.files.junit, [&] { return junit_xml("mutate", mutate_junit(report)); });
   files.finish();
-  return report.passed() ? ExitCode::ok : ExitCode::test_failed;
+  return report.passed() ? Ending::ok : Ending::failed;
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace etendue::cli {
 
 void check_output_name(const std::string& path) {
   if (path.ends_with(".exr") || path.ends_with(".png")) return;
-  throw Error(ExitCode::usage,
+  throw Error(ErrorKind::usage,
               fmt::format("'-o {}' ends neither in .exr nor in .png, the two formats that are written.", path));
 }
 
@@ -26,8 +26,8 @@ void check_distinct(const std::vector<NamedFile>& files) {
       const auto& [a_option, a] = files[k];
       const auto& [b_option, b] = files[i];
       if (a.empty() || b.empty() || !is_same_place(a, b)) continue;
-      throw Error(ExitCode::usage, fmt::format("'{} {}' and '{} {}' are one file; give one of them another name.",
-                                               a_option, a, b_option, b));
+      throw Error(ErrorKind::usage, fmt::format("'{} {}' and '{} {}' are one file; give one of them another name.",
+                                                a_option, a, b_option, b));
     }
   }
 }
@@ -51,7 +51,7 @@ void OutputWriter::write(const std::string& path, const std::function<void()>& w
     written_.push_back(path);
     return;
   } catch (const Error& error) {
-    if (error.code() != ExitCode::file_error) throw;
+    if (error.kind() != ErrorKind::file) throw;
     reasons_.emplace_back(error.what());
   } catch (const std::bad_alloc&) {
     reasons_.push_back(fmt::format("{}: the memory of this machine does not suffice to write it", path));
@@ -69,7 +69,7 @@ std::string OutputWriter::complaint() const {
 }
 
 void OutputWriter::finish() const {
-  if (!failed_.empty()) throw Error(ExitCode::file_error, complaint());
+  if (!failed_.empty()) throw Error(ErrorKind::file, complaint());
 }
 
 }  // namespace etendue::cli

@@ -14,7 +14,7 @@ namespace etendue::cli {
 /// Throws Error(usage) unless the path ends in .exr or .png.
 void check_output_name(const std::string& path);
 
-/// Throws Error(file_error) when the file could not be written now: better before the work than after it. The file is
+/// Throws Error(file) when the file could not be written now: better before the work than after it. The file is
 /// not touched.
 void check_writable(const std::string& path);
 
@@ -31,7 +31,7 @@ void write_output(const std::string& path, const FilmFile& film, bool as_film);
 /// Writes files one by one. One that cannot be written does not keep the others from being written.
 class OutputWriter {
  public:
-  /// Calls `write`, which writes the file at `path`; an Error(file_error) or a lack of memory is kept for finish().
+  /// Calls `write`, which writes the file at `path`; an Error(file) or a lack of memory is kept for finish().
   void write(const std::string& path, const std::function<void()>& write);
 
   const std::vector<std::string>& written() const { return written_; }
@@ -40,7 +40,7 @@ class OutputWriter {
   void add_failures(const OutputWriter& other);
   /// One sentence about everything that failed; empty when nothing did.
   std::string complaint() const;
-  /// Throws Error(file_error) with the complaint if there is one.
+  /// Throws Error(file) with the complaint if there is one.
   void finish() const;
 
  private:

@@ -17,7 +17,7 @@ namespace etendue::cli {
 namespace {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
-  throw Error(ExitCode::file_error, fmt::format("{}: {}; give another name, or --force.", path, reason));
+  throw Error(ErrorKind::file, fmt::format("{}: {}; give another name, or --force.", path, reason));
 }
 
 std::string value_of(const Metadata& metadata, const char* key) {
@@ -74,12 +74,11 @@ void OverwriteOptions::add_to(Command& command) {
 
 std::string check_replaceable(const std::string& path, const NewPicture& picture, const OverwriteOptions& options) {
   if (options.force && options.no_clobber)
-    throw Error(ExitCode::usage, "--force and --no-clobber exclude each other; give one of them.");
+    throw Error(ErrorKind::usage, "--force and --no-clobber exclude each other; give one of them.");
   std::error_code error;
   // What is no regular file is the business of those who write.
   if (!std::filesystem::is_regular_file(path, error) || options.force) return "";
-  if (options.no_clobber)
-    throw Error(ExitCode::file_error, fmt::format("{}: exists, and --no-clobber keeps it.", path));
+  if (options.no_clobber) throw Error(ErrorKind::file, fmt::format("{}: exists, and --no-clobber keeps it.", path));
   if (std::filesystem::file_size(path, error) == 0 && !error) return "";
 
   const PictureHeader old = header_of_existing(path);
@@ -108,7 +107,7 @@ void check_report_replaceable(const std::string& option, const std::string& path
   const std::vector<std::byte> bytes = read_file(path, kBeginning);
   const std::string_view beginning(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (bytes.empty() || begins_like_report(option, beginning)) return;
-  throw Error(ExitCode::file_error,
+  throw Error(ErrorKind::file,
               fmt::format("{}: exists and is no report, which '{}' would replace; give another name.", path, option));
 }
 

@@ -23,7 +23,7 @@ struct NewPicture {
   bool as_film = false;  ///< where the path ends in .exr
 };
 
-/// Throws Error(usage) when both options are given; Error(file_error) when something stands at `path` that must not be
+/// Throws Error(usage) when both options are given; Error(file) when something stands at `path` that must not be
 /// replaced: anything that is not a picture or film of Etendue, a picture with more samples than the new one (over all
 /// pixels), a film where no film comes, or that holds samples the new one does not. Returns a sentence on what will be
 /// replaced; "" when nothing stands there, or an empty file. Better called before the render than after it.

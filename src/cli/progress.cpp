@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "core/log.h"
+#include "core/terminal.h"
 
 namespace etendue::cli {
 
@@ -18,14 +18,14 @@ std::string duration_text(double seconds) {
 }
 
 ProgressLine::ProgressLine(bool quiet, std::uint64_t before, std::uint64_t total)
-    : quiet_(quiet), terminal_(log::stderr_is_terminal()), before_(before), total_(total) {}
+    : quiet_(quiet), terminal_(terminal::stderr_is_terminal()), before_(before), total_(total) {}
 
 ProgressLine::~ProgressLine() {
   finish();
 }
 
 void ProgressLine::finish() {
-  if (shown_ && terminal_) log::put("\n");
+  if (shown_) terminal::end_line();
   shown_ = false;
 }
 
@@ -38,9 +38,9 @@ void ProgressLine::update(std::uint64_t done) {
   const double seconds = std::chrono::duration<double>(now - start_).count();
   const double rate = seconds > 0.0 ? static_cast<double>(done - std::min(before_, done)) / seconds : 0.0;
   const double left = rate > 0.0 ? static_cast<double>(total_ - done) / rate : 0.0;
-  log::put(fmt::format("{}{:3.0f} %  {}/{} samples  {:.2f} Msamples/s  {} left{}", terminal_ ? "\r" : "",
-                       100.0 * static_cast<double>(done) / static_cast<double>(total_), done, total_, rate * 1e-6,
-                       duration_text(left), terminal_ ? "   " : "\n"));
+  terminal::put_line(fmt::format("{:3.0f} %  {}/{} samples  {:.2f} Msamples/s  {} left",
+                                 100.0 * static_cast<double>(done) / static_cast<double>(total_), done, total_,
+                                 rate * 1e-6, duration_text(left)));
 }
 
 }  // namespace etendue::cli

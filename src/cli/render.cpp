@@ -1,6 +1,5 @@
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -14,8 +13,8 @@
 #include "cli/units.h"
 #include "core/json.h"
 #include "core/log.h"
-#include "core/version.h"
 #include "gpu/gpu_renderer.h"
+#include "render/film_identity.h"
 #include "render/session.h"
 #include "render/stopping.h"
 
@@ -47,35 +46,12 @@ bool uses_gpu(const Options& options) {
   return options.device.selector != "reference";
 }
 
-std::string integrator_text(const Scene& scene) {
-  const Integrator& integrator = scene.integrator;
-  if (integrator.type == Integrator::Type::normals) return "normals";
-  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}{}", integrator.max_depth, integrator.nee,
-                     integrator.mis, integrator.rr_depth, uses_light_tree(scene) ? " lightSampler=tree" : "");
-}
-
-// What every film of this render agrees on. Nothing in a file depends on the time or the place of the run.
-FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
-  FilmHeader header{.width = scene.camera.width,
-                    .height = scene.camera.height,
-                    .exponent = film_exponent(scene),
-                    .metadata = {{"software", "Etendue"},
-                                 {"version", version()},
-                                 {"scene", scene.name},
-                                 {"sceneHash", fmt::format("{:016x}", scene_hash(scene))},
-                                 {"seed", std::to_string(seed)},
-                                 {"integrator", integrator_text(scene)}}};
-  if (scene.sampler.type == Sampler::Type::sobol)
-    header.metadata["sampler"] = fmt::format("sobol setSize={}", scene.sampler.set_size());
-  return header;
-}
-
 // A range of paths as film samples. A film knows whole sets only.
 SampleRange whole_sets(const SampleRange& paths, const Sampler& sampler) {
   const std::uint32_t size = sampler.set_size();
   if (paths.begin % size == 0 && paths.end % size == 0) return {paths.begin / size, paths.end / size};
   throw Error(
-      ExitCode::usage,
+      ErrorKind::usage,
       fmt::format("'--samples {}:{}' cuts a set of the sobol sampler, whose sets have {} samples; give multiples "
                   "of {}.",
                   paths.begin, paths.end, size, size));
@@ -83,16 +59,12 @@ SampleRange whole_sets(const SampleRange& paths, const Sampler& sampler) {
 
 // All samples of the render, in film samples: whole sets.
 SampleRange all_samples(std::uint32_t paths, const Sampler& sampler) {
-  const std::uint64_t sets = sampler.sets_of(paths);
-  const std::uint64_t rounded = sets * sampler.set_size();
-  if (rounded > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(ExitCode::usage, fmt::format("{} samples a pixel are {} in whole sets of {}; there may be 2^32 - 1.",
-                                             paths, rounded, sampler.set_size()));
-  }
+  const SampleRange sets = etendue::whole_sets(paths, sampler);
+  const std::uint64_t rounded = std::uint64_t{sets.end} * sampler.set_size();
   if (rounded != paths)
     log::info(fmt::format("{} samples a pixel become {}: the sobol sampler takes whole sets of {}.", paths, rounded,
                           sampler.set_size()));
-  return {0, static_cast<std::uint32_t>(sets)};
+  return sets;
 }
 
 // In film samples, which are sets of paths.
@@ -102,7 +74,7 @@ SampleRange wanted_samples(const Options& options, const Scene& scene) {
   const SampleRange range = parse_samples(options.samples);
   if (options.spp > 0 && range.end > options.spp) {
     throw Error(
-        ExitCode::usage,
+        ErrorKind::usage,
         fmt::format("'--samples {}' ends beyond the {} samples of '--spp'; a range of an N spp render lies inside 0:N.",
                     options.samples, options.spp));
   }
@@ -123,12 +95,12 @@ struct Plan {
 
 Plan make_plan(const Options& options, Clock::time_point start) {
   if (!options.checkpoint_every.empty() && options.checkpoint.empty()) {
-    throw Error(ExitCode::usage, "'--checkpoint-every' needs the file to write: add --checkpoint FILE.");
+    throw Error(ErrorKind::usage, "'--checkpoint-every' needs the file to write: add --checkpoint FILE.");
   }
   for (const std::string& path : options.outputs) check_output_name(path);
   for (const std::string& path : options.heat_maps) check_output_name(path);
   if ((options.stats || !options.heat_maps.empty()) && !uses_gpu(options))
-    throw Error(ExitCode::usage, "--stats and --heat-map count on a Vulkan device; choose another --device.");
+    throw Error(ErrorKind::usage, "--stats and --heat-map count on a Vulkan device; choose another --device.");
   Plan plan{.session = {.start = start}, .film = options.film || !options.samples.empty()};
   SessionOptions& session = plan.session;
   if (!options.checkpoint_every.empty())
@@ -273,8 +245,8 @@ SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team,
   return session.run(team);
 }
 
-ExitCode run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const Options& options, const Plan& plan,
-                 SignalWatch& signals) {
+Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const Options& options, const Plan& plan,
+               SignalWatch& signals) {
   if (const std::string ahead = checkpoint.samples_ahead(); !ahead.empty()) {
     log::warning(
         fmt::format("{} holds the samples {} of this render already and is kept until this run has them as "
@@ -288,7 +260,7 @@ ExitCode run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const
   outcome.samples = job.done() - before;
   if (job.done() == 0) {
     log::warning("Interrupted before the first pass was finished; nothing was written.");
-    return ExitCode::interrupted;
+    return Ending::interrupted;
   }
   // The checkpoint comes first; from here on, what one file suffers does not touch the others.
   OutputWriter checkpoint_file;
@@ -296,7 +268,7 @@ ExitCode run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const
   if (const std::string text = rejected_text(job); !text.empty()) {
     if (options.scene.strict && !checkpoint_file.failed().empty()) log::warning(checkpoint_file.complaint() + ".");
     if (options.scene.strict)
-      throw Error(ExitCode::test_failed, text + "; without --strict the image is written without them.");
+      throw Error(ErrorKind::comparison, text + "; without --strict the image is written without them.");
     log::warning(text);
   }
   for (const std::string& path : plan.outputs)
@@ -310,7 +282,7 @@ ExitCode run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const
   report(outcome, job, options, plan, team);
   outcome.files.add_failures(checkpoint_file);
   outcome.files.finish();
-  return outcome.end == SessionEnd::interrupted ? ExitCode::interrupted : ExitCode::ok;
+  return outcome.end == SessionEnd::interrupted ? Ending::interrupted : Ending::ok;
 }
 
 // Before the render, not after it: what stands where pictures are to go and is worth more than they will be.
@@ -327,7 +299,7 @@ void check_outputs(const Options& options, const Plan& plan, const FilmHeader& w
   }
 }
 
-ExitCode render(const Options& options) {
+Ending render(const Options& options) {
   Plan plan = make_plan(options, Clock::now());
   SignalWatch signals(options.quiet);
   Scene scene = read_scene(options.scene_file, options.scene.read_options());

@@ -20,7 +20,7 @@ Image heat_values(const RenderProfile& profile);
 /// value shown as white, which one pixel in 200 exceeds.
 Image heat_colors(const RenderProfile& profile, float& white);
 
-/// Writes heat_values as EXR or heat_colors as PNG, by the end of the name. Throws Error(file_error).
+/// Writes heat_values as EXR or heat_colors as PNG, by the end of the name. Throws Error(file).
 void write_heat_map(const std::string& path, const RenderProfile& profile);
 
 }  // namespace etendue::cli

@@ -15,7 +15,7 @@ struct ResultFiles {
   /// Adds --json, --junit and, where the command has one, --html.
   void add_to(Command& command, bool with_html);
 
-  /// Throws Error(usage) when two names are one file, Error(file_error) when one could not be written: better before
+  /// Throws Error(usage) when two names are one file, Error(file) when one could not be written: better before
   /// the tests than after them.
   void check() const;
 };

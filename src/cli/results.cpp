@@ -33,8 +33,8 @@ void finish_results() {
   std::cout.flush();
   if (std::fflush(stdout) != 0 && g_error == 0) g_error = errno;
   if (g_error == 0 && std::ferror(stdout) == 0 && std::cout) return;
-  throw Error(ExitCode::file_error, fmt::format("The results cannot be written to stdout: {}.",
-                                                std::strerror(g_error != 0 ? g_error : errno)));
+  throw Error(ErrorKind::file, fmt::format("The results cannot be written to stdout: {}.",
+                                           std::strerror(g_error != 0 ? g_error : errno)));
 }
 
 }  // namespace etendue::cli

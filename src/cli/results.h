@@ -23,7 +23,7 @@ void print_result(fmt::format_string<Arguments...> format, Arguments&&... argume
 /// Writes a value, two blanks a level, and a newline; never cut.
 void print_json(const Json& json);
 
-/// What was printed is with its receiver now. Throws Error(file_error) unless all of it is.
+/// What was printed is with its receiver now. Throws Error(file) unless all of it is.
 void finish_results();
 
 }  // namespace etendue::cli

@@ -8,7 +8,7 @@
 #include "cli/command.h"
 #include "cli/result_files.h"
 #include "cli/results.h"
-#include "core/log.h"
+#include "core/terminal.h"
 #include "validate/compare.h"
 
 namespace etendue::cli {
@@ -21,14 +21,15 @@ struct Options {
   ResultFiles files;
 };
 
-ExitCode run(const Options& options) {
+Ending run(const Options& options) {
   options.files.check();
   SelftestOptions test = options.test;
   test.seed = options.seed ? *options.seed
                            : std::random_device()() & 0x7fffffffu;  // printed, so that a failure can be repeated
-  if (test.seeds > 1 && log::stderr_is_terminal()) {
+  if (test.seeds > 1 && terminal::stderr_is_terminal()) {
     test.progress = [&](std::uint32_t done) {
-      log::put(fmt::format("\r{} of {} suites{}", done, test.seeds, done == test.seeds ? "\n" : ""));
+      terminal::put_line(fmt::format("{} of {} suites", done, test.seeds));
+      if (done == test.seeds) terminal::end_line();
     };
   }
   const SelftestReport report = run_selftest(options.device.factory(), options.device.probe_factory(), test);
@@ -37,7 +38,7 @@ ExitCode run(const Options& options) {
   write_text(files, options.files.json, [&] { return json_text(selftest_json(report)); });
   write_text(files, options.files.junit, [&] { return junit_xml("selftest", selftest_junit(report)); });
   files.finish();
-  return report.passed() ? ExitCode::ok : ExitCode::test_failed;
+  return report.passed() ? Ending::ok : Ending::failed;
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/errors.h"
+#include "cli/ending.h"
 
 namespace etendue::cli {
 namespace {
@@ -56,11 +56,11 @@ extern "C" void on_render_signal(int signal) {
   }
   if (!g_saving) {
     say("\nInterrupted before anything was rendered; nothing was written.\n");
-    _exit(static_cast<int>(ExitCode::interrupted));
+    _exit(exit_code(ErrorKind::interrupted));
   }
   if (is_impatient(signal)) {
     say("\nAborted.\n");
-    _exit(static_cast<int>(ExitCode::interrupted));
+    _exit(exit_code(ErrorKind::interrupted));
   }
   if (!g_stop_request.exchange(true))
     say("\nInterrupted: finishing the pass, then saving what is done; once more to abort.\n");

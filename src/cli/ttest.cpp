@@ -22,7 +22,7 @@ struct Options {
   std::string junit;  ///< path; empty: not wanted
 };
 
-ExitCode run_files(const Options& options) {
+Ending run_files(const Options& options) {
   check_report_replaceable("--junit", options.junit);
   if (!options.junit.empty()) check_writable(options.junit);
   // All files are read before the first device is touched.
@@ -31,7 +31,7 @@ ExitCode run_files(const Options& options) {
     SceneFile read = read_scene_file(file, options.scene.read_options());
     auto* test = std::get_if<TTest>(&read);
     if (test == nullptr) {
-      throw Error(ExitCode::scene_error,
+      throw Error(ErrorKind::scene,
                   fmt::format("{}: holds no <test type=\"ttest\">; use 'etendue render' for scenes.", file));
     }
     tests.push_back(std::move(*test));
@@ -57,7 +57,7 @@ ExitCode run_files(const Options& options) {
   OutputWriter files;
   write_text(files, options.junit, [&] { return junit_xml("ttest", cases); });
   files.finish();
-  return passed ? ExitCode::ok : ExitCode::test_failed;
+  return passed ? Ending::ok : Ending::failed;
 }
 
 }  // namespace

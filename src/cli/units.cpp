@@ -29,7 +29,7 @@ std::optional<double> parse_plain(std::string_view text) {
 }
 
 [[noreturn]] void refuse(const char* option, const std::string& text, const char* expected) {
-  throw Error(ExitCode::usage, fmt::format("'{} {}' is not {}.", option, text, expected));
+  throw Error(ErrorKind::usage, fmt::format("'{} {}' is not {}.", option, text, expected));
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ Size parse_size(const std::string& text) {
     if (good(width) && good(height)) {
       const std::int64_t pixels = std::int64_t{*width} * *height;
       if (pixels <= kMaxPixels) return {*width, *height};
-      throw Error(ExitCode::usage,
+      throw Error(ErrorKind::usage,
                   fmt::format("'--size {}' has {} pixels; at most {} are supported.", text, pixels, kMaxPixels));
     }
   }

@@ -23,12 +23,12 @@ struct Options {
   ResultFiles files;
 };
 
-ExitCode run_validate(const Options& options) {
+Ending run_validate(const Options& options) {
   options.files.check();
   SceneFile read = read_scene_file(options.file, options.scene.read_options());
   const auto* scene = std::get_if<Scene>(&read);
   if (scene == nullptr) {
-    throw Error(ExitCode::scene_error, fmt::format("{}: is a test, not a scene; use 'etendue ttest'.", options.file));
+    throw Error(ErrorKind::scene, fmt::format("{}: is a test, not a scene; use 'etendue ttest'.", options.file));
   }
   DeviceOption reference = options.device;
   reference.selector = "reference";
@@ -47,7 +47,7 @@ ExitCode run_validate(const Options& options) {
     return validation_html(validation, metrics);
   });
   files.finish();
-  return validation.passed() ? ExitCode::ok : ExitCode::test_failed;
+  return validation.passed() ? Ending::ok : Ending::failed;
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ class Compiler {
     std::size_t primitives = 0;
     for (const Instance& instance : scene_.instances) primitives += primitive_count(scene_.shape_of(instance));
     if (primitives < kMaxPrimitives) return;
-    throw Error(ExitCode::scene_error,
+    throw Error(ErrorKind::scene,
                 fmt::format("The scene {} has {} primitives; kernels address fewer than {}. Use coarser meshes or "
                             "--device reference.",
                             scene_.name, primitives, kMaxPrimitives));

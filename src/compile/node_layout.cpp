@@ -98,7 +98,7 @@ NodeGrid NodeLayout<8>::fit_grid(const Box& box) {
   for (int a = 0; a < 3; ++a) {
     const float steps = std::floor(box.lower[a] / gpu::kNode8OriginStep);
     if (!(box.lower[a] >= -2.0f) || !(box.upper[a] < 2.0f)) {
-      throw Error(ExitCode::bug,
+      throw Error(ErrorKind::bug,
                   fmt::format("A node of the tree spans [{}, {}] along axis {}, which is outside [-2, 2).",
                               box.lower[a], box.upper[a], a));
     }

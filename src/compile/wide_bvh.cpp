@@ -193,7 +193,7 @@ class WideBuilder {
     const std::size_t first = round_up(wide_.texels.size(), Layout::kGroupTexels);
     const std::size_t end = first + child_offset<Layout>(children.count, inner);
     if (end + Layout::kTailTexels > Layout::kMaxTexels) {
-      throw Error(ExitCode::scene_error,
+      throw Error(ErrorKind::scene,
                   fmt::format("The scene has {} primitives; their tree needs more than the {} texels that can be "
                               "addressed, which suffice for about {:.0f} million. Use coarser meshes.",
                               leaf_count(), Layout::kMaxTexels,

@@ -21,7 +21,7 @@ struct WideBvh {
 };
 
 /// `primitives` are in their original order. The children of a node are neighbours. The same bytes for any number of
-/// threads. Throws Error(scene_error) beyond the texels that the layout addresses.
+/// threads. Throws Error(scene) beyond the texels that the layout addresses.
 /// `outside`, primitives that stand outside the tree, come first, one after the other.
 template <std::uint32_t width>
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives,

@@ -1,7 +1,6 @@
 #pragma once
-/// Messages to the person at the terminal. Results go to stdout and are not logged; everything here goes to stderr.
-/// Nothing here throws or waits long: a terminal that went away, a full disk or a broken pipe costs the message and
-/// never the work it tells about.
+/// What a library has to tell the person who waits for it: messages, and how far a long computation has come. All of it
+/// goes to a sink of the program's choice; without one it is dropped. Nothing here throws.
 
 #include <string_view>
 
@@ -9,21 +8,31 @@ namespace etendue::log {
 
 enum class Level { error, warning, info, debug };
 
-/// Messages above this level are dropped (default: info).
-void set_level(Level level);
-Level level();
+/// Receives what is told. Its functions are called one at a time, from any thread; they must not log themselves.
+class Sink {
+ public:
+  virtual ~Sink() = default;
+  /// One sentence.
+  virtual void message(Level level, std::string_view sentence) noexcept = 0;
+  /// The task `what` ("Building the tree") is done to this fraction, 0 to 1; at most five times a second.
+  virtual void progress(std::string_view what, double fraction) noexcept = 0;
+  /// No more is told about a task that progress() was called for.
+  virtual void progress_ended(std::string_view what) noexcept = 0;
+};
+
+/// Sends everything to `sink` from now on, or nowhere if it is null, as in the beginning. The sink must live until
+/// another one is set.
+void set_sink(Sink* sink) noexcept;
+
+/// Messages above this level are dropped (default: info), and progress counts as info.
+void set_level(Level level) noexcept;
+Level level() noexcept;
 
 void error(std::string_view sentence) noexcept;
 void warning(std::string_view sentence) noexcept;
 void info(std::string_view sentence) noexcept;
 void debug(std::string_view sentence) noexcept;
-
-/// Writes bytes to stderr as they are: progress lines. What stderr does not take is dropped; a pipe that nobody reads
-/// is waited for two seconds once, and not at all until it takes something again.
-void put(std::string_view text) noexcept;
-
-/// True when stderr is a terminal that wants colour (NO_COLOR unset).
-bool use_color();
-bool stderr_is_terminal();
+void progress(std::string_view what, double fraction) noexcept;
+void progress_ended(std::string_view what) noexcept;
 
 }  // namespace etendue::log

@@ -9,8 +9,8 @@
 
 namespace etendue {
 
-/// Says nothing for the first seconds, so that short tasks stay silent; then one rewritten line on stderr when it is a
-/// terminal, else a line every few seconds. Nothing when the log level is below info.
+/// Says nothing for the first seconds, so that short tasks stay silent; then tells the sink of log.h up to five times a
+/// second.
 class LongTask {
  public:
   using Seconds = std::chrono::duration<double>;
@@ -27,7 +27,6 @@ class LongTask {
   std::string what_;
   std::uint64_t total_;
   std::atomic<std::uint64_t> done_{0};
-  bool terminal_;
   std::mutex mutex_;  // of what follows
   Clock::time_point next_;
   bool shown_ = false;

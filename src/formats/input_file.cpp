@@ -23,7 +23,7 @@ InputFile::InputFile(const std::string& path) : path_(text::printable(path, kMos
   // O_NONBLOCK lets open() return at once for a FIFO, which is then refused by its kind.
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor_ < 0) {
-    throw Error(ExitCode::scene_error, fmt::format("{}: cannot open the file: {}", path_, std::strerror(errno)));
+    throw Error(ErrorKind::scene, fmt::format("{}: cannot open the file: {}", path_, std::strerror(errno)));
   }
   struct stat info {};
   const bool known = ::fstat(descriptor_, &info) == 0;
@@ -33,7 +33,7 @@ InputFile::InputFile(const std::string& path) : path_(text::printable(path, kMos
   }
   ::close(descriptor_);
   const char* kind = known && S_ISDIR(info.st_mode) ? "a folder" : "not a regular file (a pipe, socket or device)";
-  throw Error(ExitCode::scene_error, fmt::format("{}: this is {}; give the path of a regular file", path_, kind));
+  throw Error(ErrorKind::scene, fmt::format("{}: this is {}; give the path of a regular file", path_, kind));
 }
 
 InputFile::~InputFile() {
@@ -45,7 +45,7 @@ std::size_t InputFile::read(char* buffer, std::size_t capacity) {
     const ssize_t count = ::read(descriptor_, buffer, capacity);
     if (count >= 0) return static_cast<std::size_t>(count);
     if (errno != EINTR) {
-      throw Error(ExitCode::file_error, fmt::format("{}: cannot read the file: {}", path_, std::strerror(errno)));
+      throw Error(ErrorKind::file, fmt::format("{}: cannot read the file: {}", path_, std::strerror(errno)));
     }
   }
 }

@@ -11,7 +11,7 @@ namespace etendue {
 /// block for ever and /dev/zero never ends.
 class InputFile {
  public:
-  /// Throws Error(scene_error) with the path and the reason.
+  /// Throws Error(scene) with the path and the reason.
   explicit InputFile(const std::string& path);
   ~InputFile();
   InputFile(const InputFile&) = delete;
@@ -19,7 +19,7 @@ class InputFile {
 
   /// Size in bytes when it was opened.
   std::uint64_t size() const { return size_; }
-  /// Reads up to `capacity` bytes and returns how many; 0 at the end. Throws Error(file_error).
+  /// Reads up to `capacity` bytes and returns how many; 0 at the end. Throws Error(file).
   std::size_t read(char* buffer, std::size_t capacity);
 
  private:

@@ -15,7 +15,7 @@ namespace {
 std::string read_text(const std::string& path) {
   InputFile file(path);
   if (file.size() > XmlDocument::kMaxBytes) {
-    throw Error(ExitCode::scene_error,
+    throw Error(ErrorKind::scene,
                 fmt::format("{}: the file has {} bytes; a scene file has at most {}, geometry belongs into OBJ files",
                             path, file.size(), XmlDocument::kMaxBytes));
   }
@@ -38,7 +38,7 @@ std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOpti
   try {
     text = read_text(path);
   } catch (const Error& error) {
-    diagnostics.error({}, error.what(), error.code());
+    diagnostics.error({}, error.what(), error.kind());
     return std::nullopt;
   }
   const MeshLoader load = [](const std::string& mesh, Diagnostics& sink) { return read_obj(mesh, sink); };
@@ -58,7 +58,7 @@ Scene read_scene(const std::string& path, const ReadOptions& options) {
   SceneFile file = read_scene_file(path, options);
   if (auto* scene = std::get_if<Scene>(&file)) return std::move(*scene);
   const char* command = std::holds_alternative<TTest>(file) ? "ttest" : "chi2";
-  throw Error(ExitCode::scene_error,
+  throw Error(ErrorKind::scene,
               fmt::format("{}: the file holds a <test>, not a <scene>; run it with etendue {}", path, command));
 }
 

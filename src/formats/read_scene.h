@@ -14,8 +14,8 @@ namespace etendue {
 /// a file holds.
 std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics);
 
-/// Reads a file, logs its warnings, and throws Error with the first error (scene_error; usage for a bad override;
-/// file_error if reading fails half-way).
+/// Reads a file, logs its warnings, and throws Error with the first error (scene; usage for a bad override;
+/// file if reading fails half-way).
 SceneFile read_scene_file(const std::string& path, const ReadOptions& options = {});
 /// The same for a file that must hold a <scene>; a test file is an error that names the command for it.
 Scene read_scene(const std::string& path, const ReadOptions& options = {});

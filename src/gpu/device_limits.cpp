@@ -11,8 +11,8 @@ constexpr const char* kRemedy = "use coarser meshes or a smaller image, another 
 
 [[noreturn]] void refuse(const std::string& thing, const std::string& unit, std::uint64_t needed,
                          const DeviceLimits& limits, std::uint64_t available, const std::string& limit) {
-  throw Error(ExitCode::device_lost, fmt::format("The {} needs {} {}, but '{}' has {} ({}); {}.", thing, needed, unit,
-                                                 limits.device, available, limit, kRemedy));
+  throw Error(ErrorKind::lost, fmt::format("The {} needs {} {}, but '{}' has {} ({}); {}.", thing, needed, unit,
+                                           limits.device, available, limit, kRemedy));
 }
 
 void check_need(const DeviceNeed& need, const DeviceLimits& limits) {

@@ -31,7 +31,7 @@ struct DeviceLimits {
 };
 DeviceLimits limits_of(const vulkan::Context& context);
 
-/// Throws Error(device_lost) that names the thing, the limit, what is needed and available, and what to do.
+/// Throws Error(lost) that names the thing, the limit, what is needed and available, and what to do.
 void check_needs(std::span<const DeviceNeed> needs, const DeviceLimits& limits);
 
 }  // namespace etendue

@@ -103,7 +103,7 @@ TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScen
   if (fits_texels && wanted != TableLoads::storage_buffer) return TableLoads::texel_buffer;
   if (fits_storage && wanted != TableLoads::texel_buffer) return TableLoads::storage_buffer;
   throw Error(
-      ExitCode::device_lost,
+      ErrorKind::lost,
       fmt::format("The table '{}' of the scene has {} bytes, but '{}' reads at most {} texels of 16 bytes "
                   "(maxTexelBufferElements) or {} bytes (maxStorageBufferRange){}; use a smaller mesh or "
                   "another --device.",

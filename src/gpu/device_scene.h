@@ -11,7 +11,7 @@
 namespace etendue {
 
 /// Texel buffers, unless a table of the scene is too long for those of the device and not for its storage buffers.
-/// Throws Error(device_lost) naming limits, needed and available when neither will do, or `wanted` will not.
+/// Throws Error(lost) naming limits, needed and available when neither will do, or `wanted` will not.
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
                               std::optional<TableLoads> wanted = {});
 
@@ -35,7 +35,7 @@ std::vector<DeviceNeed> scene_needs(const CompiledScene& scene);
 /// made.
 class DeviceScene {
  public:
-  /// Throws Error(device_lost), before anything is uploaded, when the device cannot hold or read the tables, or not
+  /// Throws Error(lost), before anything is uploaded, when the device cannot hold or read the tables, or not
   /// beside what else is `planned`.
   DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene, std::optional<TableLoads> wanted = {},
               std::span<const DeviceNeed> planned = {});

@@ -16,7 +16,7 @@ struct GpuDevice {
   vulkan::Commands commands;
 };
 
-/// The device that the options hand over, or else the one they name. Throws Error(no_device, device_lost).
+/// The device that the options hand over, or else the one they name. Throws Error(device, lost).
 std::shared_ptr<GpuDevice> open_device(const GpuOptions& options);
 
 }  // namespace etendue

@@ -265,7 +265,7 @@ void GpuRenderer::prepare_film(const SlotLayout& slots, SampleRange range) {
 void GpuRenderer::check_film(const Film& film) const {
   if (film.width() == frame_.width && film.height() == frame_.height && film.exponent() == frame_.film_exponent) return;
   throw Error(
-      ExitCode::usage,
+      ErrorKind::usage,
       fmt::format("The film is {}x{} pixels of exponent {}, but the view has {}x{} of exponent {}; give both "
                   "the same.",
                   film.width(), film.height(), film.exponent(), frame_.width, frame_.height, frame_.film_exponent));
@@ -302,7 +302,7 @@ void GpuRenderer::run_groups(const Work& work, gpu::Pass pass, std::uint32_t gro
     if (head.unfinished == 0) return;
     if (head.stuck > 0) {
       throw Error(
-          ExitCode::scene_error,
+          ErrorKind::scene,
           fmt::format("{} paths take more than {} steps each, the most '{}' allows. Either thousands of surfaces "
                       "overlap where they pass (`etendue check` names such places): thin them out; or paths are "
                       "endless: lower maxDepth or let roulette begin earlier (rrDepth).",
@@ -351,8 +351,8 @@ void add_profile(RenderProfile& profile, const gpu::SlotProfile& slot, std::uint
 RenderProfile GpuRenderer::profile(std::uint32_t samples) {
   const std::string missing = kernel_requirements(scene_->loads(), true).missing(context().limits());
   if (!missing.empty())
-    throw Error(ExitCode::no_device, fmt::format("The device '{}' cannot count: {}; leave out --stats and --heat-map.",
-                                                 context().info().name, missing));
+    throw Error(ErrorKind::device, fmt::format("The device '{}' cannot count: {}; leave out --stats and --heat-map.",
+                                               context().info().name, missing));
   const GpuTimings of_renders = timings_;
   const KernelBindings layout(context(), scene_->set_layout(), film_bindings(true));
   const bool ballots = context().info().subgroup_ballot;
@@ -430,7 +430,7 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
       if (results[i].stuck != 0) results[i] = tracer_->trace(chunk.subspan(i, 1), step_budget_).front();
       if (results[i].stuck != 0) {
         throw Error(
-            ExitCode::scene_error,
+            ErrorKind::scene,
             fmt::format("The path of pixel {} sample {} takes more than {} steps: thousands of surfaces overlap "
                         "where it passes (`etendue check` names such places), or it is endless; thin them out "
                         "or lower maxDepth.",

@@ -37,7 +37,7 @@ struct RenderProfile {
 };
 
 /// Opens the device and uploads the scene, compiled unless it is; looks at it as the scene says. Throws
-/// Error(no_device, device_lost).
+/// Error(device, lost).
 std::unique_ptr<Renderer> make_gpu_renderer(const SharedScene& scene, const RenderSettings& settings,
                                             const GpuOptions& options = {});
 /// Renders a scene that lies on a device already; renderers of one device take turns. `options` must be those of the

@@ -50,8 +50,8 @@ class GpuRayCaster final : public RayCaster {
 
   void load(std::span<const CastRay> rays) override {
     if (rays.size() > max_rays())
-      throw Error(ExitCode::usage, fmt::format("{} rays at a time are more than the {} that '{}' takes.", rays.size(),
-                                               max_rays(), device_->context->info().name));
+      throw Error(ErrorKind::usage, fmt::format("{} rays at a time are more than the {} that '{}' takes.", rays.size(),
+                                                max_rays(), device_->context->info().name));
     if (rays.size() > capacity_) {
       capacity_ = rays.size();
       bind(capacity_ * sizeof(CastRay), capacity_ * sizeof(CastHit));
@@ -76,7 +76,7 @@ class GpuRayCaster final : public RayCaster {
     device_->commands.download(results_, 0, std::as_writable_bytes(std::span(hits)));
     for (std::size_t i = 0; i < hits.size(); ++i) {
       if (hits[i].steps <= kMostSteps) continue;
-      throw Error(ExitCode::scene_error,
+      throw Error(ErrorKind::scene,
                   fmt::format("Ray {} takes more than {} steps through the tree, the most a ray may take here: "
                               "thousands of surfaces overlap where it passes; thin them out.",
                               i, kMostSteps));

@@ -6,7 +6,7 @@
 
 namespace etendue {
 
-/// Opens the device and uploads the scene, compiled unless it is. Throws Error(no_device, device_lost).
+/// Opens the device and uploads the scene, compiled unless it is. Throws Error(device, lost).
 std::unique_ptr<RayCaster> make_gpu_ray_caster(const SharedScene& scene, const GpuOptions& options = {});
 
 }  // namespace etendue

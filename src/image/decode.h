@@ -20,7 +20,7 @@ inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 26;
 /// Largest file: a film of that many pixels, hardly compressed.
 inline constexpr std::uint64_t kMaxImageBytes = std::uint64_t{1} << 34;
 
-/// The bytes of a picture or film. Throws Error(file_error), also when there are more than kMaxImageBytes.
+/// The bytes of a picture or film. Throws Error(file), also when there are more than kMaxImageBytes.
 std::vector<std::byte> read_whole_image(const std::string& path);
 
 bool is_exr(std::span<const std::byte> bytes);
@@ -30,7 +30,7 @@ Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path
 Image decode_png(std::span<const std::byte> bytes, const std::string& path);
 /// Size and texts of a PNG file of `file_size` bytes from its first bytes, which must reach to its pixels.
 PictureHeader decode_png_header(std::span<const std::byte> bytes, std::uint64_t file_size, const std::string& path);
-/// Throws Error(file_error) when these are the bytes of a film file that does not match its checksum. An EXR picture
+/// Throws Error(file) when these are the bytes of a film file that does not match its checksum. An EXR picture
 /// has none and passes.
 void verify_film(std::span<const std::byte> bytes, const std::string& path);
 /// `verify` is off only where a fuzzer must get past the checksum.

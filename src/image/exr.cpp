@@ -22,7 +22,7 @@ constexpr std::array<const char*, 3> kStandardError = {"StdErr.R", "StdErr.G", "
 constexpr const char* kSampleCount = "SampleCount";
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
-  throw Error(ExitCode::file_error, fmt::format("{}: {}", path, reason));
+  throw Error(ErrorKind::file, fmt::format("{}: {}", path, reason));
 }
 
 void check_complete(const Image& image, const std::string& path) {
@@ -32,7 +32,7 @@ void check_complete(const Image& image, const std::string& path) {
                      (image.sample_count.empty() || image.sample_count.size() == count);
   if (!whole) {
     throw Error(
-        ExitCode::file_error,
+        ErrorKind::file,
         fmt::format("{}: cannot write an image of {}x{} pixels whose arrays hold {}, {} and {}", path, image.width,
                     image.height, image.pixels.size(), image.standard_error.size(), image.sample_count.size()));
   }

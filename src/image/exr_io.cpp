@@ -27,7 +27,7 @@ namespace etendue {
 namespace {
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
-  throw Error(ExitCode::file_error, fmt::format("{}: {}", path, reason));
+  throw Error(ErrorKind::file, fmt::format("{}: {}", path, reason));
 }
 
 /// Names that the EXR format gives a meaning and a type of its own; as metadata they carry a prefix.

@@ -57,11 +57,11 @@ struct ExrAttribute {
 };
 
 /// The attributes of a single-part scan-line or tiled file, from its first bytes. Done before the library sees the
-/// file, which would allocate whatever an attribute says its size is. Throws Error(file_error).
+/// file, which would allocate whatever an attribute says its size is. Throws Error(file).
 std::vector<ExrAttribute> exr_attributes(std::span<const std::byte> bytes, const std::string& path);
 
 /// The header, checked: attributes lie inside the bytes, the sizes are within the limits above. Throws
-/// Error(file_error).
+/// Error(file).
 Imf::Header read_exr_header(std::span<const std::byte> bytes, const std::string& path);
 
 /// The same of a file, of which only the first bytes are read; checked against the size of the file.
@@ -70,7 +70,7 @@ Imf::Header load_exr_header(const std::string& path);
 /// Whether the header is that of a film file, valid or not.
 bool is_film(const Imf::Header& header);
 
-/// Throws Error(file_error) unless a file of `file_size` bytes can hold the pixels its header announces.
+/// Throws Error(file) unless a file of `file_size` bytes can hold the pixels its header announces.
 void check_exr_size(const Imf::Header& header, std::uint64_t file_size, const std::string& path);
 
 /// A header with everything both kinds of file have in common.
@@ -84,9 +84,9 @@ Metadata exr_metadata(const Imf::Header& header);
 void add_slice(Imf::FrameBuffer& buffer, const std::string& name, Imf::PixelType type, const void* base,
                std::size_t stride, const Imath::Box2i& window);
 
-/// Encodes the channels of `buffer`; throws Error(file_error) naming the path.
+/// Encodes the channels of `buffer`; throws Error(file) naming the path.
 std::vector<std::byte> encode_exr(Imf::Header header, const Imf::FrameBuffer& buffer, const std::string& path);
-/// Decodes the channels of `buffer`, all of them or none; throws Error(file_error) naming the path.
+/// Decodes the channels of `buffer`, all of them or none; throws Error(file) naming the path.
 void decode_exr(std::span<const std::byte> bytes, const Imf::FrameBuffer& buffer, const std::string& path);
 
 }  // namespace etendue

@@ -140,15 +140,13 @@ Place find_place(const std::string& path) {
 }  // namespace
 
 void AtomicFile::fail(const char* action, int error) const {
-  throw Error(ExitCode::file_error, fmt::format("{}: {}: {}; nothing was written there", path_, action,
-                                                std::generic_category().message(error)));
+  throw Error(ErrorKind::file, fmt::format("{}: {}: {}; nothing was written there", path_, action,
+                                           std::generic_category().message(error)));
 }
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path) {
   const auto is_name = [](const std::string& name) { return !name.empty() && name != "." && name != ".."; };
-  const auto refuse_name = [&] {
-    throw Error(ExitCode::file_error, fmt::format("\"{}\" is not the name of a file", path));
-  };
+  const auto refuse_name = [&] { throw Error(ErrorKind::file, fmt::format("\"{}\" is not the name of a file", path)); };
   if (path.find('\0') != std::string::npos || !is_name(std::filesystem::path(path).filename().string())) refuse_name();
   Place place = find_place(path);
   if (place.failed != nullptr) fail(place.failed, place.error);
@@ -172,7 +170,7 @@ int AtomicFile::mode_of_existing() const {
   }
   if (S_ISDIR(existing.st_mode)) fail("cannot replace it", EISDIR);
   if (!S_ISREG(existing.st_mode)) {
-    throw Error(ExitCode::file_error,
+    throw Error(ErrorKind::file,
                 fmt::format("{}: is a device, pipe or socket and cannot be replaced; give the name of a file", path_));
   }
   // Opened as the shell opens it, only not emptied: permissions, protected_regular, whatever else the kernel knows.
@@ -226,8 +224,8 @@ void AtomicFile::commit() {
   temporary_.clear();
   // The rename is what a power cut could undo. EBADF: the folder could only be opened as a path.
   if (const int error = flush(folder_); error != 0 && error != EBADF) {
-    throw Error(ExitCode::file_error, fmt::format("{}: is written, but the folder could not be flushed to the disk: {}",
-                                                  path_, std::generic_category().message(error)));
+    throw Error(ErrorKind::file, fmt::format("{}: is written, but the folder could not be flushed to the disk: {}",
+                                             path_, std::generic_category().message(error)));
   }
 }
 
@@ -254,7 +252,7 @@ void write_file_atomically(const std::string& path, std::span<const std::byte> b
 
 std::vector<std::byte> read_file(const std::string& path, std::uint64_t limit) {
   const auto fail = [&](const char* action, int error) {
-    throw Error(ExitCode::file_error, fmt::format("{}: {}: {}", path, action, std::generic_category().message(error)));
+    throw Error(ErrorKind::file, fmt::format("{}: {}: {}", path, action, std::generic_category().message(error)));
   };
   // Not blocking: opening a pipe without a writer would wait for ever.
   const int descriptor = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
@@ -267,7 +265,7 @@ std::vector<std::byte> read_file(const std::string& path, std::uint64_t limit) {
   if (fstat(descriptor, &status) != 0) fail("cannot look at it", errno);
   if (S_ISDIR(status.st_mode)) fail("cannot read it", EISDIR);
   if (!S_ISREG(status.st_mode)) {
-    throw Error(ExitCode::file_error, fmt::format("{}: is a device, pipe or socket; give the name of a file", path));
+    throw Error(ErrorKind::file, fmt::format("{}: is a device, pipe or socket; give the name of a file", path));
   }
   std::vector<std::byte> bytes(std::min(limit, static_cast<std::uint64_t>(status.st_size)));
   std::size_t done = 0;

@@ -13,7 +13,7 @@ namespace etendue {
 /// over the path by commit(). Whatever fails before that, the path keeps what it had and the new file is removed. A
 /// symbolic link at the path stays a link: the file it leads to is replaced. Links and existing files that the kernel
 /// would not open for writing (fs.protected_symlinks and fs.protected_regular in sticky folders such as /tmp) are
-/// refused, as they are by the shell's `>`. Every function throws Error(file_error) with the path and the system's
+/// refused, as they are by the shell's `>`. Every function throws Error(file) with the path and the system's
 /// reason; a file size limit (RLIMIT_FSIZE) is reported like a full disk and does not end the process.
 class AtomicFile {
  public:
@@ -43,7 +43,7 @@ bool is_same_place(const std::string& a, const std::string& b);
 
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes);
 
-/// The first `limit` bytes of a regular file (all of them by default). Throws Error(file_error).
+/// The first `limit` bytes of a regular file (all of them by default). Throws Error(file).
 std::vector<std::byte> read_file(const std::string& path, std::uint64_t limit = ~std::uint64_t{0});
 
 }  // namespace etendue

@@ -161,12 +161,12 @@ Film::Film(std::uint32_t width, std::uint32_t height, int exponent)
 
 void Film::merge(const Film& other) {
   if (other.width_ != width_ || other.height_ != height_) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("cannot merge a film of {}x{} pixels into one of {}x{}; sizes must be equal", other.width_,
                             other.height_, width_, height_));
   }
   if (other.exponent_ != exponent_) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("cannot merge a film with exponent {} into one with exponent {}; both must "
                             "come from the same scene",
                             other.exponent_, exponent_));

@@ -30,7 +30,7 @@ constexpr std::size_t kChecksumDigits = 32;
 constexpr std::array<char, 3> kColors = {'R', 'G', 'B'};
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
-  throw Error(ExitCode::file_error, fmt::format("{}: {}", path, reason));
+  throw Error(ErrorKind::file, fmt::format("{}: {}", path, reason));
 }
 
 /// One unsigned channel of a film file and the member of FilmPixel it holds.

@@ -19,7 +19,7 @@ struct FilmHeader {
 };
 
 /// Reads only the first bytes of the file; the checksum, which covers all of it, is left to read_film. Throws
-/// Error(file_error).
+/// Error(file).
 FilmHeader read_film_header(const std::string& path);
 FilmHeader header_of(const FilmFile& file);
 

@@ -33,9 +33,8 @@ Image image_from_film(const Film& film, Metadata metadata) {
 std::vector<std::byte> read_whole_image(const std::string& path) {
   std::vector<std::byte> bytes = read_file(path, kMaxImageBytes + 1);
   if (bytes.size() > kMaxImageBytes)
-    throw Error(ExitCode::file_error,
-                fmt::format("{}: has more than {} bytes; no picture or film of at most {} pixels does", path,
-                            kMaxImageBytes, kMaxImagePixels));
+    throw Error(ErrorKind::file, fmt::format("{}: has more than {} bytes; no picture or film of at most {} pixels does",
+                                             path, kMaxImageBytes, kMaxImagePixels));
   return bytes;
 }
 
@@ -50,9 +49,9 @@ Image read_image(const std::string& path) {
     }
     if (is_png(head)) return decode_png(read_whole_image(path), path);
   } catch (const std::bad_alloc&) {
-    throw Error(ExitCode::file_error, fmt::format("{}: is too large for the memory of this machine", path));
+    throw Error(ErrorKind::file, fmt::format("{}: is too large for the memory of this machine", path));
   }
-  throw Error(ExitCode::file_error, fmt::format("{}: is neither an EXR nor a PNG file", path));
+  throw Error(ErrorKind::file, fmt::format("{}: is neither an EXR nor a PNG file", path));
 }
 
 }  // namespace etendue

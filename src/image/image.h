@@ -32,12 +32,12 @@ struct Image {
 Image image_from_film(const Film& film, Metadata metadata);
 
 /// Reads EXR (float or half R,G,B or Y; StdErr.* and SampleCount when present) or PNG (sRGB decoded to linear), by
-/// content. Throws Error(file_error) with the path and the reason; never returns a partly read image, nor the picture
+/// content. Throws Error(file) with the path and the reason; never returns a partly read image, nor the picture
 /// of a film file that does not match its checksum.
 Image read_image(const std::string& path);
 
 /// Float32 EXR with R G B, StdErr.R/G/B and SampleCount (when known) and the metadata as string attributes. Written
-/// beside the target, fsynced and renamed: the target appears whole or stays as it was. Throws Error(file_error).
+/// beside the target, fsynced and renamed: the target appears whole or stays as it was. Throws Error(file).
 void write_exr(const std::string& path, const Image& image);
 /// 8-bit sRGB PNG, clamped to [0,1]. Atomic like write_exr.
 void write_png(const std::string& path, const Image& image);
@@ -52,7 +52,7 @@ struct FilmFile {
       samples;  ///< disjoint, sorted, half-open ranges of sample indices inside
 };
 void write_film(const std::string& path, const FilmFile& file);
-/// Throws Error(file_error) that says what is wrong: no film in it, truncated, checksum, impossible size, other
+/// Throws Error(file) that says what is wrong: no film in it, truncated, checksum, impossible size, other
 /// version.
 FilmFile read_film(const std::string& path);
 

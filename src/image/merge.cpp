@@ -40,9 +40,8 @@ std::string value_of(const Metadata& metadata, const std::string& key) {
 
 [[noreturn]] void refuse(const std::string& a_name, const std::string& b_name, const char* what,
                          const std::string& a_value, const std::string& b_value) {
-  throw Error(ExitCode::file_error,
-              fmt::format("{}: is not of the same render as {}: different {}, {} here and {} there", b_name, a_name,
-                          what, b_value, a_value));
+  throw Error(ErrorKind::file, fmt::format("{}: is not of the same render as {}: different {}, {} here and {} there",
+                                           b_name, a_name, what, b_value, a_value));
 }
 
 /// One value of a listed key and the samples it stands for.
@@ -132,7 +131,7 @@ SampleRanges join_ranges(const std::vector<Shard>& shards) {
   for (std::size_t i = 1; i < owned.size(); ++i) {
     const Owned &a = owned[i - 1], &b = owned[i];
     if (b.range.first < a.range.second) {
-      throw Error(ExitCode::file_error,
+      throw Error(ErrorKind::file,
                   fmt::format("{} and {} both hold the samples {}:{}; give only one of them", a.shard->path,
                               b.shard->path, b.range.first, std::min(a.range.second, b.range.second)));
     }
@@ -193,7 +192,7 @@ FilmHeader merge_headers(const FilmHeader& a, const FilmHeader& b) {
 }
 
 FilmFile merge_films(const std::vector<std::string>& paths) {
-  if (paths.empty()) throw Error(ExitCode::usage, "there is nothing to merge: give at least one film");
+  if (paths.empty()) throw Error(ErrorKind::usage, "there is nothing to merge: give at least one film");
   const std::vector<Shard> shards = read_headers(paths);
   FilmFile result;
   result.samples = join_ranges(shards);
@@ -203,8 +202,7 @@ FilmFile merge_films(const std::vector<std::string>& paths) {
   for (const Shard& shard : shards) {
     const FilmFile file = read_film(shard.path);
     if (header_of(file) != shard.header) {
-      throw Error(ExitCode::file_error,
-                  fmt::format("{}: was changed while it was being merged; start again", shard.path));
+      throw Error(ErrorKind::file, fmt::format("{}: was changed while it was being merged; start again", shard.path));
     }
     result.film.merge(file.film);
   }

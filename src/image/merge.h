@@ -9,7 +9,7 @@
 
 namespace etendue {
 
-/// Throws Error(file_error) unless both films belong to one render: same size, film exponent and metadata "version",
+/// Throws Error(file) unless both films belong to one render: same size, film exponent and metadata "version",
 /// "sceneHash", "seed" and "integrator". The sentence names the difference and both values.
 void check_same_render(const FilmHeader& a, const std::string& a_name, const FilmHeader& b, const std::string& b_name);
 
@@ -26,7 +26,7 @@ FilmHeader merge_headers(const FilmHeader& a, const FilmHeader& b);
 /// - "samples" and "rejected" are those of the result; "scene" is that of the file with the lowest sample index;
 /// - "device" and "driver", where files differ, become a list with the sample ranges: "A [0:64]; B [64:128,192:256]";
 /// - anything else is kept where all files agree and left out where they do not.
-/// Throws Error(file_error) when a file is no film, belongs to another render or shares samples with another file;
+/// Throws Error(file) when a file is no film, belongs to another render or shares samples with another file;
 /// Error(usage) when there are no paths.
 FilmFile merge_films(const std::vector<std::string>& paths);
 

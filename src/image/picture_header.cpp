@@ -47,7 +47,7 @@ PictureHeader read_picture_header(const std::string& path) {
   const std::vector<std::byte> head = read_file(path, 8);
   if (is_exr(head)) return read_exr_picture_header(path);
   if (is_png(head)) return read_png_picture_header(path);
-  throw Error(ExitCode::file_error, fmt::format("{}: is neither an EXR nor a PNG file", path));
+  throw Error(ErrorKind::file, fmt::format("{}: is neither an EXR nor a PNG file", path));
 }
 
 }  // namespace etendue

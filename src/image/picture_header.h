@@ -18,7 +18,7 @@ struct PictureHeader {
 };
 
 /// Reads the first bytes of an EXR or PNG file, by content, however large the picture is that it announces. Throws
-/// Error(file_error) with the path and the reason.
+/// Error(file) with the path and the reason.
 PictureHeader read_picture_header(const std::string& path);
 
 }  // namespace etendue

@@ -186,15 +186,14 @@ void check_png_size(png_structp png, png_infop info, std::size_t file_size, cons
   const std::uint64_t width = png_get_image_width(png, info);
   const std::uint64_t height = png_get_image_height(png, info);
   if (width * height > kMaxImagePixels) {
-    throw Error(ExitCode::file_error,
+    throw Error(ErrorKind::file,
                 fmt::format("{}: has {}x{} pixels; at most {} are read", path, width, height, kMaxImagePixels));
   }
   const std::uint64_t raw = png_get_rowbytes(png, info) * height;
   if (raw / 1040 > file_size) {
-    throw Error(ExitCode::file_error,
-                fmt::format("{}: announces {} bytes of pixels but has only {} bytes: it is damaged or "
-                            "truncated",
-                            path, raw, file_size));
+    throw Error(ErrorKind::file, fmt::format("{}: announces {} bytes of pixels but has only {} bytes: it is damaged or "
+                                             "truncated",
+                                             path, raw, file_size));
   }
 }
 
@@ -203,8 +202,8 @@ void check_png_size(png_structp png, png_infop info, std::size_t file_size, cons
 void write_png(const std::string& path, const Image& image) {
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
   if (count == 0 || image.pixels.size() != count) {
-    throw Error(ExitCode::file_error, fmt::format("{}: cannot write an image of {}x{} pixels that holds {}", path,
-                                                  image.width, image.height, image.pixels.size()));
+    throw Error(ErrorKind::file, fmt::format("{}: cannot write an image of {}x{} pixels that holds {}", path,
+                                             image.width, image.height, image.pixels.size()));
   }
   std::vector<png_byte> encoded(3 * count);
   parallel_for(count, 8192, [&](std::uint64_t begin, std::uint64_t end) {
@@ -230,7 +229,7 @@ void write_png(const std::string& path, const Image& image) {
                                                    texts.data(), static_cast<int>(texts.size()));
   png_destroy_write_struct(&png, &info);
   if (!encodable)
-    throw Error(ExitCode::file_error, fmt::format("{}: cannot be encoded as PNG: {}", path, state.message.data()));
+    throw Error(ErrorKind::file, fmt::format("{}: cannot be encoded as PNG: {}", path, state.message.data()));
   write_file_atomically(path, state.output);
 }
 
@@ -243,7 +242,7 @@ PictureHeader decode_png_header(std::span<const std::byte> bytes, std::uint64_t 
   state.input = bytes;
   PngReader reader(state);
   if (!chunks_fit(bytes, "IDAT") || !read_info(reader.png, reader.info, state))
-    throw Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file, or one with very long texts", path));
+    throw Error(ErrorKind::file, fmt::format("{}: is a damaged PNG file, or one with very long texts", path));
   check_png_size(reader.png, reader.info, file_size, path);
   return {.width = png_get_image_width(reader.png, reader.info),
           .height = png_get_image_height(reader.png, reader.info),
@@ -255,10 +254,10 @@ Image decode_png(std::span<const std::byte> bytes, const std::string& path) {
   state.input = bytes;
   PngReader reader(state);
   const auto damaged = [&] {
-    return Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file: {}", path, state.message.data()));
+    return Error(ErrorKind::file, fmt::format("{}: is a damaged PNG file: {}", path, state.message.data()));
   };
   if (is_png(bytes) && !chunks_fit(bytes, "IEND")) {
-    throw Error(ExitCode::file_error, fmt::format("{}: is a damaged PNG file: a chunk is longer than the file", path));
+    throw Error(ErrorKind::file, fmt::format("{}: is a damaged PNG file: a chunk is longer than the file", path));
   }
   if (!read_info(reader.png, reader.info, state)) throw damaged();
   check_png_size(reader.png, reader.info, bytes.size(), path);

@@ -122,7 +122,7 @@ class ReferenceRenderer final : public Renderer {
 void ReferenceRenderer::check_size(const Film& film) const {
   const Camera& camera = world_.scene().camera;
   if (film.width() == camera.width && film.height() == camera.height) return;
-  throw Error(ExitCode::usage,
+  throw Error(ErrorKind::usage,
               fmt::format("the film is {}x{} pixels but the camera of scene \"{}\" has {}x{}; "
                           "give both the same size",
                           film.width(), film.height(), world_.scene().name, camera.width, camera.height));

@@ -15,7 +15,7 @@
 namespace etendue {
 namespace {
 
-/// What the film at `path` says of itself; nothing when there is no file or an empty one. Throws Error(file_error) when
+/// What the film at `path` says of itself; nothing when there is no file or an empty one. Throws Error(file) when
 /// it is no film of the job's render.
 std::optional<FilmHeader> film_there(const std::string& path, const RenderJob& job) {
   std::error_code ignored;
@@ -38,19 +38,19 @@ Checkpoint::Checkpoint(std::string path, const RenderJob& job) : path_(std::move
     return std::filesystem::exists(path_, ignored) && !is_exr(read_file(path_, 4)) && !read_file(path_, 1).empty();
   }();
   if (other_kind) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("'--checkpoint {}' would replace a file that is no film; give another name.", path_));
   }
   try {
     there = film_there(path_, job_);
   } catch (const Error& error) {
-    throw Error(ExitCode::usage, fmt::format("'--checkpoint {}' would replace what is no checkpoint of this render "
-                                             "({}); give another name.",
-                                             path_, error.what()));
+    throw Error(ErrorKind::usage, fmt::format("'--checkpoint {}' would replace what is no checkpoint of this render "
+                                              "({}); give another name.",
+                                              path_, error.what()));
   }
   if (!there) return;
   if (const SampleRanges surplus = difference(there->samples, job_.wanted()); !surplus.empty()) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("'--checkpoint {}' would replace a film of this render that holds the samples {}, which "
                             "are not asked for; ask for them as well, or give another name.",
                             path_, to_text(surplus)));
@@ -69,8 +69,7 @@ void Checkpoint::save() {
     if (!samples_ahead().empty()) return;
     write_film(path_, job_.state());
   } catch (const std::bad_alloc&) {
-    throw Error(ExitCode::file_error,
-                fmt::format("{}: the memory of this machine does not suffice to write it", path_));
+    throw Error(ErrorKind::file, fmt::format("{}: the memory of this machine does not suffice to write it", path_));
   }
   saved_ = job_.done();
 }

@@ -13,7 +13,7 @@ namespace etendue {
 class Checkpoint {
  public:
   /// `path` may be empty: then nothing is ever written. Throws Error(usage) when the file at `path` is neither empty
-  /// nor a film of this render, or holds samples that `job` does not want; Error(file_error) when it cannot be read or
+  /// nor a film of this render, or holds samples that `job` does not want; Error(file) when it cannot be read or
   /// the place cannot be written. Touches nothing.
   Checkpoint(std::string path, const RenderJob& job);
 
@@ -23,7 +23,7 @@ class Checkpoint {
   /// save() leaves the file as it is.
   std::string samples_ahead() const;
 
-  /// Writes what is done, unless the last save did. Throws Error(file_error), also when something else has come to
+  /// Writes what is done, unless the last save did. Throws Error(file), also when something else has come to
   /// stand at the path.
   void save();
 

@@ -16,7 +16,7 @@ class RenderJob {
   /// `identity`: size, exponent and metadata of this render, without samples.
   RenderJob(const FilmHeader& identity, SampleRanges wanted);
 
-  /// Goes on from a film. Throws Error(file_error) when `film` belongs to another render and Error(usage) when it holds
+  /// Goes on from a film. Throws Error(file) when `film` belongs to another render and Error(usage) when it holds
   /// samples that are not wanted. `name` is for messages.
   void resume(FilmFile film, const std::string& name);
 

@@ -32,21 +32,21 @@ void Diagnostics::add(Diagnostic diagnostic) {
   }
 }
 
-void Diagnostics::error(const SourcePosition& position, std::string message, ExitCode code) {
-  add({Severity::error, position, std::move(message), code});
+void Diagnostics::error(const SourcePosition& position, std::string message, ErrorKind kind) {
+  add({Severity::error, position, std::move(message), kind});
 }
 
 void Diagnostics::warning(const SourcePosition& position, std::string message) {
-  add({Severity::warning, position, std::move(message), ExitCode::scene_error});
+  add({Severity::warning, position, std::move(message), ErrorKind::scene});
 }
 
 void Diagnostics::note(const SourcePosition& position, std::string message) {
-  add({Severity::note, position, std::move(message), ExitCode::scene_error});
+  add({Severity::note, position, std::move(message), ErrorKind::scene});
 }
 
 void Diagnostics::throw_first_error() const {
   for (const Diagnostic& diagnostic : list_) {
-    if (diagnostic.severity == Severity::error) throw Error(diagnostic.code, to_string(diagnostic));
+    if (diagnostic.severity == Severity::error) throw Error(diagnostic.kind, to_string(diagnostic));
   }
 }
 

@@ -22,7 +22,7 @@ struct Diagnostic {
   Severity severity = Severity::error;
   SourcePosition position;
   std::string message;
-  ExitCode code = ExitCode::scene_error;  ///< what the program ends with if this is the first error
+  ErrorKind kind = ErrorKind::scene;
 };
 
 /// "file:line:column", or less where less is known.
@@ -36,7 +36,7 @@ class Diagnostics {
  public:
   static constexpr std::size_t kMaxListed = 1000;
 
-  void error(const SourcePosition& position, std::string message, ExitCode code = ExitCode::scene_error);
+  void error(const SourcePosition& position, std::string message, ErrorKind kind = ErrorKind::scene);
   void warning(const SourcePosition& position, std::string message);
   void note(const SourcePosition& position, std::string message);
 

@@ -19,7 +19,7 @@ using LocateField = std::function<std::optional<SourcePosition>(const SourcePosi
 /// scene. Without `locate` a finding has the position of its object.
 void check_invariants(const Scene& scene, Diagnostics& diagnostics, const LocateField& locate = {});
 
-/// Throws Error(scene_error) with the first finding of check_invariants, if there is one.
+/// Throws Error(scene) with the first finding of check_invariants, if there is one.
 void require_invariants(const Scene& scene);
 
 }  // namespace etendue

@@ -6,6 +6,7 @@
 #include "core/command_line.h"
 #include "core/errors.h"
 #include "core/log.h"
+#include "core/terminal.h"
 #include "sculpt/mesh.h"
 #include "sculpt/polygonise.h"
 
@@ -15,7 +16,7 @@ namespace {
 
 sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
   if (kind != "lamps" && triangles < 100) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("--triangles {} is too few for the kind {}, which needs at least 100.", triangles, kind));
   }
   if (kind == "grid") return sculpt::grid(triangles);
@@ -26,7 +27,7 @@ sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
   return mesh;
 }
 
-ExitCode run(int argc, char** argv) {
+int run(int argc, char** argv) {
   Command app("Makes triangle meshes for the scenes: the same bytes on every machine.", "etendue-sculpt");
   std::string kind, output;
   std::uint64_t triangles = 500000;
@@ -42,22 +43,23 @@ ExitCode run(int argc, char** argv) {
       ->capture_default_str()
       ->check(in_range(1, 50'000'000));
   app.add_option("-o,--output", output, "OBJ file to write")->required();
-  if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? ExitCode::ok : ExitCode::usage;
+  if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? 0 : 2;
   const sculpt::Mesh mesh = make(kind, triangles);
   sculpt::write_obj(mesh, fmt::format("Made by etendue-sculpt --kind {} --triangles {}", kind, triangles), output);
-  return ExitCode::ok;
+  return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  const etendue::TerminalLog messages;
   try {
-    return static_cast<int>(run(argc, argv));
+    return run(argc, argv);
   } catch (const Error& error) {
     log::error(error.what());
-    return static_cast<int>(error.code());
+    return error.kind() == etendue::ErrorKind::file ? 6 : 2;
   } catch (const std::exception& error) {
     log::error(error.what());
-    return static_cast<int>(ExitCode::file_error);
+    return 6;
   }
 }

@@ -23,7 +23,7 @@ Vec3 rounded(Vec3 p) {
 }
 
 [[noreturn]] void fail(const std::string& sentence) {
-  throw Error(ExitCode::test_failed, sentence);
+  throw Error(ErrorKind::comparison, sentence);
 }
 
 void check_edges(const Mesh& mesh) {
@@ -145,7 +145,7 @@ void write_obj(const Mesh& mesh, const std::string& title, const std::string& pa
   if (file) std::filesystem::rename(beside, target, failure);
   if (!file || failure) {
     std::filesystem::remove(beside, failure);
-    throw Error(ExitCode::file_error,
+    throw Error(ErrorKind::file,
                 fmt::format("{}: cannot write {} bytes; check the folder and the free space", path, text.size()));
   }
 }

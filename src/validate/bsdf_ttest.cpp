@@ -52,7 +52,7 @@ TTestReport run_bsdf_ttest(const TTest& test, const std::string& file, const Bsd
                            const TTestOptions& options) {
   const std::size_t tests = test.bsdfs.size() * test.angles.size();
   if (tests == 0 || test.references.size() != tests) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("{}: {} reference(s) for {} bsdf(s) at {} angle(s) each; each needs exactly one", file,
                             test.references.size(), test.bsdfs.size(), test.angles.size()));
   }
@@ -63,7 +63,7 @@ TTestReport run_bsdf_ttest(const TTest& test, const std::string& file, const Bsd
   report.test_level = sidak_level(report.significance_level, tests);
   const std::uint64_t count = std::max<std::uint64_t>(2, options.sample_count.value_or(test.sample_count));
   if (count > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ExitCode::usage, fmt::format("{}: sampleCount {} is more than 2^32 − 1", file, count));
+    throw Error(ErrorKind::usage, fmt::format("{}: sampleCount {} is more than 2^32 − 1", file, count));
   for (const TestBsdf& bsdf : test.bsdfs) {
     const std::unique_ptr<BsdfProbe> probe = make_probe(bsdf.bsdf);
     report.device = probe->device_name();

@@ -219,7 +219,7 @@ Chi2Report run_chi2(const Chi2Test& test, const std::string& file, const BsdfPro
   const std::uint64_t cells = std::uint64_t{2} * test.resolution * test.resolution;
   const std::uint64_t samples = options.sample_count.value_or(test.sample_count > 0 ? test.sample_count : 5000 * cells);
   if (samples == 0 || samples > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("{}: {} samples a test is not between 1 and 2^32 − 1; set sampleCount", file, samples));
   }
   for (const TestBsdf& bsdf : test.bsdfs) {

@@ -140,11 +140,11 @@ Limit parse_limit(const std::string& text, bool upper) {
   if (!row || equals == std::string::npos) {
     std::string names;
     for (const MetricRow& r : kMetricRows) names += fmt::format("{}{}", names.empty() ? "" : ", ", r.name);
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("{} '{}': expected METRIC=VALUE with a metric out of {}", option, text, names));
   }
   if (row->upper != upper) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("{} '{}': {} {} with likeness; use {}", option, text, name, row->upper ? "falls" : "grows",
                             row->upper ? "--fail-above" : "--fail-below"));
   }
@@ -152,7 +152,7 @@ Limit parse_limit(const std::string& text, bool upper) {
   const char *begin = text.data() + equals + 1, *end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(begin, end, limit.value);
   if (error != std::errc() || stop != end || !std::isfinite(limit.value)) {
-    throw Error(ExitCode::usage, fmt::format("{} '{}': '{}' is not a number", option, text, std::string(begin, end)));
+    throw Error(ErrorKind::usage, fmt::format("{} '{}': '{}' is not a number", option, text, std::string(begin, end)));
   }
   return limit;
 }

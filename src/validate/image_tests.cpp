@@ -249,7 +249,7 @@ void require_statistics(const Image& test, const Image& reference) {
   for (const Image* image : {&test, &reference}) {
     if (!image->has_statistics() || image->standard_error.size() != image->pixels.size() ||
         image->sample_count.size() != image->pixels.size()) {
-      throw Error(ExitCode::usage,
+      throw Error(ErrorKind::usage,
                   "statistical tests need StdErr.R, StdErr.G, StdErr.B and SampleCount in both pictures");
     }
   }

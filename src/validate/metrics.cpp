@@ -125,7 +125,7 @@ void pixel_metrics(const Image& test, const Image& reference, Metrics& m) {
 void require_same_size(std::uint32_t test_width, std::uint32_t test_height, std::uint32_t reference_width,
                        std::uint32_t reference_height) {
   if (test_width == reference_width && test_height == reference_height) return;
-  throw Error(ExitCode::usage,
+  throw Error(ErrorKind::usage,
               fmt::format("the pictures differ in size: {}×{} and {}×{} pixels; compare pictures of the same size",
                           test_width, test_height, reference_width, reference_height));
 }
@@ -133,8 +133,8 @@ void require_same_size(std::uint32_t test_width, std::uint32_t test_height, std:
 void require_comparable(const Image& test, const Image& reference) {
   require_same_size(test.width, test.height, reference.width, reference.height);
   if (test.pixels.empty() || test.pixels.size() != reference.pixels.size()) {
-    throw Error(ExitCode::usage, fmt::format("the pictures have {} and {} pixels; there is nothing to compare",
-                                             test.pixels.size(), reference.pixels.size()));
+    throw Error(ErrorKind::usage, fmt::format("the pictures have {} and {} pixels; there is nothing to compare",
+                                              test.pixels.size(), reference.pixels.size()));
   }
 }
 

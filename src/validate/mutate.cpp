@@ -319,7 +319,7 @@ bool MutateReport::passed() const {
 MutateReport run_mutate(const MutateOptions& options) {
   for (const std::uint32_t id : options.only) {
     if (id >= kMutants.size())
-      throw Error(ExitCode::usage,
+      throw Error(ErrorKind::usage,
                   fmt::format("there is no mutant {}; they are numbered 0 to {}", id, kMutants.size() - 1));
   }
   const std::vector<SuiteTest> suite = make_suite();

@@ -22,7 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void require_probability(double value, const char* what) {
   if (!(value > 0.0 && value < 1.0)) {
-    throw Error(ExitCode::usage, fmt::format("{} is {}, which is not between 0 and 1", what, value));
+    throw Error(ErrorKind::usage, fmt::format("{} is {}, which is not between 0 and 1", what, value));
   }
 }
 
@@ -126,7 +126,7 @@ Interval binomial_interval(std::uint64_t k, std::uint64_t n, double level) {
 
 TTestResult t_test(double mean, double variance, std::uint64_t n, double reference, double relative_tolerance) {
   if (n < 2) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("a t-test of {} sample(s) has no variance to work with; use at least 2", n));
   }
   TTestResult result;
@@ -252,7 +252,7 @@ bool test_two_cells(std::span<const double> observed, std::span<const double> ex
 ChiSquareResult chi_square_test(std::span<const double> observed, std::span<const double> expected,
                                 const ChiSquareOptions& options) {
   if (observed.size() != expected.size()) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("a chi-square test needs as many observed cells as expected ones, not {} and {}",
                             observed.size(), expected.size()));
   }

@@ -26,7 +26,7 @@ std::uint32_t sets_per_pixel(const Scene& scene, std::uint64_t count) {
   const std::uint64_t sets =
       std::max<std::uint64_t>(scene.sampler.sets_of((count + pixels - 1) / pixels), (2 + pixels - 1) / pixels);
   if (sets * scene.sampler.set_size() > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(ExitCode::usage,
+    throw Error(ErrorKind::usage,
                 fmt::format("sampleCount {} over {} pixel(s) is more than 2^32 − 1 samples a pixel", count, pixels));
   }
   return static_cast<std::uint32_t>(std::max<std::uint64_t>(sets, 1));
@@ -129,8 +129,8 @@ bool TTestReport::passed() const {
 TTestReport run_ttest(const TTest& test, const std::string& file, const RendererFactory& make_renderer,
                       const TTestOptions& options) {
   if (test.references.size() != test.scenes.size() || test.scenes.empty()) {
-    throw Error(ExitCode::usage, fmt::format("{}: {} reference(s) for {} scene(s); each scene needs one reference",
-                                             file, test.references.size(), test.scenes.size()));
+    throw Error(ErrorKind::usage, fmt::format("{}: {} reference(s) for {} scene(s); each scene needs one reference",
+                                              file, test.references.size(), test.scenes.size()));
   }
   TTestReport report;
   report.file = file;

@@ -16,7 +16,7 @@ Image render_image(Renderer& renderer, const Scene& scene, std::uint32_t spp, co
   std::vector<RejectedSample> here;
   const auto sets = static_cast<std::uint32_t>(scene.sampler.sets_of(spp));
   if (renderer.render({0, sets}, film, options.progress, here) != sets) {
-    throw Error(ExitCode::interrupted,
+    throw Error(ErrorKind::interrupted,
                 fmt::format("{}: stopped before all {} samples were done; there is no verdict", scene.file, spp));
   }
   rejected = film.rejected();

@@ -53,20 +53,20 @@ void check(VkResult result, std::string_view action) {
         "another --device.",
         action, result_name(result), static_cast<int>(result)));
   }
-  ExitCode code = ExitCode::no_device;
+  ErrorKind kind = ErrorKind::device;
   const char* remedy = "";
   switch (result) {
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
     case VK_ERROR_OUT_OF_HOST_MEMORY:
     case VK_ERROR_MEMORY_MAP_FAILED:
     case VK_ERROR_TOO_MANY_OBJECTS:
-      code = ExitCode::device_lost;
+      kind = ErrorKind::lost;
       remedy = "; use a smaller image or mesh, or a --device with more memory";
       break;
     default:
       break;
   }
-  throw Error(code, fmt::format("Vulkan could not {}: {} ({}){}.", action, result_name(result),
+  throw Error(kind, fmt::format("Vulkan could not {}: {} ({}){}.", action, result_name(result),
                                 static_cast<int>(result), remedy));
 }
 

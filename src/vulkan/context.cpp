@@ -189,7 +189,7 @@ class Instance {
   explicit Instance(const ContextOptions& options) {
     static const VkResult loader = volkInitialize();
     if (loader != VK_SUCCESS) {
-      throw Error(ExitCode::no_device,
+      throw Error(ErrorKind::device,
                   "No Vulkan loader (libvulkan.so.1) was found; install the packages libvulkan1 and "
                   "mesa-vulkan-drivers, or use --device reference.");
     }
@@ -250,12 +250,12 @@ class Instance {
                                     .ppEnabledExtensionNames = extensions};
     const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
     if (result == VK_ERROR_LAYER_NOT_PRESENT) {
-      throw Error(ExitCode::no_device,
+      throw Error(ErrorKind::device,
                   "The Khronos validation layer was asked for but is not installed; install the package "
                   "vulkan-validationlayers.");
     }
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
-      throw Error(ExitCode::no_device,
+      throw Error(ErrorKind::device,
                   "No Vulkan driver was found; install the package mesa-vulkan-drivers (its lavapipe needs no GPU), or "
                   "use --device reference.");
     }
@@ -350,7 +350,7 @@ Context::Context(const std::string& selector, const ContextOptions& options)
   }
   if (physical_ == VK_NULL_HANDLE) {
     throw Error(
-        ExitCode::no_device,
+        ErrorKind::device,
         fmt::format(
             "No suitable Vulkan device for '--device {}' among {}{}; see 'etendue devices', or use --device reference.",
             selector, devices.size(), others));
@@ -370,7 +370,7 @@ Context::Context(const ForeignDevice& foreign, const ContextOptions& options)
       queue_(foreign.queue),
       queue_family_(foreign.queue_family) {
   if (!info_.missing.empty())
-    throw Error(ExitCode::no_device, fmt::format("The device '{}' cannot be used: {}.", info_.name, info_.missing));
+    throw Error(ErrorKind::device, fmt::format("The device '{}' cannot be used: {}.", info_.name, info_.missing));
   VkPhysicalDeviceProperties p;
   vkGetPhysicalDeviceProperties(physical_, &p);
   is_cpu_ = p.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
@@ -446,7 +446,7 @@ std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlag
       if ((type_bits >> i & 1u) != 0 && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
     }
   }
-  throw Error(ExitCode::device_lost,
+  throw Error(ErrorKind::lost,
               fmt::format("The device '{}' has no memory type with the properties {:#x}.", info_.name, required));
 }
 

@@ -54,7 +54,7 @@ struct ContextOptions {
 
 class Instance;
 
-/// Every physical device, usable or not. Throws Error(no_device) when there is no Vulkan loader.
+/// Every physical device, usable or not. Throws Error(device) when there is no Vulkan loader.
 std::vector<DeviceInfo> list_devices(const ContextOptions& options);
 
 /// A device that the program around this one has opened, and will close after its last use here.
@@ -70,9 +70,9 @@ struct ForeignDevice {
 class Context {
  public:
   /// `selector`: "auto" (discrete > integrated > virtual > CPU), an index, or a part of the name (case-insensitive).
-  /// Throws Error(no_device) that says why each device was not taken.
+  /// Throws Error(device) that says why each device was not taken.
   Context(const std::string& selector, const ContextOptions& options);
-  /// Works on a device without owning it. Throws Error(no_device) that says what it lacks.
+  /// Works on a device without owning it. Throws Error(device) that says what it lacks.
   Context(const ForeignDevice& foreign, const ContextOptions& options);
   ~Context();
   Context(const Context&) = delete;
@@ -98,7 +98,7 @@ class Context {
   /// One sentence: which device was taken and why.
   const std::string& choice() const { return choice_; }
   /// Index of a memory type allowed by `type_bits` with all of `required`, preferring `preferred`; throws
-  /// Error(device_lost) if there is none.
+  /// Error(lost) if there is none.
   std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,
                             VkMemoryPropertyFlags preferred) const;
 

@@ -48,7 +48,7 @@ Image picture(std::uint32_t width, std::uint32_t height, std::uint32_t spp, unsi
 void write(const std::string& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
   file << text;
-  if (!file.flush()) throw Error(ExitCode::file_error, fmt::format("{}: cannot be written", path));
+  if (!file.flush()) throw Error(ErrorKind::file, fmt::format("{}: cannot be written", path));
 }
 
 void make(const std::string& folder) {
@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
     etendue::make(argv[1]);
   } catch (const etendue::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.code());
+    return 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

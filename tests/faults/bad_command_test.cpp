@@ -28,7 +28,7 @@ TEST(BadCommand, Overrides) {
       {"camera.width=", "not an integer"},
       {"camera.width=abc", "not an integer"},
       {"camera.width=0x10", "not an integer"},
-      {"camera.width=1e3", "not an integer"},
+      {"camera.width=1.5", "not an integer"},
       {"camera.width=0", "out of range"},
       {"camera.width=65537", "out of range"},
       {"camera.width=99999999999999999999", "too large"},

@@ -173,7 +173,7 @@ TEST(DeviceTeam, OtherErrorsEndTheRunAndKeepWhatWasDelivered) {
   DeviceTeam team({opener("a", [] { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }),
                    opener("b", [calls = std::make_shared<int>(0)] {
                      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                     if (++*calls == 5) throw Error(ExitCode::device_lost, "out of memory.");
+                     if (++*calls == 5) throw Error(ErrorKind::lost, "out of memory.");
                    })});
   SampleQueue queue({{0, 100000}});
   Delivered out;

@@ -81,7 +81,7 @@ void render_on_device(const etendue::Scene& scene, const char* device) {
   try {
     renderer = etendue::make_gpu_renderer(scene, {}, options);
   } catch (const etendue::Error& error) {
-    require(error.code() == etendue::ExitCode::no_device);
+    require(error.kind() == etendue::ErrorKind::device);
     return;
   }
   render(*renderer, scene);

@@ -25,7 +25,7 @@ std::shared_ptr<GpuDevice> device(std::string* reason = nullptr) {
     try {
       return std::make_shared<GpuDevice>(std::make_shared<const vulkan::Context>("auto", kValidation));
     } catch (const Error& error) {
-      if (error.code() != ExitCode::no_device) throw;
+      if (error.kind() != ErrorKind::device) throw;
       failure = error.what();
       return nullptr;
     }

@@ -70,7 +70,7 @@ TEST_F(RendererCrowds, AHeapThatNoWalkCanPassIsNamedAsOne) {
     render(scene);
     FAIL() << "rendered";
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::scene_error);
+    EXPECT_EQ(error.kind(), ErrorKind::scene);
     EXPECT_NE(std::string(error.what()).find("paths take more than 60000 steps each"), std::string::npos)
         << error.what();
   }

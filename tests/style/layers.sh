@@ -29,10 +29,11 @@ reference render scene image core
 sculpt core
 validate gpu compile vulkan reference render scene image core
 bench gpu compile vulkan reference render scene image core
-cli formats bench validate gpu compile vulkan reference render scene image core
+library etendue formats validate gpu compile vulkan reference render scene image core
+cli library etendue formats bench validate gpu compile vulkan reference render scene image core
 RULES
 # A new folder has to be given its place above.
-known=" core image scene formats render compile vulkan gpu reference sculpt validate bench cli "
+known=" core image scene formats render compile vulkan gpu reference sculpt validate bench library cli "
 for folder in */; do
   case $known in
     *" ${folder%/} "*) ;;

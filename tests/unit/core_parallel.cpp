@@ -47,7 +47,7 @@ TEST_F(CoreParallel, RethrowsAndStopsHandingOutWork) {
     const auto run = [&] {
       parallel_for(100000, 1, [&](std::uint64_t begin, std::uint64_t) {
         ++started;
-        if (begin == 10) throw Error(ExitCode::scene_error, "index 10");
+        if (begin == 10) throw Error(ErrorKind::scene, "index 10");
       });
     };
     try {
@@ -55,7 +55,7 @@ TEST_F(CoreParallel, RethrowsAndStopsHandingOutWork) {
       FAIL() << "nothing was thrown";
     } catch (const Error& error) {
       EXPECT_STREQ(error.what(), "index 10");
-      EXPECT_EQ(error.code(), ExitCode::scene_error);
+      EXPECT_EQ(error.kind(), ErrorKind::scene);
     }
     EXPECT_LT(started.load(), 100000);
   }

@@ -388,7 +388,7 @@ TEST(SceneErrors, FilesThatAreNotFiles) {
         read_scene(as_mesh ? scene : file.name);
         FAIL() << file.what;
       } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::scene_error) << file.what;
+        EXPECT_EQ(error.kind(), ErrorKind::scene) << file.what;
         EXPECT_NE(std::string(error.what()).find(file.says), std::string::npos) << error.what();
         const char* place = as_mesh ? "scene.xml:2:49: mesh " : "";
         EXPECT_NE(std::string(error.what()).find(place), std::string::npos) << error.what();

@@ -314,7 +314,7 @@ TEST(SceneReader, OverridesThatMatchNothing) {
     ASSERT_EQ(parsed.diagnostics.list().size(), 1u);
     EXPECT_NE(to_string(parsed.diagnostics.list()[0]).find(expected), std::string::npos)
         << all_messages(parsed.diagnostics);
-    EXPECT_EQ(parsed.diagnostics.list()[0].code, ExitCode::usage);
+    EXPECT_EQ(parsed.diagnostics.list()[0].kind, ErrorKind::usage);
   }
   const Parsed bad = parse(scene_around(""), {{{"camera.width", "0"}}, false});
   ASSERT_TRUE(bad.diagnostics.has_errors());

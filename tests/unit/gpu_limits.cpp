@@ -24,7 +24,7 @@ std::string refusal(const std::vector<DeviceNeed>& needs, const DeviceLimits& li
   try {
     check_needs(needs, limits);
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::device_lost);
+    EXPECT_EQ(error.kind(), ErrorKind::lost);
     return error.what();
   }
   return "";

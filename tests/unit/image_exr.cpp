@@ -245,7 +245,7 @@ TEST(Exr, SurvivesAnyChangedByte) {
         const Image back = read_image(folder / "b.exr");
         EXPECT_EQ(back.pixels.size(), std::size_t{back.width} * back.height);
       } catch (const Error& error) {
-        EXPECT_EQ(static_cast<int>(error.code()), static_cast<int>(ExitCode::file_error));
+        EXPECT_EQ(static_cast<int>(error.kind()), static_cast<int>(ErrorKind::file));
         ++refused;
       }
     }

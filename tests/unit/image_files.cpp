@@ -68,7 +68,7 @@ int expect_refused(const std::string& path, std::size_t size, const std::vector<
     write_file_atomically(path, bytes_of(content));
     return 1;
   } catch (const Error& error) {
-    if (error.code() != ExitCode::file_error) return 2;
+    if (error.kind() != ErrorKind::file) return 2;
     for (const std::string& word : words) {
       if (std::string(error.what()).find(word) == std::string::npos) return 3;
     }

@@ -364,10 +364,10 @@ TEST(Film, SaysWhatItKnowsOfFewSamples) {
 
 TEST(Film, MergesOnlyFilmsOfOneKind) {
   Film film(2, 3, 1);
-  const std::string size = error_of([&] { film.merge(Film(3, 2, 1)); }, ExitCode::usage);
+  const std::string size = error_of([&] { film.merge(Film(3, 2, 1)); }, ErrorKind::usage);
   EXPECT_NE(size.find("3x2"), std::string::npos) << size;
   EXPECT_NE(size.find("2x3"), std::string::npos) << size;
-  const std::string exponent = error_of([&] { film.merge(Film(2, 3, -4)); }, ExitCode::usage);
+  const std::string exponent = error_of([&] { film.merge(Film(2, 3, -4)); }, ErrorKind::usage);
   EXPECT_NE(exponent.find("-4"), std::string::npos) << exponent;
   const FilmFile a = testing_image::synthetic_film(4, 3, {{0, 5}}), b = testing_image::synthetic_film(4, 3, {{5, 9}});
   Film sum = a.film;

@@ -164,7 +164,7 @@ TEST(Merge, RefusesDamagedAndForeignFiles) {
   expect_mentions(error_of([&] { merge_films(paths); }), "holds no film");
   paths[1] = folder / "none.exr";
   expect_mentions(error_of([&] { merge_films(paths); }), "none.exr");
-  error_of([&] { merge_films({}); }, ExitCode::usage);
+  error_of([&] { merge_films({}); }, ErrorKind::usage);
 }
 
 /// A figure of /proc/self/status in KiB; 0 when there is none.

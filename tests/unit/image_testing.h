@@ -53,11 +53,11 @@ inline void spill(const std::string& path, const std::string& bytes) {
 }
 
 /// The sentence of the Error that `action` throws; fails the test when it throws none or one with another code.
-inline std::string error_of(const std::function<void()>& action, ExitCode code = ExitCode::file_error) {
+inline std::string error_of(const std::function<void()>& action, ErrorKind kind = ErrorKind::file) {
   try {
     action();
   } catch (const Error& error) {
-    EXPECT_EQ(static_cast<int>(error.code()), static_cast<int>(code)) << error.what();
+    EXPECT_EQ(static_cast<int>(error.kind()), static_cast<int>(kind)) << error.what();
     return error.what();
   }
   ADD_FAILURE() << "no error was thrown";

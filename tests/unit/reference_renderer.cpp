@@ -225,7 +225,7 @@ TEST(ReferenceRenderer, ExceptionsFromProgressReachTheCaller) {
   const Scene scene = decisions_scene();
   Film film(scene.camera.width, scene.camera.height, kExponent);
   std::vector<RejectedSample> rejected;
-  const Progress fails = [](std::uint64_t, std::uint64_t) -> bool { throw Error(ExitCode::interrupted, "enough"); };
+  const Progress fails = [](std::uint64_t, std::uint64_t) -> bool { throw Error(ErrorKind::interrupted, "enough"); };
   EXPECT_THROW(make_reference_renderer(scene, {})->render({0, 1}, film, fails, rejected), Error);
 }
 

@@ -249,7 +249,7 @@ TEST(Limits, MistakesAreNamed) {
     try {
       parse_limit(text, upper);
     } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::usage);
+      EXPECT_EQ(error.kind(), ErrorKind::usage);
       return error.what();
     }
     return "";

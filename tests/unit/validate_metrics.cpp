@@ -71,7 +71,7 @@ TEST(Metrics, DifferentSizesAreAnError) {
     compute_metrics(constant(4, 3, {}), constant(3, 4, {}));
     FAIL();
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::usage);
+    EXPECT_EQ(error.kind(), ErrorKind::usage);
     EXPECT_NE(std::string(error.what()).find("4×3 and 3×4"), std::string::npos) << error.what();
   }
   EXPECT_THROW(compute_metrics(constant(0, 0, {}), constant(0, 0, {})), Error);

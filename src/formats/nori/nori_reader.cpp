@@ -318,7 +318,7 @@ class SceneReader {
     } catch (const Error& error) {  // the file cannot be opened or read: say who asked for it
       const bool missing = !fs::exists(path, unknown) && !unknown;
       const char* remedy = missing ? "; names are relative to the folder of the scene file" : "";
-      sink_.error(position, fmt::format("mesh {}{}", error.what(), remedy), error.code());
+      sink_.error(position, fmt::format("mesh {}{}", error.what(), remedy), error.kind());
     }
     if (!mesh) return std::nullopt;
     triangles_ += mesh->triangles.size();
@@ -453,7 +453,7 @@ void report_unmatched_overrides(const ReadContext& context) {
     context.diagnostics.error({fmt::format("-D {}={}", name, value), 0, 0},
                               fmt::format("{} has no property {}{}; known here are: {}", context.document.file(),
                                           text::quoted(name), text::did_you_mean(name, known), text::join(known)),
-                              ExitCode::usage);
+                              ErrorKind::usage);
   }
 }
 

@@ -202,7 +202,7 @@ void Object::apply_overrides(ReadContext& context) {
         given_[parameter.name] = {parse_value(parameter, value), position};
         seen_.insert(parameter.name);
       } catch (const ValueError& error) {
-        context.diagnostics.error(position, error.message, ExitCode::usage);
+        context.diagnostics.error(position, error.message, ErrorKind::usage);
       }
     }
   }

@@ -146,7 +146,7 @@ void measure(const std::string& file, const Options& options) {
   }
 }
 
-ExitCode run(int argc, char** argv) {
+int run(int argc, char** argv) {
   Command app("Time to a given relative error, for each way of finding light and each sampler.", "convergence");
   Options options;
   app.add_option("SCENE", options.scenes, "scene files")->required();
@@ -156,9 +156,9 @@ ExitCode run(int argc, char** argv) {
   app.add_option("--reference", options.reference_paths, "paths a pixel of the reference")->capture_default_str();
   app.add_option("--set-size", options.set_size, "of the sobol sampler")->capture_default_str();
   app.add_option("--error", options.error, "relative error to reach")->capture_default_str();
-  if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? ExitCode::ok : ExitCode::usage;
+  if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? 0 : 2;
   for (const std::string& scene : options.scenes) measure(scene, options);
-  return ExitCode::ok;
+  return 0;
 }
 
 }  // namespace
@@ -168,9 +168,9 @@ int main(int argc, char** argv) {
     return static_cast<int>(run(argc, argv));
   } catch (const Error& error) {
     fmt::print(stderr, "{}\n", error.what());
-    return static_cast<int>(error.code());
+    return 1;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
-    return static_cast<int>(ExitCode::bug);
+    return 1;
   }
 }

@@ -1,0 +1,38 @@
+# The headers of the library: include/etendue/*.h and whatever they include of src, as one tree under `etendue/`.
+#
+# Sources write #include "scene/scene.h"; a program that uses the library must not find its own scene/scene.h there. So each header
+# is copied, when the project is configured, with its includes written from the root: "etendue/scene/scene.h".
+
+# etendue_public_headers(OUT): fills the folder OUT/etendue.
+function(etendue_public_headers out)
+  file(GLOB queue RELATIVE ${PROJECT_SOURCE_DIR}/include CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/etendue/*.h)
+  set(seen "")
+  while(queue)
+    list(POP_FRONT queue name)
+    if(name IN_LIST seen)
+      continue()
+    endif()
+    list(APPEND seen ${name})
+    if(name MATCHES "^etendue/")
+      set(from ${PROJECT_SOURCE_DIR}/include/${name})
+      set(to ${out}/${name})
+    else()
+      set(from ${PROJECT_SOURCE_DIR}/src/${name})
+      set(to ${out}/etendue/${name})
+    endif()
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${from})
+    file(STRINGS ${from} includes REGEX "^#include \"")
+    list(TRANSFORM includes REPLACE "^#include \"([^\"]+)\".*" "\\1")
+    list(APPEND queue ${includes})
+    file(READ ${from} content)
+    string(REGEX REPLACE "\n#include \"" "\n#include \"etendue/" content "${content}")
+    string(REPLACE "#include \"etendue/etendue/" "#include \"etendue/" content "${content}")
+    set(before "")
+    if(EXISTS ${to})
+      file(READ ${to} before)
+    endif()
+    if(NOT before STREQUAL content)
+      file(WRITE ${to} "${content}")
+    endif()
+  endwhile()
+endfunction()

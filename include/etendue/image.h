@@ -1,0 +1,17 @@
+#pragma once
+/// What comes out: `Film` (exact sums of samples), `FilmFile` (a film with what it says about itself), `Image` (a
+/// picture with its standard error), and their files.
+
+#include "image/film.h"
+#include "image/film_file.h"
+#include "image/image.h"
+#include "image/merge.h"
+
+namespace etendue {
+
+/// The picture that a film shows, with the film's metadata.
+inline Image picture_of(const FilmFile& film) {
+  return image_from_film(film.film, film_metadata(film));
+}
+
+}  // namespace etendue

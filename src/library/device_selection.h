@@ -1,0 +1,19 @@
+#pragma once
+/// What a selector of devices means.
+
+#include <string>
+#include <vector>
+
+#include "etendue/render.h"
+#include "gpu/gpu_renderer.h"
+
+namespace etendue {
+
+/// The selectors of single devices that a selector stands for: several for "0,1,1" and "all", which leaves drivers that
+/// run on the CPU out when there is anything else. Throws Error(device) when "all" finds none.
+std::vector<std::string> single_devices(const std::string& selector);
+
+/// Options of the Vulkan renderer on the device with this selector, which must be a single one.
+GpuOptions gpu_options(const DeviceSelection& device);
+
+}  // namespace etendue

@@ -1,0 +1,47 @@
+#include "render/film_identity.h"
+
+#include <limits>
+
+#include <fmt/core.h>
+
+#include "core/errors.h"
+#include "core/version.h"
+
+namespace etendue {
+namespace {
+
+std::string integrator_text(const Scene& scene) {
+  const Integrator& integrator = scene.integrator;
+  if (integrator.type == Integrator::Type::normals) return "normals";
+  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}{}", integrator.max_depth, integrator.nee,
+                     integrator.mis, integrator.rr_depth, uses_light_tree(scene) ? " lightSampler=tree" : "");
+}
+
+}  // namespace
+
+FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
+  FilmHeader header{.width = scene.camera.width,
+                    .height = scene.camera.height,
+                    .exponent = film_exponent(scene),
+                    .metadata = {{"software", "Etendue"},
+                                 {"version", version()},
+                                 {"scene", scene.name},
+                                 {"sceneHash", fmt::format("{:016x}", scene_hash(scene))},
+                                 {"seed", std::to_string(seed)},
+                                 {"integrator", integrator_text(scene)}}};
+  if (scene.sampler.type == Sampler::Type::sobol)
+    header.metadata["sampler"] = fmt::format("sobol setSize={}", scene.sampler.set_size());
+  return header;
+}
+
+SampleRange whole_sets(std::uint32_t paths, const Sampler& sampler) {
+  const std::uint64_t sets = sampler.sets_of(paths);
+  const std::uint64_t rounded = sets * sampler.set_size();
+  if (rounded > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ErrorKind::usage, fmt::format("{} samples a pixel are {} in whole sets of {}; there may be 2^32 - 1.",
+                                              paths, rounded, sampler.set_size()));
+  }
+  return {0, static_cast<std::uint32_t>(sets)};
+}
+
+}  // namespace etendue

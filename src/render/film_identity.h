@@ -1,0 +1,17 @@
+#pragma once
+/// What all films of one render agree on.
+
+#include "image/film_file.h"
+#include "render/renderer.h"
+
+namespace etendue {
+
+/// Size, film exponent and metadata of the films of this render, without samples. Nothing in it depends on the time or
+/// the place of the run.
+FilmHeader film_identity(const Scene& scene, std::uint32_t seed);
+
+/// The film samples that hold at least `paths` paths of each pixel: whole sets of the sampler. Throws Error(usage) when
+/// they are too many to be numbered.
+SampleRange whole_sets(std::uint32_t paths, const Sampler& sampler);
+
+}  // namespace etendue

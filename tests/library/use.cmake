@@ -1,0 +1,23 @@
+# cmake -DWAY=find_package|add_subdirectory -DSOURCES=… -DBUILD=… -DWORK=… -DTYPE=… -DGENERATOR=… [-DLAUNCHER=…] -P use.cmake
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code WORKING_DIRECTORY ${WORK})
+  if(NOT code EQUAL 0)
+    string(REPLACE ";" " " line "${ARGN}")
+    message(FATAL_ERROR "${line}: ${code}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${WORK}/prefix ${WORK}/example)
+file(MAKE_DIRECTORY ${WORK})
+# A copy somewhere else: nothing may be found because it lies beside the sources.
+file(COPY ${SOURCES}/examples/two_devices/ DESTINATION ${WORK}/example)
+set(options -G ${GENERATOR} -DCMAKE_BUILD_TYPE=${TYPE} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+if(WAY STREQUAL "find_package")
+  run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix --component library)
+  list(APPEND options -DCMAKE_PREFIX_PATH=${WORK}/prefix)
+else()
+  list(APPEND options -DETENDUE_SOURCES=${SOURCES})
+endif()
+run(${CMAKE_COMMAND} -S ${WORK}/example -B ${WORK}/build ${options})
+run(${CMAKE_COMMAND} --build ${WORK}/build --target two_devices)
+run(${WORK}/build/two_devices auto 16)
