@@ -117,6 +117,15 @@ std::vector<DeviceNeed> scene_needs(const CompiledScene& scene) {
   return needs;
 }
 
+DeviceNeed least_scene_need(const Scene& scene) {
+  std::uint64_t texels = 0;
+  for (const Instance& instance : scene.instances) {
+    const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
+    if (mesh != nullptr && !mesh->normals.empty()) texels += mesh->triangles.size() + mesh->normals.size();
+  }
+  return {"vertex normals", texels * sizeof(gpu::uvec4), DeviceNeed::Kind::memory};
+}
+
 std::vector<vulkan::Specialization> table_places(const CompiledScene& scene) {
   std::vector<vulkan::Specialization> places;
   for (const TableGroup& group : table_groups(scene)) {

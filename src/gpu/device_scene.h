@@ -30,6 +30,8 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene);
 
 /// What a scene takes on a device.
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene);
+/// The part of it that is known before the scene is compiled: vertex normals and the triangles that name them.
+DeviceNeed least_scene_need(const Scene& scene);
 
 /// The tables in device memory, and what views and kernels need to know of them. The compiled scene may go once it is
 /// made.

@@ -1,6 +1,7 @@
 #include "gpu/gpu_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <cstring>
@@ -474,12 +475,14 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
 std::unique_ptr<Renderer> make_gpu_renderer(const SharedScene& shared, const RenderSettings& settings,
                                             const GpuOptions& options) {
   const std::shared_ptr<GpuDevice> device = open_device(options);
+  const DeviceNeed film = most_film_need(*device->context, shared.scene().camera);
+  // What is known before a tree is built, which may take gigabytes and minutes.
+  check_needs(std::array{film, least_scene_need(shared.scene())}, limits_of(*device->context));
   GpuTimings timings;
   Timer timer;
   const auto compiled = shared.once<CompiledScene>(compile_scene);
   timings.compile = timer.seconds();
   timer = {};
-  const DeviceNeed film = most_film_need(*device->context, shared.scene().camera);
   auto scene = std::make_shared<const DeviceScene>(device, *compiled, options.wanted_loads(), std::span(&film, 1));
   timings.upload = timer.seconds();
   return std::make_unique<GpuRenderer>(std::move(scene), view_of(shared.scene()), settings, options, timings);

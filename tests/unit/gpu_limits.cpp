@@ -7,7 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "compile/compiled_scene.h"
 #include "core/errors.h"
+#include "gpu/device_scene.h"
 
 namespace etendue {
 namespace {
@@ -50,6 +52,22 @@ TEST(DeviceLimits, EachIsNamed) {
 TEST(DeviceLimits, AFilmIsCutAndOnlyItsSumCounts) {
   EXPECT_EQ(refusal({{"film", 20000, Kind::memory}}), "");
   EXPECT_THAT(refusal({{"film", 20001, Kind::memory}}), testing::HasSubstr("of device memory"));
+}
+
+TEST(DeviceLimits, WhatIsKnownBeforeCompilingIsPartOfWhatIsNeeded) {
+  TriangleMesh mesh{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+                    .normals = std::vector<glm::dvec3>(4, {0, 0, 1}),
+                    .triangles = {{0, 1, 2}, {2, 1, 3}, {0, 1, 3}}};
+  Scene scene;
+  scene.add(mesh);
+  scene.add(Sphere{});
+  mesh.normals.clear();
+  scene.add(mesh);
+  scene.instances.push_back(scene.instances.front());
+  EXPECT_EQ(least_scene_need(scene).bytes, 2u * (3 + 4) * 16);
+  const CompiledScene compiled = compile_scene(scene);
+  EXPECT_EQ(least_scene_need(scene).bytes, (compiled.triangles.size() + compiled.normals.size()) * sizeof(gpu::uvec4));
+  EXPECT_EQ(least_scene_need(Scene{}).bytes, 0u);
 }
 
 }  // namespace
