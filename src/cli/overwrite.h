@@ -29,7 +29,7 @@ struct NewPicture {
 /// replaced; "" when nothing stands there, or an empty file. Better called before the render than after it.
 std::string check_replaceable(const std::string& path, const NewPicture& picture, const OverwriteOptions& options);
 
-/// Throws Error(file_error) when something stands at `path` that is neither empty nor an earlier report of this kind
+/// Throws Error(file) when something stands at `path` that is neither empty nor an earlier report of this kind
 /// ("--json", "--junit" or "--html"): a report can be made again, a picture or a scene named by a slip of the pen
 /// cannot. Nothing for an empty path.
 void check_report_replaceable(const std::string& option, const std::string& path);

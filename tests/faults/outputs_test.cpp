@@ -122,7 +122,7 @@ TEST_F(Outputs, AForgottenResumeLosesNothing) {
   expect_ok(render({"--spp", "9", "--checkpoint", "ck.exr", "-o", "x.exr"}));
   const std::string before = read_text(folder_ / "ck.exr");
   // Samples that this run does not want would be lost for ever.
-  expect_error(run(render({"--spp", "4", "--checkpoint", "ck.exr", "-o", "x.exr"})), 2, "holds the samples 4:9");
+  expect_error(run(render({"--spp", "4", "--checkpoint", "ck.exr", "-o", "y.exr"})), 2, "holds the samples 4:9");
   const ProcessResult result =
       run(render({"--spp", "12", "--pass-samples", "2", "--time", "1ms", "--checkpoint", "ck.exr", "-o", "x.exr"}));
   EXPECT_EQ(result.code, 0) << result.err;
