@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "image/bitmap.h"
 #include "image/image.h"
 #include "image/picture_header.h"
 
@@ -25,6 +26,20 @@ std::vector<std::byte> read_whole_image(const std::string& path);
 
 bool is_exr(std::span<const std::byte> bytes);
 bool is_png(std::span<const std::byte> bytes);
+bool is_jpeg(std::span<const std::byte> bytes);
+bool is_hdr(std::span<const std::byte> bytes);
+
+/// A bitmap of zeros.
+Bitmap make_bitmap(std::uint64_t width, std::uint64_t height, std::uint32_t channels, BitmapFormat format);
+/// Throws Error(file) unless the size is within the limits above.
+void check_picture_size(std::uint64_t width, std::uint64_t height, const std::string& path);
+
+/// By content; what is nothing else is tried as HDR.
+Bitmap decode_bitmap(std::span<const std::byte> bytes, const std::string& path, const BitmapOptions& options = {});
+Bitmap decode_exr_bitmap(std::span<const std::byte> bytes, const std::string& path, const std::string& layer = {});
+Bitmap decode_png_bitmap(std::span<const std::byte> bytes, const std::string& path);
+Bitmap decode_jpeg(std::span<const std::byte> bytes, const std::string& path);
+Bitmap decode_hdr(std::span<const std::byte> bytes, const std::string& path);
 
 Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path);
 Image decode_png(std::span<const std::byte> bytes, const std::string& path);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <csetjmp>
 #include <cstring>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -128,6 +129,26 @@ bool read_rows(png_structp png, png_infop info, PngState& state, png_bytepp rows
   return true;
 }
 
+/// Everything keeps its channels and becomes 8 or 16 bits: palettes and short greys are expanded, a transparent colour
+/// becomes alpha. 16-bit codes come in this machine's order.
+bool read_stored_rows(png_structp png, png_infop info, PngState& state, std::span<png_byte> bytes,
+                      std::size_t row_bytes) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_expand(png);
+  png_set_swap(png);
+  const int passes = png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  if (png_get_rowbytes(png, info) != row_bytes) {
+    std::strncpy(state.message.data(), "unknown pixel format", state.message.size() - 1);
+    return false;
+  }
+  for (int pass = 0; pass < passes; ++pass) {
+    for (std::size_t begin = 0; begin < bytes.size(); begin += row_bytes) png_read_row(png, &bytes[begin], nullptr);
+  }
+  png_read_end(png, info);
+  return true;
+}
+
 /// Linear values of the 65536 codes, IEC 61966-2-1, rounded to float32.
 const std::vector<float>& srgb_decoding() {
   static const std::vector<float> table = [] {
@@ -157,6 +178,45 @@ struct PngReader {
   PngReader(const PngReader&) = delete;
   PngReader& operator=(const PngReader&) = delete;
 };
+
+/// What libpng will make of the file with png_set_expand.
+std::uint32_t expanded_channels(png_structp png, png_infop info) {
+  const unsigned type = png_get_color_type(png, info);
+  const std::uint32_t colors = (type & PNG_COLOR_MASK_COLOR) != 0 ? 3 : 1;
+  const bool alpha = (type & PNG_COLOR_MASK_ALPHA) != 0 || png_get_valid(png, info, PNG_INFO_tRNS) != 0;
+  return colors + (alpha ? 1 : 0);
+}
+
+void add_color_notes(png_structp png, png_infop info, const std::string& path, Bitmap& bitmap) {
+  png_fixed_point gamma = 0;
+  constexpr png_fixed_point kSrgbGamma = 45455, kClose = 500;
+  const bool says_gamma = png_get_gAMA_fixed(png, info, &gamma) != 0 && std::abs(gamma - kSrgbGamma) > kClose;
+  if (png_get_valid(png, info, PNG_INFO_sRGB) != 0) return;
+  if (says_gamma) {
+    bitmap.notes.push_back(
+        fmt::format("{}: its gAMA of {:g} is not followed; codes are taken as sRGB or as linear, as "
+                    "the scene says",
+                    path, gamma / 100000.0));
+  }
+  png_charp name = nullptr;
+  int method = 0;
+  png_bytep profile = nullptr;
+  png_uint_32 length = 0;
+  if (png_get_iCCP(png, info, &name, &method, &profile, &length) != 0 &&
+      std::string_view(name).find("sRGB") == std::string_view::npos)
+    bitmap.notes.push_back(
+        fmt::format("{}: its colour profile is not followed; primaries are taken as Rec. 709", path));
+}
+
+/// 16-bit codes as float32 in [0,1].
+void floats_from_codes(std::span<const png_byte> codes, std::vector<std::byte>& texels) {
+  for (std::size_t i = 0; i < codes.size() / 2; ++i) {
+    std::uint16_t code = 0;
+    std::memcpy(&code, &codes[2 * i], sizeof code);
+    const float value = static_cast<float>(code) / 65535.0f;
+    std::memcpy(&texels[4 * i], &value, sizeof value);
+  }
+}
 
 Metadata png_metadata(png_structp png, png_infop info) {
   Metadata metadata;
@@ -280,6 +340,32 @@ Image decode_png(std::span<const std::byte> bytes, const std::string& path) {
   }
   image.metadata = png_metadata(reader.png, reader.info);
   return image;
+}
+
+Bitmap decode_png_bitmap(std::span<const std::byte> bytes, const std::string& path) {
+  PngState state;
+  state.input = bytes;
+  PngReader reader(state);
+  const auto damaged = [&] {
+    return Error(ErrorKind::file, fmt::format("{}: is a damaged PNG file: {}", path, state.message.data()));
+  };
+  if (is_png(bytes) && !chunks_fit(bytes, "IEND"))
+    throw Error(ErrorKind::file, fmt::format("{}: is a damaged PNG file: a chunk is longer than the file", path));
+  if (!read_info(reader.png, reader.info, state)) throw damaged();
+  check_png_size(reader.png, reader.info, bytes.size(), path);
+
+  const bool deep = png_get_bit_depth(reader.png, reader.info) == 16;
+  Bitmap bitmap =
+      make_bitmap(png_get_image_width(reader.png, reader.info), png_get_image_height(reader.png, reader.info),
+                  expanded_channels(reader.png, reader.info), deep ? BitmapFormat::f32 : BitmapFormat::u8);
+  bitmap.color_space = ColorSpace::srgb;
+  add_color_notes(reader.png, reader.info, path, bitmap);
+  std::vector<png_byte> codes(deep ? bitmap.texels.size() / 2 : 0);
+  const std::span<png_byte> stored =
+      deep ? std::span(codes) : std::span(reinterpret_cast<png_byte*>(bitmap.texels.data()), bitmap.texels.size());
+  if (!read_stored_rows(reader.png, reader.info, state, stored, stored.size() / bitmap.height)) throw damaged();
+  if (deep) floats_from_codes(codes, bitmap.texels);
+  return bitmap;
 }
 
 }  // namespace etendue
