@@ -8,6 +8,7 @@
 #include "scene.glsl"
 
 layout(constant_id = kConstantFilterKind) const uint kFilterKind = kFilterBox;
+layout(constant_id = kConstantCamera) const uint kCamera = kCameraPinhole;
 
 // Offset from the pixel centre, in pixels, distributed like |filter|; `weight` is ±∫|f|/∫f.
 float sample_filter(float u, out float weight) {
@@ -24,6 +25,14 @@ float sample_filter(float u, out float weight) {
   return x;
 }
 
+// Where a camera far from the scene lets its rays begin: on a plane before the scene, which camera_origin is the middle of. Seen from the camera
+// itself the scene would be as large as the rounding errors of a position; here they are those of a point of the scene, and, as fractions of a pixel,
+// those of `ndc`.
+vec3 plane_point(vec2 ndc) {
+  MUTATE(kMutantPlaneTooWide, ndc.x *= 1.02);
+  return frame.camera_origin + (frame.camera_x * (frame.plane_x * ndc.x) + frame.camera_y * (frame.plane_y * ndc.y));
+}
+
 // The ray of one sample of one pixel; `weight` is that of the reconstruction filter.
 Ray sample_camera_ray(uvec2 pixel, vec2 u, out float weight) {
   float weight_x, weight_y;
@@ -34,7 +43,8 @@ Ray sample_camera_ray(uvec2 pixel, vec2 u, out float weight) {
   const vec3 v = frame.camera_x * (frame.tan_x * ndc.x) + frame.camera_y * (frame.tan_y * ndc.y) + frame.camera_z;
   // v reaches the plane at camera depth 1, so its length turns depths into distances.
   const float depth_scale = length(v);
-  return Ray(frame.camera_origin, frame.near_clip * depth_scale, v * (1.0 / depth_scale), frame.far_clip * depth_scale);
+  const vec3 o = kCamera == kCameraPlane ? plane_point(ndc) : frame.camera_origin;
+  return Ray(o, frame.near_clip * depth_scale, v * (1.0 / depth_scale), frame.far_clip * depth_scale);
 }
 
 #endif

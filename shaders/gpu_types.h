@@ -70,6 +70,7 @@ const uint kConstantMaterialsAt = 27u;
 const uint kConstantMaterialFlagsSome = 28u;
 const uint kConstantMaterialFlagsAll = 29u;
 const uint kConstantLightNormals = 30u;
+const uint kConstantCamera = 40u;
 const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -93,6 +94,10 @@ const uint kLobeDeltaTransmission = 3u;
 
 const uint kIntegratorPath = 0u;
 const uint kIntegratorNormals = 1u;
+
+// How a film position becomes a ray, see camera.glsl.
+const uint kCameraPinhole = 0u;
+const uint kCameraPlane = 1u;  // rays begin on a plane that moves with the film position: far cameras
 
 const uint kFilterBox = 0u;
 const uint kFilterTable = 1u;
@@ -242,9 +247,11 @@ struct Frame {
   int film_exponent;
   uint light_instance_count;
   float filter_zero;      // |x| in pixels beyond which the filter is negative; infinite when it never is
+  // Half the width and height, in camera units, of the plane that rays begin on; 0 where they begin at camera_origin. The clipping distances are
+  // depths beyond that plane.
+  float plane_x;
+  float plane_y;
   uint pad0;
-  uint pad1;
-  uint pad2;
 };
 
 // The work of one dispatch.

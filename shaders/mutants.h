@@ -48,7 +48,8 @@ const uint kMutantDimensionsPaired = 32u;
 const uint kMutantTreeShareForgotten = 33u;
 const uint kMutantTreeCullsTooMuch = 34u;
 const uint kMutantTreeMisForgotten = 35u;
-const uint kMutantCount = 36u;
+const uint kMutantPlaneTooWide = 36u;
+const uint kMutantCount = 37u;
 #endif
 
 #ifdef __cplusplus

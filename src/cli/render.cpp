@@ -17,6 +17,7 @@
 #include "render/film_identity.h"
 #include "render/session.h"
 #include "render/stopping.h"
+#include "scene/precision.h"
 
 namespace etendue::cli {
 namespace {
@@ -319,6 +320,8 @@ Ending render(const Options& options) {
   check_outputs(options, plan, identity);
   Checkpoint checkpoint(options.checkpoint, job);
 
+  if (const std::string sentence = precision_complaint(scene); uses_gpu(options) && !sentence.empty())
+    log::warning("the camera: " + sentence);
   const SharedScene shared(scene);  // compiled once for all devices, and for those that are opened afresh
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : options.device.factories()) {

@@ -24,6 +24,21 @@ double camera_unit(const glm::dmat4& world_from_camera, double tan_x, double tan
   return std::abs(exponent) <= kUsual ? 1.0 : std::ldexp(1.0, exponent);
 }
 
+/// A camera farther than this from the scene, in normalised units, lets its rays begin before the scene.
+constexpr double kFarCamera = 16.0;
+
+/// Camera depth of a plane that all of the scene lies beyond, a little before it; 0 where the scene reaches to the
+/// camera or behind it. Normalised scenes fill the cube from −1 to 1.
+double depth_before_scene(const Normalization& n, const glm::dmat4& world_from_camera) {
+  const glm::dmat4 camera_from_world = glm::inverse(world_from_camera);
+  const double middle = (camera_from_world * glm::dvec4(n.center, 1.0)).z;
+  double half = 0.0;
+  for (int axis = 0; axis < 3; ++axis) half += std::abs(camera_from_world[axis].z) / n.scale;
+  constexpr double kMargin = 1.125;
+  const double depth = middle - kMargin * half;
+  return depth > 0.0 && std::isfinite(depth) ? depth : 0.0;
+}
+
 }  // namespace
 
 CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32_t seed) {
@@ -37,14 +52,20 @@ CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32
   const double tan_y = tan_x * camera.height / camera.width;
   // Beyond this a scene of size 1 is far below what single precision can see, and squares would overflow.
   const glm::dvec3 farthest(0x1p60);
-  const glm::dvec3 origin = (glm::dvec3(m[3]) - n.center) * n.scale;
+  const double before_scene = depth_before_scene(n, m);
+  const bool far = before_scene * glm::length(glm::dvec3(m[2])) * n.scale > kFarCamera;
+  const double plane = far ? before_scene : 0.0;
+  out.camera = far ? gpu::kCameraPlane : gpu::kCameraPinhole;
+  const glm::dvec3 origin = (glm::dvec3(m[3]) + plane * glm::dvec3(m[2]) - n.center) * n.scale;
   f.camera_origin = glm::vec3(glm::clamp(origin, -farthest, farthest));
   const double unit = camera_unit(m, tan_x, tan_y);
   f.camera_x = glm::vec3(m[0] / unit);
   f.camera_y = glm::vec3(m[1] / unit);
   f.camera_z = glm::vec3(m[2] / unit);
-  f.near_clip = static_cast<float>(camera.near_clip * n.scale * unit);
-  f.far_clip = static_cast<float>(camera.far_clip * n.scale * unit);
+  f.near_clip = static_cast<float>(std::max(camera.near_clip - plane, 0.0) * n.scale * unit);
+  f.far_clip = static_cast<float>(std::max(camera.far_clip - plane, 0.0) * n.scale * unit);
+  f.plane_x = static_cast<float>(plane * tan_x * n.scale * unit);
+  f.plane_y = static_cast<float>(plane * tan_y * n.scale * unit);
   f.tan_x = static_cast<float>(tan_x);
   f.tan_y = static_cast<float>(tan_y);
   f.sky_top = glm::vec3(scene.sky.top);

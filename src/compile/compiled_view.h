@@ -25,6 +25,7 @@ struct SceneFacts {
 
 struct CompiledView {
   gpu::Frame frame{};
+  std::uint32_t camera = gpu::kCameraPinhole;  ///< kCamera*
   std::vector<float> filter_knots;  ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
 };
 

@@ -114,7 +114,7 @@ class GpuRenderer final : public Renderer {
   const vulkan::Context& context() const { return *scene_->device().context; }
   vulkan::Commands& commands() { return scene_->device().commands; }
   std::vector<vulkan::Specialization> view_constants(const View& view, const RenderSettings& settings,
-                                                     bool tabulated_filter) const;
+                                                     const CompiledView& compiled) const;
   vulkan::Kernel make_kernel(const KernelBindings& layout, std::span<const std::uint32_t> spirv, const char* name) {
     const Timer timer;
     vulkan::Kernel kernel(context(), layout.pipeline, spirv, constants_, name);
@@ -221,7 +221,7 @@ void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
   view_.set(scene_->device(), compiled);
   frame_ = compiled.frame;
   set_bits_ = view.sampler.set_bits;
-  std::vector<vulkan::Specialization> constants = view_constants(view, settings, !compiled.filter_knots.empty());
+  std::vector<vulkan::Specialization> constants = view_constants(view, settings, compiled);
   for (const auto& more : {scene_->constants(), kernels_.constants})
     constants.insert(constants.end(), more.begin(), more.end());
   if (constants == constants_) return;
@@ -233,14 +233,15 @@ void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
 }
 
 std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view, const RenderSettings& settings,
-                                                                bool tabulated_filter) const {
+                                                                const CompiledView& compiled) const {
   const bool path = view.integrator.type == Integrator::Type::path;
   const bool nee = view.integrator.nee && scene_->facts().light_instance_count > 0;
   const std::uint32_t turns = nee ? kTurnsNee : kTurnsNaive;
   const std::uint32_t steps = !scene_->has_tree() ? 1 : nee ? kStepsNee : kStepsNaive;
   const std::uint32_t tree_depth = path && view.integrator.nee ? scene_->light_tree_depth() : 0;
   const LightRounds& rounds = scene_->light_rounds();
-  return {{gpu::kConstantFilterKind, tabulated_filter ? gpu::kFilterTable : gpu::kFilterBox},
+  return {{gpu::kConstantFilterKind, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
+          {gpu::kConstantCamera, compiled.camera},
           {gpu::kConstantIntegrator, path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
           {gpu::kConstantNee, nee ? 1u : 0u},
           {gpu::kConstantMis, view.integrator.mis ? 1u : 0u},

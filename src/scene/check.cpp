@@ -13,35 +13,15 @@
 #include <glm/gtc/constants.hpp>
 
 #include "core/text.h"
+#include "scene/bounds.h"
 #include "scene/coincident.h"
 #include "scene/placed.h"
+#include "scene/precision.h"
 
 namespace etendue {
 namespace {
 
-struct Box {
-  glm::dvec3 min{std::numeric_limits<double>::infinity()};
-  glm::dvec3 max{-std::numeric_limits<double>::infinity()};
-
-  void add(const glm::dvec3& p) {
-    min = glm::min(min, p);
-    max = glm::max(max, p);
-  }
-};
-
-Box bounds(const Scene& scene, const Instance& instance) {
-  Box box;
-  const Shape& shape = scene.shape_of(instance);
-  if (const auto* object = std::get_if<Sphere>(&shape)) {
-    const Sphere sphere = placed_sphere(*object, instance);
-    box.add(sphere.center - sphere.radius);
-    box.add(sphere.center + sphere.radius);
-  } else {
-    const PlacedMesh mesh(std::get<TriangleMesh>(shape), instance);
-    for (std::uint32_t i = 0; i < mesh.mesh().positions.size(); ++i) box.add(mesh.position(i));
-  }
-  return box;
-}
+using Box = Bounds;
 
 bool is_dark(const glm::dvec3& radiance) {
   return radiance == glm::dvec3(0.0);
@@ -225,22 +205,25 @@ void check_scene(const Scene& scene, Diagnostics& diagnostics) {
   std::vector<Box> boxes;
   Box all;
   for (const Instance& instance : scene.instances) {
-    boxes.push_back(bounds(scene, instance));
+    boxes.push_back(bounds_of(scene, instance));
     all.add(boxes.back().min);
     all.add(boxes.back().max);
   }
-  all.add(glm::dvec3(scene.camera.world_from_camera[3]));
+  Box seen = all;  // what light can shine on, or into
+  seen.add(glm::dvec3(scene.camera.world_from_camera[3]));
   if (scene.integrator.type == Integrator::Type::path) check_light(scene, diagnostics);
   check_camera_medium(scene, boxes, diagnostics);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     check_scale(instance, boxes[i], all, diagnostics);
-    check_facing(scene, instance, all, diagnostics);
+    check_facing(scene, instance, seen, diagnostics);
     check_effect(scene, instance, diagnostics);
     check_normals(scene, instance, diagnostics);
     check_closed(scene, instance, diagnostics);
   }
   check_coincident(scene, diagnostics);
+  if (const std::string sentence = precision_complaint(scene); !sentence.empty())
+    diagnostics.warning(scene.camera.position, sentence);
 }
 
 void check_scene_file(const SceneFile& file, Diagnostics& diagnostics) {

@@ -30,10 +30,11 @@ enum class SceneFamily {
   glass,     ///< a glass sphere under an even sky, seen from outside and inside
   coverage,  ///< an emitting rectangle that covers a part of the pixel, through every reconstruction filter
   crowd,     ///< direct with some sixty small lights, chosen by a tree; half of the scenes with Sobol sets
+  camera,    ///< what a camera makes of an emitting rectangle: far cameras
 };
-inline constexpr std::array<SceneFamily, 8> kSceneFamilies{
-    SceneFamily::direct, SceneFamily::furnace, SceneFamily::interior, SceneFamily::sky,
-    SceneFamily::sheet,  SceneFamily::glass,   SceneFamily::coverage, SceneFamily::crowd};
+inline constexpr std::array<SceneFamily, 9> kSceneFamilies{
+    SceneFamily::direct, SceneFamily::furnace,  SceneFamily::interior, SceneFamily::sky,   SceneFamily::sheet,
+    SceneFamily::glass,  SceneFamily::coverage, SceneFamily::crowd,    SceneFamily::camera};
 const char* scene_family_name(SceneFamily family);
 
 /// How light is found: naive (by chance), nee (sampled) or mis (both, weighted).

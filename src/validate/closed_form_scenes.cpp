@@ -2,7 +2,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <random>
 #include <string_view>
 #include <tuple>
 #include <vector>
@@ -10,69 +9,14 @@
 #include <fmt/format.h>
 
 #include "validate/closed_form.h"
+#include "validate/closed_form_dice.h"
 
 namespace etendue {
 namespace {
 
-using glm::dvec3;
-constexpr double kPi = std::numbers::pi;
+using namespace closed_form;
+
 constexpr double kPointFov = 1e-6;  // degrees: a camera that looks at one point
-
-double luminance(const dvec3& rgb) {
-  return glm::dot(rgb, dvec3(0.212671, 0.715160, 0.072169));
-}
-
-/// The standard's distributions differ between libraries; these do not.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : engine_(seed) {}
-  double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-  double between(double low, double high) { return low + (high - low) * unit(); }
-  double log_between(double low, double high) { return low * std::pow(high / low, unit()); }
-  int below(int count) { return static_cast<int>(unit() * count); }
-  int between_int(int low, int high) { return low + below(high - low + 1); }
-  bool chance(double probability) { return unit() < probability; }
-  dvec3 color(double low, double high) { return {between(low, high), between(low, high), between(low, high)}; }
-  dvec3 direction() {
-    const double z = between(-1.0, 1.0), phi = between(0.0, 2.0 * kPi), r = std::sqrt(1.0 - z * z);
-    return {r * std::cos(phi), r * std::sin(phi), z};
-  }
-  /// On the side of `n`, at most acos(`least_cosine`) away from it.
-  dvec3 direction_around(const dvec3& n, double least_cosine) {
-    dvec3 d = direction();
-    while (glm::dot(d, n) < least_cosine) d = direction();
-    return d;
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-/// Two unit vectors that complete `n` to a right-handed basis.
-std::pair<dvec3, dvec3> tangents(const dvec3& n) {
-  const dvec3 s = glm::normalize(glm::cross(std::abs(n.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0), n));
-  return {s, glm::cross(n, s)};
-}
-
-void add_shape(Scene& scene, Shape shape, const Bsdf& bsdf, std::optional<dvec3> radiance = std::nullopt) {
-  const char* name = std::holds_alternative<Sphere>(shape) ? "sphere" : "polygon";
-  const auto emitter = radiance ? std::optional(AreaEmitter{*radiance}) : std::nullopt;
-  scene.add(std::move(shape), bsdf, emitter).name = name;
-}
-
-/// Convex polygon as a fan.
-TriangleMesh polygon_mesh(const std::vector<dvec3>& vertices) {
-  TriangleMesh mesh{.positions = vertices, .normals = {}, .triangles = {}};
-  for (std::uint32_t i = 2; i < vertices.size(); ++i) mesh.triangles.emplace_back(0, i - 1, i);
-  return mesh;
-}
-
-/// Square of half width `half` around `center` that faces `n`.
-TriangleMesh square(const dvec3& center, const dvec3& n, double half) {
-  const auto [s, t] = tangents(n);
-  return polygon_mesh(
-      {center + half * (-s - t), center + half * (s - t), center + half * (s + t), center + half * (t - s)});
-}
 
 /// Box whose faces look inward.
 TriangleMesh inward_box(const dvec3& half) {
@@ -91,36 +35,6 @@ TriangleMesh inward_box(const dvec3& half) {
     }
   }
   return mesh;
-}
-
-Camera look_along(const dvec3& origin, const dvec3& direction, double fov) {
-  Camera camera;
-  camera.width = camera.height = 1;
-  camera.fov = fov;
-  const auto [s, t] = tangents(direction);
-  camera.world_from_camera =
-      glm::dmat4(glm::dvec4(s, 0), glm::dvec4(t, 0), glm::dvec4(direction, 0), glm::dvec4(origin, 1));
-  return camera;
-}
-
-/// Scales, turns and moves everything, camera included: no picture may depend on it.
-void move_scene(Scene& scene, Dice& dice, bool turn) {
-  const double scale = dice.log_between(1e-2, 1e2);
-  const dvec3 shift = scale * dice.color(-3.0, 3.0);
-  dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
-  if (turn) {
-    z = dice.direction();
-    std::tie(x, y) = tangents(z);
-  }
-  const glm::dmat3 rotation(x, y, z);
-  const glm::dmat4 motion(glm::dvec4(scale * x, 0), glm::dvec4(scale * y, 0), glm::dvec4(scale * z, 0),
-                          glm::dvec4(shift, 1));
-  for (Instance& instance : scene.instances) instance.world_from_object = motion * instance.world_from_object;
-  glm::dmat4& view = scene.camera.world_from_camera;
-  for (int column = 0; column < 3; ++column) view[column] = glm::dvec4(rotation * dvec3(view[column]), 0);
-  view[3] = glm::dvec4(rotation * (scale * dvec3(view[3])) + shift, 1);
-  scene.camera.near_clip *= scale;
-  scene.camera.far_clip *= scale;
 }
 
 void set_strategy(Scene& scene, LightStrategy strategy) {
@@ -442,14 +356,6 @@ ClosedFormScene glass_scene(Dice& dice) {
 
 // --- coverage
 
-ReconstructionFilter random_filter(Dice& dice) {
-  ReconstructionFilter filter;
-  filter.type = static_cast<ReconstructionFilter::Type>(dice.below(4));
-  filter.radius = dice.between(1.0, 3.0);
-  filter.stddev = dice.between(0.3, 0.8);
-  return filter;
-}
-
 ClosedFormScene coverage_scene(Dice& dice) {
   ClosedFormScene result;
   Scene& scene = result.scene;
@@ -490,8 +396,8 @@ ClosedFormScene coverage_scene(Dice& dice) {
 }  // namespace
 
 const char* scene_family_name(SceneFamily family) {
-  constexpr std::array<const char*, kSceneFamilies.size()> kNames{"direct", "furnace", "interior", "sky",
-                                                                  "sheet",  "glass",   "coverage", "crowd"};
+  constexpr std::array<const char*, kSceneFamilies.size()> kNames{"direct", "furnace",  "interior", "sky",   "sheet",
+                                                                  "glass",  "coverage", "crowd",    "camera"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -521,6 +427,8 @@ ClosedFormScene make_closed_form(SceneFamily family, std::uint64_t seed, LightSt
         return sheet_scene(dice);
       case SceneFamily::glass:
         return glass_scene(dice);
+      case SceneFamily::camera:
+        return camera_scene(dice);
       case SceneFamily::coverage:
         break;
     }

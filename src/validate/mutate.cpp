@@ -88,6 +88,8 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
     {gpu::kMutantTreeCullsTooMuch, "tree culls too much", "groups of lights near the horizon are left out", "crowd"},
     {gpu::kMutantTreeMisForgotten, "tree MIS by power",
      "the weight of light met by chance forgets the tree's first turn", "crowd"},
+    {gpu::kMutantPlaneTooWide, "plane too wide", "the plane that rays of a far camera begin on is 2 % too wide",
+     "far rectangle"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -252,6 +254,7 @@ std::vector<SuiteTest> make_suite() {
       scene_test(SceneFamily::sky, naive, "mirroring square"),
       scene_test(SceneFamily::coverage, naive, "box"),
       scene_test(SceneFamily::coverage, naive, "mitchell"),
+      scene_test(SceneFamily::camera, naive, "far rectangle"),
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),

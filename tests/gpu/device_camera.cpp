@@ -17,9 +17,11 @@ class DeviceCamera : public DeviceTest {
  protected:
   std::vector<gpu::CameraAnswer> rays(const Scene& scene, const std::vector<gpu::CameraCase>& cases) {
     const CompiledScene compiled = compile_scene(scene);
+    const CompiledView view = compile_view(SceneFacts(compiled), view_of(scene), 0);
     const bool box = scene.camera.filter.type == Filter::Type::box;
     KernelRun kernel{kernels::camera_rays, "camera_rays", &compiled};
-    kernel.constants = {{gpu::kConstantFilterKind, box ? gpu::kFilterBox : gpu::kFilterTable}};
+    kernel.constants = {{gpu::kConstantFilterKind, box ? gpu::kFilterBox : gpu::kFilterTable},
+                        {gpu::kConstantCamera, view.camera}};
     kernel.view = view_of(scene);
     return run<gpu::CameraAnswer>(kernel, cases);
   }
@@ -72,6 +74,44 @@ TEST_F(DeviceCamera, RaysPointWhereTheFormatSays) {
       EXPECT_NEAR(answers[i].t_min, 0.25 * glm::length(v), 1e-6 * glm::length(v));  // clip distances are depths
       EXPECT_NEAR(answers[i].t_max, 80.0 * glm::length(v), 4e-4 * glm::length(v));
       EXPECT_EQ(answers[i].weight, 1.0f);
+    }
+  }
+}
+
+// Where rays of cameras up to a billion units away pass the scene, and how long they are: as exact as a point of the
+// scene, or a thousandth of a pixel.
+TEST_F(DeviceCamera, FarCamerasKeepTheirPrecision) {
+  for (const double distance : {10.0, 40.0, 1e3, 1e6, 1e9}) {
+    for (const double axis : {1.0, 1e-3}) {  // length of the camera's axes, which is its unit of depth
+      Camera camera;
+      camera.width = camera.height = 256;
+      camera.fov = std::atan(1.5 / distance) * 360.0 / std::numbers::pi;
+      const glm::dvec3 eye = distance * glm::normalize(glm::dvec3(2, 1, -3));
+      camera.world_from_camera = reference::test::look_at(eye, {0.1, 0.05, 0}, {0.1, 1, 0});
+      for (int a = 0; a < 3; ++a) camera.world_from_camera[a] *= axis;
+      camera.near_clip = (distance - 0.5) / axis;
+      camera.far_clip = (distance + 0.75) / axis;
+      Scene scene = scene_with(camera);
+      scene.add(Sphere{{0, 0, 0}, 1.0});  // scene units are normalised units
+      const auto cases = random_cases(camera, 500, 3);
+      const auto answers = rays(scene, cases);
+      const double t = std::tan(camera.fov * std::numbers::pi / 360.0);
+      for (std::size_t i = 0; i < cases.size(); ++i) {
+        const double x = double{cases[i].u.x} + cases[i].x, y = double{cases[i].u.y} + cases[i].y;
+        const glm::dvec3 v(t * (1.0 - x / 128.0), t * (1.0 - y / 128.0), 1.0);
+        const glm::dvec3 world = glm::dmat3(camera.world_from_camera) * v;
+        const glm::dvec3 o(answers[i].o), d(answers[i].d);
+        const double tolerance = 4e-6;  // a pixel is 0.012 wide
+        ASSERT_LT(glm::length(o), 16.0 * 1.125);
+        for (const auto& [depth, at] :
+             {std::pair(camera.near_clip, answers[i].t_min), {camera.far_clip, answers[i].t_max}}) {
+          // In double precision relative to the scene: eye + depth · world would be rounded to the distance.
+          const glm::dvec3 p =
+              (eye + distance * glm::normalize(world)) + (depth - distance / glm::length(world)) * world;
+          const double bound = tolerance + 1e-15 * distance;
+          EXPECT_LT(glm::length(o + double{at} * d - p), bound) << distance << ' ' << axis << ' ' << i;
+        }
+      }
     }
   }
 }

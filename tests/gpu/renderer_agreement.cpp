@@ -2,6 +2,7 @@
 /// numbers.
 
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -137,6 +138,14 @@ Scene placed(Scene scene, double scale, const glm::dvec3& offset) {
 TEST_F(RendererAgreement, ScaledAndFarFromTheOrigin) {
   compare("1e-3", placed(everything(), 1e-3, {0, 0, 0}), 20000, 1000, 800);
   compare("1e3", placed(everything(), 1e3, {0, 0, 0}), 20000, 1000, 800);
+  Scene from_afar = everything();
+  for (const double distance : {1e2, 1e4, 1e6}) {
+    from_afar.camera.world_from_camera =
+        reference::test::look_at({0, 0.3 * distance, distance}, {0, 0.6, 0}, {0, 1, 0});
+    from_afar.camera.fov = 180.0 / std::numbers::pi * 6.0 / distance;
+    from_afar.camera.far_clip = 1e12;
+    compare(fmt::format("from {} away", distance), from_afar, 20000, 1000, 800);
+  }
   compare("far away", placed(everything(), 1.0, {3e5, -1e5, 7e5}), 20000, 1000, 800);
 }
 
