@@ -5,7 +5,6 @@
 #include "core/errors.h"
 #include "formats/input_file.h"
 #include "formats/nori/nori_reader.h"
-#include "formats/obj/obj_reader.h"
 #include "formats/xml/xml_document.h"
 #include "scene/check.h"
 
@@ -16,7 +15,7 @@ std::string read_text(const std::string& path) {
   InputFile file(path);
   if (file.size() > XmlDocument::kMaxBytes) {
     throw Error(ErrorKind::scene,
-                fmt::format("{}: the file has {} bytes; a scene file has at most {}, geometry belongs into OBJ files",
+                fmt::format("{}: the file has {} bytes; a scene file has at most {}, geometry belongs into mesh files",
                             path, file.size(), XmlDocument::kMaxBytes));
   }
   std::string text(static_cast<std::size_t>(file.size()), '\0');
@@ -41,7 +40,9 @@ std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOpti
     diagnostics.error({}, error.what(), error.kind());
     return std::nullopt;
   }
-  const MeshLoader load = [](const std::string& mesh, Diagnostics& sink) { return read_obj(mesh, sink); };
+  const MeshLoader load = [](const MeshFormat& format, const std::string& mesh, Diagnostics& sink) {
+    return format.read(mesh, sink);
+  };
   return parse_scene_file(std::move(text), path, options, load, diagnostics);
 }
 

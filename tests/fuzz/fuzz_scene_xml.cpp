@@ -11,8 +11,9 @@
 
 namespace {
 
-/// Stands for every OBJ file, so that the fuzzer never opens one.
-std::optional<etendue::TriangleMesh> load_triangle(const std::string& path, etendue::Diagnostics& sink) {
+/// Stands for every mesh file, so that the fuzzer never opens one.
+std::optional<etendue::TriangleMesh> load_triangle(const etendue::MeshFormat&, const std::string& path,
+                                                   etendue::Diagnostics& sink) {
   bool done = false;
   const etendue::ByteSource source = [&](char* buffer, std::size_t) {
     static constexpr std::string_view kMesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";

@@ -25,7 +25,8 @@ TEST(SceneFormatPage, TablesAreThePluginTable) {
   const std::size_t begin = page.find(kBegin), end = page.find(kEnd);
   ASSERT_NE(begin, std::string::npos) << kPage;
   ASSERT_NE(end, std::string::npos);
-  const std::string expected = page.substr(0, begin + kBegin.size()) + "\n" + parameter_tables() + page.substr(end);
+  const std::string expected =
+      page.substr(0, begin + kBegin.size()) + "\n" + parameter_tables(nori_dialect()) + page.substr(end);
   if (std::getenv("ETENDUE_UPDATE_DOCS") != nullptr) {
     std::ofstream(kPage) << expected;
     return;

@@ -133,7 +133,7 @@ const BadInput kGrammar[] = {
     {"MissingType", scene_around("<mesh/>"), 2, 1, "<mesh> lacks its attribute \"type\""},
     {"MistypedAttribute", scene_around("<mesh tpye=\"sphere\"/>"), 2, 7,
      "no attribute \"tpye\"; did you mean \"type\"?"},
-    {"ExtraAttribute", scene_around("<mesh type=\"sphere\" id=\"a\"/>"), 2, 21, "no attribute \"id\""},
+    {"ExtraAttribute", scene_around("<mesh type=\"sphere\" ad=\"a\"/>"), 2, 21, "no attribute \"ad\""},
     {"MissingName", in_mesh("<float value=\"1\"/>"), 3, 1, "lacks its attribute \"name\""},
     {"MissingValue", in_mesh("<float name=\"radius\"/>"), 3, 1, "lacks its attribute \"value\""},
     {"ExtraPropertyAttribute", in_mesh("<float name=\"radius\" value=\"1\" unit=\"m\"/>"), 3, 32,

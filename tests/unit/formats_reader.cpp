@@ -360,15 +360,17 @@ TEST(SceneReader, BsdfTests) {
 }
 
 TEST(SceneReader, EveryRowOfTheTableCanBeUsedWithItsDefaults) {
-  for (const Plugin& plugin : plugins()) {
+  const Dialect& dialect = nori_dialect();
+  for (const Plugin& plugin : dialect.plugins) {
     for (const Parameter& parameter : plugin.parameters) {
       const bool has_text = parameter.default_text != nullptr && *parameter.default_text != '\0';
       if (!has_text || parameter.type == ParameterType::transform) continue;
-      EXPECT_NO_THROW(parse_value(parameter, parameter.default_text)) << plugin.type << " " << parameter.name;
+      EXPECT_NO_THROW(parse_value(parameter.type, parameter.range, parameter.default_text))
+          << plugin.type << " " << parameter.name;
     }
     if (std::string_view(plugin.tag) == "scene") continue;
-    EXPECT_EQ(find_plugin(plugin.tag, plugin.type), &plugin) << "two rows for " << plugin.type;
-    EXPECT_FALSE(is_known_but_unsupported(plugin.tag, plugin.type)) << plugin.type;
+    EXPECT_EQ(dialect.find(plugin.tag, plugin.type), &plugin) << "two rows for " << plugin.type;
+    EXPECT_FALSE(dialect.is_known_but_unsupported(plugin.tag, plugin.type)) << plugin.type;
   }
 }
 

@@ -13,10 +13,12 @@
 
 #include "core/errors.h"
 #include "core/text.h"
-#include "formats/nori/object.h"
-#include "formats/obj/obj_reader.h"
+#include "formats/dialect/mesh_facts.h"
+#include "formats/dialect/object.h"
+#include "formats/nori/plugins.h"
 #include "formats/xml/xml_document.h"
 #include "scene/invariants.h"
+#include "scene/limits.h"
 
 namespace etendue {
 namespace {
@@ -65,10 +67,12 @@ class SceneReader {
       scene.integrator = read_integrator(*integrator, object);
     if (const auto camera = read_only_child(object, "camera")) scene.camera = read_camera(*camera);
     scene.sampler = read_sampler(object);
+    materials_.clear();
     for (const XmlElement* mesh : object.children("mesh")) {
       if (const auto child = Object::read(*mesh, context_)) read_instance(*child, scene);
     }
     report_empty_meshes(scene);
+    check_unused_definitions(object);
     remember_fields(object, {"sky_top", "sky_horizon"});
     check_invariants(scene, sink_, [this](const SourcePosition& where, std::string_view field) {
       const auto found = fields_.find({where.line, where.column, std::string(field)});
@@ -208,32 +212,78 @@ class SceneReader {
   }
 
   void read_instance(const Object& object, Scene& scene) {
-    Material material{.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = object.position()};
-    const auto bsdf = read_only_child(object, "bsdf");
-    if (bsdf) material = {.bsdf = read_bsdf(*bsdf), .name = bsdf->plugin().type, .position = bsdf->position()};
+    const std::vector<const XmlElement*> bsdfs = object.children("bsdf");
+    const auto shared = bsdfs.empty() ? materials_.end() : materials_.find(bsdfs.front());
+    std::optional<Material> material;
+    if (shared == materials_.end() && !bsdfs.empty()) material = read_material(*bsdfs.front());
+    if (!material) material = Material{.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = object.position()};
     std::optional<AreaEmitter> area_emitter;
     const auto emitter = read_only_child(object, "emitter");
     if (emitter) area_emitter = read_emitter(*emitter);
-    std::string name = "sphere";
-    Shape shape;
-    if (std::string_view(object.plugin().type) == "sphere") {
-      shape = Sphere{object.get<glm::dvec3>("center"), object.get<double>("radius")};
-      remember_fields(object, {"radius"});
+    std::string name = object.plugin().type;
+    std::optional<Shape> shape = read_shape(object, name);
+    if (!shape) return;
+    Instance instance;
+    if (shared != materials_.end()) {
+      instance.material = shared->second;
     } else {
-      std::optional<TriangleMesh> mesh = read_mesh(object, name);
-      if (!mesh) return;
-      if (mesh->triangles.empty()) {
-        empty_meshes_.push_back({object.position_of("filename"), name});
-        return;
-      }
-      shape = std::move(*mesh);
+      instance.material = static_cast<std::uint32_t>(scene.materials.size());
+      scene.materials.push_back(std::move(*material));
+      if (!bsdfs.empty()) materials_.emplace(bsdfs.front(), instance.material);
     }
-    Instance& instance = scene.add(std::move(shape), material.bsdf, area_emitter);
-    scene.materials.back() = std::move(material);
+    if (area_emitter) {
+      instance.emitter = static_cast<std::uint32_t>(scene.emitters.size());
+      scene.emitters.push_back(*area_emitter);
+    }
+    instance.shape = static_cast<std::uint32_t>(scene.shapes.size());
+    scene.shapes.push_back(std::move(*shape));
     instance.name = std::move(name);
     instance.position = object.position();
     if (object.plugin().find("toWorld") != nullptr) instance.world_from_object = object.matrix("toWorld");
     remember_field(object, "toWorld", "world_from_object");
+    scene.instances.push_back(std::move(instance));
+  }
+
+  std::optional<Shape> read_shape(const Object& object, std::string& name) {
+    const std::string_view type = object.plugin().type;
+    if (const MeshFormat* format = find_mesh_format(type)) {
+      std::optional<TriangleMesh> mesh = read_mesh(object, *format, name);
+      if (!mesh) return std::nullopt;
+      if (mesh->triangles.empty()) {
+        empty_meshes_.push_back({object.position_of("filename"), name});
+        return std::nullopt;
+      }
+      apply_mesh_facts(context_.dialect.mesh_facts, format->states_v, *mesh);
+      return std::move(*mesh);
+    }
+    if (type != "sphere") throw std::logic_error(fmt::format("the reader has no shape {}", type));
+    remember_fields(object, {"radius"});
+    return Sphere{object.get<glm::dvec3>("center"), object.get<double>("radius")};
+  }
+
+  /// The material of a <bsdf>, which becomes a row of the table once an instance uses it.
+  std::optional<Material> read_material(const XmlElement& element) {
+    const auto object = Object::read(element, context_);
+    if (!object) return std::nullopt;
+    const XmlAttribute* id = element.find("id");
+    return Material{.bsdf = read_bsdf(*object),
+                    .name = id != nullptr ? id->value : object->plugin().type,
+                    .position = object->position()};
+  }
+
+  /// What is defined and used nowhere is still read, for its mistakes.
+  void check_unused_definitions(const Object& scene) {
+    for (const ChildRule& rule : scene.plugin().children) {
+      if (rule.use != ChildUse::definition) continue;
+      for (const XmlElement* element : scene.children(rule.tag)) {
+        const std::string& id = element->find("id")->value;
+        if (context_.references.is_used(id)) continue;
+        sink_.warning(context_.document.position(element->offset),
+                      fmt::format("nothing refers to <{} id={}>; use it by <ref id={}/>, or remove it", element->name,
+                                  text::quoted(id), text::quoted(id)));
+        Object::read(*element, context_);
+      }
+    }
   }
 
   /// Whole libraries of models hold a file without a surface; a scene of nothing else is a mistake.
@@ -278,20 +328,20 @@ class SceneReader {
     return {radiance, object.position()};
   }
 
-  std::optional<TriangleMesh> read_mesh(const Object& object, std::string& name) {
+  std::optional<TriangleMesh> read_mesh(const Object& object, const MeshFormat& format, std::string& name) {
     const auto text = object.get<std::string>("filename");
     const std::string filename(text::trim(text));
     if (!object.given("filename")) return std::nullopt;
     const SourcePosition position = object.position_of("filename");
     if (filename.empty()) {
-      sink_.error(position, "\"filename\" is empty; give the path of an OBJ file");
+      sink_.error(position, fmt::format("\"filename\" is empty; give the path of an {} file", format.title));
       return std::nullopt;
     }
     const fs::path path = find_mesh_file(filename, position);
     name = path.filename().string();
     note_if_outside(path, position);
     if (sink_.error_count() >= kMaxErrorsBeforeMeshes) return std::nullopt;
-    return load_mesh(path.string(), position);
+    return load_mesh(format, path.string(), position);
   }
 
   /// Names are relative to the folder of the scene. Where no file has the name as it is written, its backslashes are
@@ -306,15 +356,16 @@ class SceneReader {
     return folder / slashed;
   }
 
-  std::optional<TriangleMesh> load_mesh(const std::string& path, const SourcePosition& position) {
+  std::optional<TriangleMesh> load_mesh(const MeshFormat& format, const std::string& path,
+                                        const SourcePosition& position) {
     if (too_many_meshes_) return std::nullopt;
     std::error_code unknown;
     const std::uintmax_t bytes = fs::file_size(path, unknown);
     if (!unknown) mesh_bytes_ += bytes;
-    if (exceeds(mesh_bytes_, kMaxMeshBytes, "bytes of OBJ files", position)) return std::nullopt;
+    if (exceeds(mesh_bytes_, kMaxMeshBytes, "bytes of mesh files", position)) return std::nullopt;
     std::optional<TriangleMesh> mesh;
     try {
-      mesh = load_mesh_(path, sink_);
+      mesh = load_mesh_(format, path, sink_);
     } catch (const Error& error) {  // the file cannot be opened or read: say who asked for it
       const bool missing = !fs::exists(path, unknown) && !unknown;
       const char* remedy = missing ? "; names are relative to the folder of the scene file" : "";
@@ -437,6 +488,8 @@ class SceneReader {
   ReadContext& context_;
   Diagnostics& sink_;
   std::map<Field, SourcePosition> fields_;
+  std::map<const XmlElement*, std::uint32_t>
+      materials_;  ///< rows of the <bsdf> elements of the scene that is being read
   const MeshLoader& load_mesh_;
   std::string path_;
   std::size_t triangles_ = 0, vertices_ = 0;
@@ -464,8 +517,14 @@ std::optional<SceneFile> parse_scene_file(std::string text, const std::string& f
   const std::size_t errors_before = diagnostics.error_count();
   const XmlDocument document(std::move(text), file, diagnostics);
   if (!document.root()) return std::nullopt;
-  ReadContext context{document,       diagnostics, options.overrides,
-                      options.strict, {},          std::vector<bool>(options.overrides.size(), false)};
+  const Dialect& dialect = nori_dialect();
+  const std::size_t errors_before_references = diagnostics.error_count();
+  const References references(document, dialect, diagnostics);
+  // Whoever followed wrong ones might not come back.
+  if (diagnostics.error_count() > errors_before_references) return std::nullopt;
+  ReadContext context{
+      dialect,           document,       references, diagnostics,
+      options.overrides, options.strict, {},         std::vector<bool>(options.overrides.size(), false)};
   std::optional<SceneFile> result = SceneReader(context, load_mesh).read(*document.root());
   // After other errors an object may be missing that the override would have reached.
   if (diagnostics.error_count() == errors_before) report_unmatched_overrides(context);

@@ -5,14 +5,16 @@
 #include <optional>
 #include <string>
 
+#include "formats/mesh_formats.h"
 #include "formats/read_options.h"
 #include "scene/diagnostics.h"
 #include "scene/scene_file.h"
 
 namespace etendue {
 
-/// Loads the mesh of an OBJ file named in a scene; nothing after reporting an error.
-using MeshLoader = std::function<std::optional<TriangleMesh>(const std::string& path, Diagnostics& diagnostics)>;
+/// Loads a mesh file named in a scene, as MeshFormat::read does.
+using MeshLoader =
+    std::function<std::optional<TriangleMesh>(const MeshFormat&, const std::string& path, Diagnostics& diagnostics)>;
 
 /// Reads from memory: `file` names the text in messages and gives the folder that filenames are relative to.
 std::optional<SceneFile> parse_scene_file(std::string text, const std::string& file, const ReadOptions& options,

@@ -16,7 +16,6 @@
 #include "core/text.h"
 #include "formats/input_file.h"
 #include "formats/line_reader.h"
-#include "formats/nori/plugins.h"
 #include "formats/obj/polygon.h"
 #include "scene/placed.h"
 

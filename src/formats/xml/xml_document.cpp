@@ -323,7 +323,7 @@ XmlDocument::XmlDocument(std::string text, std::string file, Diagnostics& diagno
     : text_(std::move(text)), file_(std::move(file)) {
   if (text_.size() > kMaxBytes) {
     diagnostics.error({file_, 0, 0},
-                      fmt::format("the scene file has more than {} bytes; put geometry into OBJ files", kMaxBytes));
+                      fmt::format("the scene file has more than {} bytes; put geometry into mesh files", kMaxBytes));
     return;
   }
   index_lines();

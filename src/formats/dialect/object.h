@@ -1,5 +1,5 @@
 #pragma once
-/// One object element of a scene file, validated against its row of the plugin table.
+/// One object element of a scene file, validated against its row of the dialect.
 
 #include <map>
 #include <optional>
@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "formats/nori/plugins.h"
+#include "formats/dialect/dialect.h"
+#include "formats/dialect/references.h"
 #include "formats/xml/xml_document.h"
 #include "scene/diagnostics.h"
 
@@ -19,7 +20,9 @@ using Overrides = std::vector<std::pair<std::string, std::string>>;
 
 /// What the reading of one file shares.
 struct ReadContext {
+  const Dialect& dialect;
   const XmlDocument& document;
+  const References& references;
   Diagnostics& diagnostics;
   const Overrides& overrides;
   bool strict = false;
@@ -36,10 +39,13 @@ class Object {
 
   const Plugin& plugin() const { return *plugin_; }
   const SourcePosition& position() const { return position_; }
-  /// Child objects of an allowed tag, in file order.
+  /// Child objects of an allowed tag that have no name, in file order; for a <ref>, the element it refers to. One
+  /// element may therefore be the child of many: who reads it into a table remembers its row.
   std::vector<const XmlElement*> children(std::string_view tag) const;
+  /// The object that stands for the value of a property; nullptr where there is none.
+  const XmlElement* child_of(const char* name) const;
 
-  /// True if the file or an override gives the property.
+  /// True if the file or an override gives the property, by a value or by an object.
   bool given(const char* name) const { return given_.contains(name); }
   /// Where the property's value stands, or the object if it is not given.
   SourcePosition position_of(const char* name) const;
@@ -61,11 +67,19 @@ class Object {
     SourcePosition position;
   };
 
-  Object(const Plugin& plugin, SourcePosition position) : plugin_(&plugin), position_(std::move(position)) {}
+  Object(const Plugin& plugin, std::string tag, SourcePosition position)
+      : plugin_(&plugin), tag_(std::move(tag)), position_(std::move(position)) {}
   void read_child(const XmlElement& child, ReadContext& context);
+  void report_unknown_tag(const XmlElement& child, ReadContext& context) const;
   void read_property(const XmlElement& element, ReadContext& context);
   void read_value(const Parameter& parameter, const XmlElement& element, ReadContext& context);
-  void read_object_child(const XmlElement& child, ReadContext& context);
+  void read_reference(const XmlElement& ref, ReadContext& context);
+  /// `object` is `child`, or what `child`, a <ref>, refers to.
+  void add_child(const XmlElement& child, const XmlElement& object, ReadContext& context);
+  void add_named_child(const XmlElement& child, const XmlElement& object, ReadContext& context);
+  void report_misplaced(const XmlElement& child, std::string_view tag, ReadContext& context) const;
+  void report_unknown_property(const XmlAttribute& name, ReadContext& context) const;
+  bool is_given_twice(const Parameter& parameter, const XmlElement& element, ReadContext& context);
   void apply_overrides(ReadContext& context);
   void check_complete(ReadContext& context) const;
   std::string heading() const;
@@ -73,16 +87,19 @@ class Object {
   [[noreturn]] static void throw_wrong_type(const char* name);
 
   const Plugin* plugin_;
+  std::string tag_;  ///< as the file writes it: an alias of the row's tag, perhaps
   SourcePosition position_;
   std::map<std::string, Given, std::less<>> given_;
   std::set<std::string, std::less<>> seen_;  ///< names met, also with values that could not be read
   std::map<std::string, glm::dmat4, std::less<>> transforms_;
-  std::vector<const XmlElement*> children_;
+  std::vector<std::pair<std::string_view, const XmlElement*>> children_;  ///< with the tags of their rules
+  std::map<std::string, const XmlElement*, std::less<>> named_children_;
   std::map<std::string, std::size_t, std::less<>> child_counts_;
 };
 
-/// Reports attributes of `element` that are missing or not in `names`; true if it has exactly those.
-bool check_attributes(const XmlElement& element, const std::vector<std::string>& names, ReadContext& context);
+/// Reports attributes of `element` that are missing or in neither list; true if there are none.
+bool check_attributes(const XmlElement& element, const std::vector<std::string>& names, ReadContext& context,
+                      const std::vector<std::string>& optional = {});
 
 /// Position of `offset` bytes into an attribute's value.
 SourcePosition value_position(const XmlAttribute& attribute, std::size_t offset, const ReadContext& context);

@@ -7,7 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/text.h"
-#include "formats/nori/object.h"
+#include "formats/dialect/object.h"
 
 namespace etendue {
 namespace {

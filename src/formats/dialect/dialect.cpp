@@ -1,0 +1,172 @@
+#include "formats/dialect/dialect.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/text.h"
+
+namespace etendue {
+namespace {
+
+template <typename Words>
+bool contains(const Words& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+std::string type_of(const Parameter& p) {
+  if (p.type == ParameterType::object) return fmt::format("`<{}>`", p.child);
+  return *p.child == '\0' ? tag_of(p.type) : fmt::format("{} or `<{}>`", tag_of(p.type), p.child);
+}
+
+std::string parameter_table(const std::vector<Parameter>& parameters) {
+  std::string out = "| property | type | default | allowed | meaning |\n|---|---|---|---|---|\n";
+  for (const Parameter& p : parameters) {
+    const std::string default_text = p.default_text == nullptr ? "required"
+                                     : *p.default_text == '\0' ? "none"
+                                                               : fmt::format("`{}`", p.default_text);
+    out += fmt::format("| `{}` | {} | {} | {} | {} |\n", p.name, type_of(p), default_text, p.range.describe(), p.doc);
+  }
+  return out;
+}
+
+std::string describe(const ChildRule& rule) {
+  if (rule.use == ChildUse::definition) return fmt::format("`<{}>` with an id, for `<ref>`", rule.tag);
+  const char* count = rule.min == 1   ? (rule.max == 1 ? "exactly one" : "one or more")
+                      : rule.max == 1 ? "at most one"
+                                      : "any number of";
+  return fmt::format("{} `<{}>`", count, rule.tag);
+}
+
+}  // namespace
+
+const char* tag_of(ParameterType type) {
+  using enum ParameterType;
+  switch (type) {
+    case boolean:
+      return "boolean";
+    case integer:
+      return "integer";
+    case real:
+      return "float";
+    case string:
+    case number_list:
+      return "string";
+    case point:
+      return "point";
+    case vector:
+      return "vector";
+    case color:
+      return "color";
+    case transform:
+      return "transform";
+    case object:
+      break;
+  }
+  return "";
+}
+
+const std::vector<std::string>& property_tags() {
+  static const std::vector<std::string> kTags = {"boolean", "integer", "float", "string",
+                                                 "point",   "vector",  "color", "transform"};
+  return kTags;
+}
+
+const Parameter* Plugin::find(std::string_view parameter) const {
+  const auto found =
+      std::find_if(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.name == parameter; });
+  return found == parameters.end() ? nullptr : &*found;
+}
+
+const ChildRule* Plugin::find_child(std::string_view child_tag) const {
+  const auto found =
+      std::find_if(children.begin(), children.end(), [&](const ChildRule& rule) { return rule.tag == child_tag; });
+  return found == children.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> Plugin::parameter_names() const {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : parameters) names.emplace_back(parameter.name);
+  return names;
+}
+
+std::string_view Dialect::canonical(std::string_view tag) const {
+  const auto found = std::find_if(aliases.begin(), aliases.end(), [&](const TagAlias& a) { return a.word == tag; });
+  return found == aliases.end() ? tag : found->tag;
+}
+
+const Plugin* Dialect::find(std::string_view tag, std::string_view type) const {
+  for (const Plugin& plugin : plugins) {
+    if (plugin.tag == tag && plugin.type == type) return &plugin;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> Dialect::types_of(std::string_view tag) const {
+  std::vector<std::string> types;
+  for (const Plugin& plugin : plugins) {
+    if (plugin.tag == tag) types.emplace_back(plugin.type);
+  }
+  return types;
+}
+
+bool Dialect::is_known_but_unsupported(std::string_view tag, std::string_view type) const {
+  for (const UnsupportedTypes& row : unsupported_types) {
+    if (row.tag == tag) return contains(row.types, type);
+  }
+  return false;
+}
+
+std::vector<std::string> Dialect::object_tags() const {
+  std::vector<std::string> tags;
+  for (const Plugin& plugin : plugins) {
+    if (!contains(tags, plugin.tag)) tags.emplace_back(plugin.tag);
+  }
+  return tags;
+}
+
+bool Dialect::is_object_tag(std::string_view tag) const {
+  return std::any_of(plugins.begin(), plugins.end(), [&](const Plugin& plugin) { return plugin.tag == tag; });
+}
+
+bool Dialect::is_unsupported_tag(std::string_view tag) const {
+  return contains(unsupported_tags, tag);
+}
+
+bool Dialect::can_be_named(std::string_view tag) const {
+  for (const Plugin& plugin : plugins) {
+    for (const Parameter& parameter : plugin.parameters) {
+      if (parameter.child == tag) return true;
+    }
+  }
+  return false;
+}
+
+std::string Dialect::parents_of(std::string_view tag) const {
+  std::vector<std::string> parents;
+  for (const Plugin& plugin : plugins) {
+    const std::string name = fmt::format("<{}>", plugin.tag);
+    const ChildRule* rule = plugin.find_child(tag);
+    const bool uses = rule != nullptr && rule->use != ChildUse::definition;
+    if (uses && !contains(parents, name)) parents.push_back(name);
+  }
+  return fmt::format("{}", fmt::join(parents, " or "));
+}
+
+std::string parameter_tables(const Dialect& dialect) {
+  std::string out;
+  for (const Plugin& plugin : dialect.plugins) {
+    const std::string heading = *plugin.type == '\0' ? fmt::format("<{}>", plugin.tag)
+                                                     : fmt::format("<{} type=\"{}\">", plugin.tag, plugin.type);
+    out += fmt::format("### `{}`\n\n{}\n\n", heading, plugin.doc);
+    if (!plugin.parameters.empty()) out += parameter_table(plugin.parameters) + "\n";
+    if (plugin.children.empty()) continue;
+    std::vector<std::string> rules;
+    for (const ChildRule& rule : plugin.children) rules.push_back(describe(rule));
+    out += fmt::format("Children: {}.\n\n", text::join(rules));
+  }
+  return out;
+}
+
+}  // namespace etendue

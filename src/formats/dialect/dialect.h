@@ -1,0 +1,103 @@
+#pragma once
+/// A dialect of scene files as a value: a row per tag and type with its parameters, their defaults, ranges and meaning,
+/// other words for tags, and what its files leave unsaid. Elements are validated by it (object.h), and
+/// docs/scene_format.md prints it.
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/dialect/values.h"
+
+namespace etendue {
+
+struct Parameter {
+  const char* name;
+  ParameterType type;
+  const char* default_text;  ///< as written in a file; nullptr: required; "" is none, and the only one of an object
+  Range range;
+  const char* doc;
+  const char* child = "";  ///< tag of the objects that may stand for the value: <texture name="albedo" type="…">
+};
+
+/// How children get into an object: by their element or a <ref> to it; by their element alone; or not at all: they are
+/// only defined there, with an id, and <ref> uses them elsewhere.
+enum class ChildUse { element_or_reference, element, definition };
+
+/// How many children of a tag an object takes that have no name.
+struct ChildRule {
+  const char* tag;
+  std::size_t min;
+  std::size_t max;
+  ChildUse use = ChildUse::element_or_reference;
+};
+
+struct Plugin {
+  const char* tag;
+  const char* type;  ///< "" for <scene>
+  const char* doc;
+  std::vector<Parameter> parameters;
+  std::vector<ChildRule> children;
+
+  const Parameter* find(std::string_view parameter) const;
+  const ChildRule* find_child(std::string_view child_tag) const;
+  std::vector<std::string> parameter_names() const;
+};
+
+inline constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
+
+/// Types that other renderers know and the dialect's reader does not.
+struct UnsupportedTypes {
+  std::string_view tag;
+  std::vector<std::string_view> types;
+};
+
+/// Another word for a tag.
+struct TagAlias {
+  std::string_view word;
+  std::string_view tag;
+};
+
+/// The edge of a picture where texture coordinates have v = 0.
+enum class VOrigin { bottom, top };
+
+/// What mesh files and shapes leave to the dialect.
+struct MeshFacts {
+  bool smooth_without_normals = false;  ///< a mesh file without normals gets smooth ones; else its triangles are flat
+  VOrigin v_origin = VOrigin::bottom;   ///< where the file's format does not say
+};
+
+/// Tag of the property element: "float" for a real, "string" for a list of numbers.
+const char* tag_of(ParameterType type);
+/// All of them.
+const std::vector<std::string>& property_tags();
+
+struct Dialect {
+  std::vector<Plugin> plugins;
+  std::vector<UnsupportedTypes> unsupported_types;
+  std::vector<std::string> unsupported_tags;  ///< without a usable type: "medium"
+  std::vector<TagAlias> aliases;
+  MeshFacts mesh_facts;
+
+  /// The word of the table for a tag.
+  std::string_view canonical(std::string_view tag) const;
+  /// The row of a canonical tag and a type, or nullptr.
+  const Plugin* find(std::string_view tag, std::string_view type) const;
+  /// Types of a tag that can be used, in table order; empty for a tag that is no object.
+  std::vector<std::string> types_of(std::string_view tag) const;
+  bool is_known_but_unsupported(std::string_view tag, std::string_view type) const;
+  /// Object tags of the table ("scene", "mesh", …).
+  std::vector<std::string> object_tags() const;
+  bool is_object_tag(std::string_view tag) const;
+  bool is_unsupported_tag(std::string_view tag) const;
+  /// Objects of the tag can stand for a property's value.
+  bool can_be_named(std::string_view tag) const;
+  /// Where `tag` can be used: "<mesh> or <scene>"; "" for the root of a file.
+  std::string parents_of(std::string_view tag) const;
+};
+
+/// The parameter tables as Markdown, for docs/scene_format.md.
+std::string parameter_tables(const Dialect& dialect);
+
+}  // namespace etendue

@@ -1,0 +1,49 @@
+#pragma once
+/// What a property can hold: types, allowed ranges, and the reading of values from text.
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace etendue {
+
+/// `object` has no value: only an object can stand for it, see Parameter::child.
+enum class ParameterType { boolean, integer, real, string, number_list, point, vector, color, transform, object };
+
+/// Allowed values; applies to every number of a list, point or color.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool min_excluded = false;
+  bool max_excluded = false;
+
+  bool contains(double value) const;
+  /// "1 … 65536", "> 0", "> 0, < 180", or "" without bounds.
+  std::string describe() const;
+};
+
+using Value = std::variant<bool, std::int64_t, double, std::string, std::vector<double>, glm::dvec3>;
+
+/// A value that cannot be read: where in its text, and why.
+struct ValueError {
+  std::size_t offset;
+  std::string message;
+};
+
+/// Reads a value of any type that has one, and holds it against the range. Throws ValueError.
+Value parse_value(ParameterType type, const Range& range, std::string_view text);
+/// Numbers separated by any run of commas and blanks; each with its offset. Throws ValueError.
+struct ListedNumber {
+  double value;
+  std::size_t offset;
+};
+std::vector<ListedNumber> parse_numbers(std::string_view text);
+/// Exactly three numbers. Throws ValueError.
+glm::dvec3 parse_triple(std::string_view text, const Range& range = {});
+
+}  // namespace etendue

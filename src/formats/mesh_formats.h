@@ -1,0 +1,31 @@
+#pragma once
+/// The kinds of mesh files: a new one is a reader in a folder of its own and a row here. Every dialect of scene files
+/// offers all of them as <mesh type="…">.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/diagnostics.h"
+#include "scene/scene.h"
+
+namespace etendue {
+
+struct MeshFormat {
+  const char* word;   ///< the extension of its files, and the type of their <mesh>
+  const char* title;  ///< "OBJ", for messages
+  const char* doc;    ///< for docs/scene_format.md
+  bool states_v;      ///< the format says where v = 0 lies, and `read` gives v upward as scene.h does
+  /// One mesh in object space; nothing after reporting an error. Throws Error if the file cannot be opened or read. A
+  /// file without triangles gives a mesh without them.
+  std::optional<TriangleMesh> (*read)(const std::string& path, Diagnostics& diagnostics);
+};
+
+const std::vector<MeshFormat>& mesh_formats();
+/// The format of an extension, or nullptr.
+const MeshFormat* find_mesh_format(std::string_view word);
+/// The titles: "OBJ or PLY".
+std::string mesh_format_titles();
+
+}  // namespace etendue
