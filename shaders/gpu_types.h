@@ -80,17 +80,23 @@ const uint kNone = 0xffffffffu;
 const uint kBsdfDiffuse = 0u;
 const uint kBsdfMirror = 1u;
 const uint kBsdfDielectric = 2u;
+const uint kBsdfMicrofacet = 3u;
+const uint kBsdfConductor = 4u;
+const uint kBsdfRoughConductor = 5u;
 
 // A material's header: its type, kBsdf*, and what holds for it at every point.
 const uint kMaterialTypeMask = 0xffu;
 const uint kMaterialDelta = 0x100u;     // nothing but delta lobes: sampling a light finds nothing
 const uint kMaterialOneSided = 0x200u;  // black seen from behind
+const uint kMaterialBeckmann = 0x10000u;  // microfacets by Beckmann's distribution, else GGX
 
 // Lobes as folded into the path signature.
 const uint kLobeNone = 0u;
 const uint kLobeDiffuse = 1u;
 const uint kLobeDeltaReflection = 2u;
 const uint kLobeDeltaTransmission = 3u;
+const uint kLobeGlossyReflection = 4u;
+const uint kLobeGlossyTransmission = 5u;
 
 const uint kIntegratorPath = 0u;
 const uint kIntegratorNormals = 1u;
@@ -171,10 +177,17 @@ const uint kInstanceTexels = 2u;
 
 // A material as it is stored; what the parameters are is up to its type. shaders/bsdf/bsdf.glsl makes a Material of it.
 struct MaterialRecord {
-  vec3 params;  // diffuse: albedo; dielectric: interior and exterior index of refraction
+  vec3 params;  // the diffuse albedo; dielectric: interior and exterior index of refraction
   uint header;  // kMaterial*
+  // What only some types have; those that have none of it do not load it.
+  vec3 specular;  // specular reflectance
+  float share;    // of samples that go to the specular lobe
+  vec3 eta;       // of a metal's complex index of refraction
+  float alpha_u;
+  vec3 k;
+  float alpha_v;
 };
-const uint kMaterialTexels = 1u;
+const uint kMaterialTexels = 4u;
 
 // An instance that emits: chosen when `threshold <= word`, the last one that satisfies it.
 struct LightInstance {

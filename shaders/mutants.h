@@ -49,7 +49,12 @@ const uint kMutantTreeShareForgotten = 33u;
 const uint kMutantTreeCullsTooMuch = 34u;
 const uint kMutantTreeMisForgotten = 35u;
 const uint kMutantPlaneTooWide = 36u;
-const uint kMutantCount = 37u;
+const uint kMutantStretchForgotten = 37u;
+const uint kMutantConductorNormalIncidence = 38u;
+const uint kMutantShadowingForgotten = 39u;
+const uint kMutantFacetFresnelAtNormal = 40u;
+const uint kMutantFacetPdfUnmasked = 41u;
+const uint kMutantCount = 42u;
 #endif
 
 #ifdef __cplusplus

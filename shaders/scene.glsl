@@ -43,9 +43,15 @@ Instance fetch_instance(uint i) {
   const uvec4 b = load_table(first + 1u);
   return Instance(uintBitsToFloat(a.xyz), uintBitsToFloat(a.w), b.x, b.y, uintBitsToFloat(b.z), b.w);
 }
-MaterialRecord fetch_material(uint i) {
-  const uvec4 a = load_table(kMaterialsAt + kMaterialTexels * i);
-  return MaterialRecord(uintBitsToFloat(a.xyz), a.w);
+// Without its further parameters where the type has none.
+MaterialRecord fetch_material(uint i, bool whole) {
+  const uint first = kMaterialsAt + kMaterialTexels * i;
+  const uvec4 a = load_table(first);
+  const vec4 none = vec4(0.0);
+  const vec4 b = whole ? uintBitsToFloat(load_table(first + 1u)) : none;
+  const vec4 c = whole ? uintBitsToFloat(load_table(first + 2u)) : none;
+  const vec4 d = whole ? uintBitsToFloat(load_table(first + 3u)) : none;
+  return MaterialRecord(uintBitsToFloat(a.xyz), a.w, b.xyz, b.w, c.xyz, c.w, d.xyz, d.w);
 }
 LightInstance fetch_light_instance(uint i) {
   const uvec4 a = load_table(kLightInstancesAt + kLightInstanceTexels * i);

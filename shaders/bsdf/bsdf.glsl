@@ -8,6 +8,7 @@
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
+#include "../microfacets.glsl"
 #include "../scene.glsl"
 
 // A material at a point, its parameters evaluated there: all that sample, eval and pdf know of it.
@@ -16,6 +17,11 @@ struct Material {
   vec3 albedo;
   float int_ior;
   float ext_ior;
+  vec2 alpha;     // of microfacets
+  vec3 specular;  // specular reflectance
+  float share;    // of samples that go to microfacets, the others go to the diffuse base
+  vec3 eta;       // complex index of refraction of a metal
+  vec3 k;
 };
 
 struct BsdfSample {
@@ -29,10 +35,6 @@ struct BsdfSample {
 const BsdfSample kNoBsdfSample = BsdfSample(vec3(0.0), 0.0, vec3(0.0), kLobeNone, 1.0);
 
 bool is_delta(uint lobe) { return lobe == kLobeDeltaReflection || lobe == kLobeDeltaTransmission; }
-
-#include "dielectric.glsl"
-#include "diffuse.glsl"
-#include "mirror.glsl"
 
 // The scene's materials, bit i for kBsdf… = i. A constant, because a SIMD machine computes all materials for all lanes: those that no
 // surface has should not be there.
@@ -51,20 +53,65 @@ bool material_has(Material m, uint flag) {
   return (kMaterialFlagsSome & flag) != 0u && ((kMaterialFlagsAll & flag) != 0u || (m.header & flag) != 0u);
 }
 
-// The material of an instance, evaluated once per hit.
-Material evaluate_material(Instance instance) {
-  const MaterialRecord r = fetch_material(instance.material);
-  return Material(r.header, r.params, r.params.x, r.params.y);
+#include "conductor.glsl"
+#include "dielectric.glsl"
+#include "diffuse.glsl"
+#include "microfacet.glsl"
+#include "mirror.glsl"
+#include "roughconductor.glsl"
+
+// Types of more parameters than a first texel holds, and among them those of microfacets.
+const uint kRoughTypes = 1u << kBsdfMicrofacet | 1u << kBsdfRoughConductor;
+const uint kRichTypes = kRoughTypes | 1u << kBsdfConductor;
+
+bool bsdf_among(Material m, uint types) {
+  return (kBsdfsUsed & types) != 0u && ((kBsdfsUsed & ~types) == 0u || (types >> (m.header & kMaterialTypeMask) & 1u) != 0u);
 }
 
-vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) { return bsdf_is(m, kBsdfDiffuse) ? diffuse_eval(m, wo, wi) : vec3(0.0); }
+#include "../rough_surface.glsl"
 
-float bsdf_pdf(Material m, vec3 wo, vec3 wi) { return bsdf_is(m, kBsdfDiffuse) ? diffuse_pdf(wo, wi) : 0.0; }
+// One without parameters beyond the first texel.
+Material plain_material(uint header, vec3 params) {
+  return Material(header, params, params.x, params.y, vec2(1.0), vec3(0.0), 0.0, vec3(1.0), vec3(0.0));
+}
+
+// A metal keeps its index in eta and k, a dielectric its two where a metal has the first components of them.
+Material rich_material(MaterialRecord r) {
+  return Material(r.header, r.params, r.eta.x, r.eta.y, vec2(r.alpha_u, r.alpha_v), r.specular, r.share, r.eta, r.k);
+}
+
+// The material of an instance, evaluated once per hit.
+Material evaluate_material(Instance instance) {
+  if (kBsdfsUsed != 0u && (kBsdfsUsed & kRichTypes) == 0u) {
+    const MaterialRecord r = fetch_material(instance.material, false);
+    return plain_material(r.header, r.params);
+  }
+  const MaterialRecord r = fetch_material(instance.material, true);
+  Material m = rich_material(r);
+  if (!bsdf_among(m, kRichTypes)) m = plain_material(r.header, r.params);
+  return m;
+}
+
+vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) {
+  vec3 value = vec3(0.0);
+  if (bsdf_is(m, kBsdfDiffuse)) value = diffuse_eval(m, wo, wi);
+  if (bsdf_among(m, kRoughTypes)) value = rough_evaluate(m, wo, wi).value;
+  return value;
+}
+
+float bsdf_pdf(Material m, vec3 wo, vec3 wi) {
+  float pdf = 0.0;
+  if (bsdf_is(m, kBsdfDiffuse)) pdf = diffuse_pdf(wo, wi);
+  if (bsdf_among(m, kRoughTypes)) pdf = rough_evaluate(m, wo, wi).pdf;
+  return pdf;
+}
 
 BsdfSample bsdf_sample(Material m, vec3 wo, float u_lobe, vec2 u) {
   if (bsdf_is(m, kBsdfDiffuse)) return diffuse_sample(m, wo, u);
   if (bsdf_is(m, kBsdfMirror)) return mirror_sample(wo);
   if (bsdf_is(m, kBsdfDielectric)) return dielectric_sample(m, wo, u_lobe);
+  if (bsdf_is(m, kBsdfConductor)) return conductor_sample(m, wo);
+  if (bsdf_among(m, kRoughTypes)) return rough_sample(m, wo, u_lobe, u);
   return kNoBsdfSample;
 }
 

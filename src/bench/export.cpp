@@ -80,7 +80,9 @@ Json bsdf_json(const Bsdf& bsdf) {
     return {{"type", "diffuse"}, {"albedo", json(diffuse->albedo)}};
   if (const auto* glass = std::get_if<DielectricBsdf>(&bsdf))
     return {{"type", "dielectric"}, {"int_ior", glass->int_ior}, {"ext_ior", glass->ext_ior}};
-  return {{"type", "mirror"}};
+  if (std::holds_alternative<MirrorBsdf>(bsdf)) return {{"type", "mirror"}};
+  throw Error(ErrorKind::scene,
+              "the comparison scenes know diffuse, mirror and dielectric materials only; this scene has another");
 }
 
 bool is_mirrored(const Camera& camera) {

@@ -48,6 +48,10 @@ const char* lobe_name(const PathVertex& vertex) {
       return "reflection";
     case 3:
       return "transmission";
+    case 4:
+      return "glossy";
+    case 5:
+      return "glossy through";
     default:
       return "-";
   }

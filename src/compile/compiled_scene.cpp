@@ -31,13 +31,41 @@ double luminance(const glm::dvec3& rgb) {
 }
 
 gpu::MaterialRecord flatten(const DiffuseBsdf& bsdf) {
-  return {glm::vec3(bsdf.albedo), gpu::kBsdfDiffuse | gpu::kMaterialOneSided};
+  return {.params = glm::vec3(bsdf.albedo), .header = gpu::kBsdfDiffuse | gpu::kMaterialOneSided};
 }
 gpu::MaterialRecord flatten(const MirrorBsdf&) {
-  return {glm::vec3(0.0f), gpu::kBsdfMirror | gpu::kMaterialDelta | gpu::kMaterialOneSided};
+  return {.header = gpu::kBsdfMirror | gpu::kMaterialDelta | gpu::kMaterialOneSided};
 }
 gpu::MaterialRecord flatten(const DielectricBsdf& bsdf) {
-  return {glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0), gpu::kBsdfDielectric | gpu::kMaterialDelta};
+  return {.params = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0), .header = gpu::kBsdfDielectric | gpu::kMaterialDelta};
+}
+gpu::uint distribution_flag(Roughness::Distribution distribution) {
+  return distribution == Roughness::Distribution::beckmann ? gpu::kMaterialBeckmann : 0u;
+}
+gpu::MaterialRecord flatten(const MicrofacetBsdf& bsdf) {
+  const double share = 1.0 - std::max({bsdf.kd.x, bsdf.kd.y, bsdf.kd.z});
+  return {.params = glm::vec3(bsdf.kd),
+          .header = gpu::kBsdfMicrofacet | gpu::kMaterialOneSided | gpu::kMaterialBeckmann,
+          .specular = glm::vec3(glm::dvec3(share)),
+          .share = static_cast<float>(share),
+          .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0),
+          .alpha_u = static_cast<float>(bsdf.alpha),
+          .alpha_v = static_cast<float>(bsdf.alpha)};
+}
+gpu::MaterialRecord flatten(const ConductorBsdf& bsdf) {
+  return {.header = gpu::kBsdfConductor | gpu::kMaterialDelta | gpu::kMaterialOneSided,
+          .specular = glm::vec3(bsdf.specular_reflectance),
+          .eta = glm::vec3(bsdf.index.eta),
+          .k = glm::vec3(bsdf.index.k)};
+}
+gpu::MaterialRecord flatten(const RoughConductorBsdf& bsdf) {
+  return {.header = gpu::kBsdfRoughConductor | gpu::kMaterialOneSided | distribution_flag(bsdf.roughness.distribution),
+          .specular = glm::vec3(bsdf.specular_reflectance),
+          .share = 1.0f,
+          .eta = glm::vec3(bsdf.index.eta),
+          .alpha_u = static_cast<float>(bsdf.roughness.alpha_u),
+          .k = glm::vec3(bsdf.index.k),
+          .alpha_v = static_cast<float>(bsdf.roughness.alpha_v)};
 }
 
 // A shape where its instance puts it: one of the two, as the shape is.

@@ -14,7 +14,14 @@
 namespace etendue::reference {
 
 /// Values are those of the path signature.
-enum class Lobe : std::uint32_t { none = 0, diffuse_reflection = 1, delta_reflection = 2, delta_transmission = 3 };
+enum class Lobe : std::uint32_t {
+  none = 0,
+  diffuse_reflection = 1,
+  delta_reflection = 2,
+  delta_transmission = 3,
+  glossy_reflection = 4,
+  glossy_transmission = 5
+};
 
 inline bool is_delta(Lobe lobe) {
   return lobe == Lobe::delta_reflection || lobe == Lobe::delta_transmission;
@@ -40,6 +47,18 @@ Vec3 eval(const DielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 double pdf(const DielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 BsdfSample sample(const DielectricBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
 
+Vec3 eval(const MicrofacetBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const MicrofacetBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const MicrofacetBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
+Vec3 eval(const ConductorBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const ConductorBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const ConductorBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
+Vec3 eval(const RoughConductorBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const RoughConductorBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const RoughConductorBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
 inline Vec3 eval(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   return std::visit([&](const auto& b) { return eval(b, wo, wi); }, bsdf);
 }
@@ -63,6 +82,15 @@ constexpr BsdfTraits traits(const MirrorBsdf&) {
 }
 constexpr BsdfTraits traits(const DielectricBsdf&) {
   return {.delta = true, .one_sided = false};
+}
+constexpr BsdfTraits traits(const MicrofacetBsdf&) {
+  return {.delta = false, .one_sided = true};
+}
+constexpr BsdfTraits traits(const ConductorBsdf&) {
+  return {.delta = true, .one_sided = true};
+}
+constexpr BsdfTraits traits(const RoughConductorBsdf&) {
+  return {.delta = false, .one_sided = true};
 }
 inline BsdfTraits traits(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return traits(b); }, bsdf);

@@ -82,7 +82,7 @@ class Path {
     log_.lobe(bounce.lobe);
     if (bounce.lobe == Lobe::none) return false;
     beta_ *= bounce.weight;
-    if (bounce.lobe == Lobe::delta_transmission) eta_scale_ *= bounce.eta * bounce.eta;
+    eta_scale_ *= bounce.eta * bounce.eta;
     if (!survives(depth, random.roulette)) return false;
 
     previous_ = Previous{.point = surface.p, .ns = surface.ns, .pdf_w = bounce.pdf, .delta = is_delta(bounce.lobe)};

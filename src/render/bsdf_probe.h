@@ -17,7 +17,17 @@
 namespace etendue {
 
 /// Lobes as folded into path signatures.
-enum class ProbeLobe : std::uint32_t { none = 0, diffuse = 1, delta_reflection = 2, delta_transmission = 3 };
+enum class ProbeLobe : std::uint32_t {
+  none = 0,
+  diffuse = 1,
+  delta_reflection = 2,
+  delta_transmission = 3,
+  glossy_reflection = 4,
+  glossy_transmission = 5
+};
+inline bool is_delta(ProbeLobe lobe) {
+  return lobe == ProbeLobe::delta_reflection || lobe == ProbeLobe::delta_transmission;
+}
 
 /// What `sample` returned.
 struct BsdfDraw {

@@ -147,10 +147,49 @@ class Checker {
   }
   void check_bsdf(const MirrorBsdf&, const Material&) {}
   void check_bsdf(const DielectricBsdf& bsdf, const Material& material) {
-    for (const double ior : {bsdf.int_ior, bsdf.ext_ior}) {
+    check_indices(material, bsdf.int_ior, bsdf.ext_ior);
+  }
+
+  void check_roughness(const Material& material, const char* field, double alpha) {
+    if (!(alpha >= kMinRoughness && alpha <= 1.0))
+      error(material.position, field,
+            fmt::format("the roughness {} is not between {} and 1; below that a smooth material is the same to the eye",
+                        alpha, kMinRoughness));
+  }
+  /// A factor of what arrives.
+  void check_reflectance(const Material& material, const char* field, const glm::dvec3& color) {
+    if (!(std::min({color.x, color.y, color.z}) >= 0.0 && std::max({color.x, color.y, color.z}) <= 1.0))
+      error(material.position, field,
+            fmt::format("{} {} {} {} is not between 0 and 1", field, color.x, color.y, color.z));
+  }
+  void check_indices(const Material& material, double int_ior, double ext_ior) {
+    for (const double ior : {int_ior, ext_ior}) {
       if (!(ior > 0.0 && std::isfinite(ior)))
         error(material.position, "int_ior", fmt::format("the index of refraction {} is not above 0 and finite", ior));
     }
+  }
+  void check_index(const Material& material, const ConductorIndex& index) {
+    for (const glm::dvec3& part : {index.eta, index.k}) {
+      if (!(std::min({part.x, part.y, part.z}) >= 0.0 && std::max({part.x, part.y, part.z}) <= kMaxConductorIndex))
+        error(material.position, "eta",
+              fmt::format("{} {} {} is no complex index of refraction; eta and k are between 0 and {}", part.x, part.y,
+                          part.z, kMaxConductorIndex));
+    }
+  }
+  void check_bsdf(const MicrofacetBsdf& bsdf, const Material& material) {
+    check_reflectance(material, "kd", bsdf.kd);
+    check_roughness(material, "alpha", bsdf.alpha);
+    check_indices(material, bsdf.int_ior, bsdf.ext_ior);
+  }
+  void check_bsdf(const ConductorBsdf& bsdf, const Material& material) {
+    check_index(material, bsdf.index);
+    check_reflectance(material, "specular_reflectance", bsdf.specular_reflectance);
+  }
+  void check_bsdf(const RoughConductorBsdf& bsdf, const Material& material) {
+    check_index(material, bsdf.index);
+    check_reflectance(material, "specular_reflectance", bsdf.specular_reflectance);
+    check_roughness(material, "alpha_u", bsdf.roughness.alpha_u);
+    check_roughness(material, "alpha_v", bsdf.roughness.alpha_v);
   }
 
   void check_totals() {

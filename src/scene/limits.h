@@ -14,6 +14,10 @@ inline constexpr double kMaxRadiance = 1e20;
 inline constexpr double kMinRadiance = 1e-20;
 /// Largest width · height: the exact sums of so many pixels take 8 GiB.
 inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
+/// Least roughness of microfacets: single precision resolves no narrower lobe.
+inline constexpr double kMinRoughness = 1e-3;
+/// Largest part of a metal's complex index of refraction.
+inline constexpr double kMaxConductorIndex = 1000.0;
 /// Triangles and vertices, of one mesh and of all meshes of a scene together.
 inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 25;
 inline constexpr std::size_t kMaxVertices = std::size_t{1} << 25;

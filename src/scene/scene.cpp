@@ -64,6 +64,31 @@ void hash(Hasher& h, const DielectricBsdf& bsdf) {
   h.value(bsdf.ext_ior);
 }
 
+void hash(Hasher& h, const Roughness& roughness) {
+  h.value(roughness.distribution);
+  h.value(roughness.alpha_u);
+  h.value(roughness.alpha_v);
+}
+void hash(Hasher& h, const ConductorIndex& index) {
+  h.value(index.eta);
+  h.value(index.k);
+}
+void hash(Hasher& h, const MicrofacetBsdf& bsdf) {
+  h.value(bsdf.kd);
+  h.value(bsdf.alpha);
+  h.value(bsdf.int_ior);
+  h.value(bsdf.ext_ior);
+}
+void hash(Hasher& h, const ConductorBsdf& bsdf) {
+  hash(h, bsdf.index);
+  h.value(bsdf.specular_reflectance);
+}
+void hash(Hasher& h, const RoughConductorBsdf& bsdf) {
+  hash(h, bsdf.index);
+  hash(h, bsdf.roughness);
+  h.value(bsdf.specular_reflectance);
+}
+
 template <typename... Ts>
 void hash(Hasher& h, const std::variant<Ts...>& variant) {
   h.value(variant.index());

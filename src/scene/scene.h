@@ -10,6 +10,8 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/bsdfs.h"
+
 namespace etendue {
 
 /// Where a thing stands in a text file; line and column count from 1 (0: unknown).
@@ -30,7 +32,7 @@ struct DielectricBsdf {
   double int_ior = 1.5046;
   double ext_ior = 1.000277;
 };
-using Bsdf = std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf>;
+using Bsdf = std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf, MicrofacetBsdf, ConductorBsdf, RoughConductorBsdf>;
 
 /// A material and its place in the file. Whatever scatters light at a surface is one of these.
 struct Material {

@@ -14,6 +14,7 @@
 #include "core/printable.h"
 #include "reference/material_probe.h"
 #include "validate/closed_form.h"
+#include "validate/facet_cells.h"
 #include "validate/sphere_quadrature.h"
 
 namespace etendue {
@@ -23,8 +24,9 @@ using glm::dvec3;
 
 /// Differences up to this are float32 rounding, whatever is compared.
 constexpr double kRounding = 1e-4;
-constexpr double kStrays = 2.0;             // samples that may fall on a border where the density is 0, 1 in 10^7 does
-constexpr std::uint32_t kChunk = 1u << 18;  // samples drawn at a time
+constexpr double kSharp = 0.01;  // roughness below which the rounding of a direction is felt by a lobe's density
+constexpr double kStrays = 2.0;  // samples that may fall on a border where the density is 0, 1 in 10^7 does
+constexpr std::uint32_t kChunk = 1u << 18;       // samples drawn at a time
 constexpr std::size_t kContractSamples = 16384;  // samples whose pdf and weight are looked at one by one
 
 double largest(const dvec3& v) {
@@ -36,49 +38,71 @@ struct DeltaLobe {
   ProbeLobe kind;
   dvec3 wi;
   double prob;
-  double weight;
+  dvec3 weight;
 };
 
 std::vector<DeltaLobe> delta_lobes(const Bsdf& bsdf, const dvec3& wo) {
   const dvec3 mirrored(-wo.x, -wo.y, wo.z);
   if (std::holds_alternative<MirrorBsdf>(bsdf)) {
-    return wo.z > 0.0 ? std::vector<DeltaLobe>{{ProbeLobe::delta_reflection, mirrored, 1.0, 1.0}}
+    return wo.z > 0.0 ? std::vector<DeltaLobe>{{ProbeLobe::delta_reflection, mirrored, 1.0, dvec3(1.0)}}
                       : std::vector<DeltaLobe>{};
+  }
+  if (const auto* metal = std::get_if<ConductorBsdf>(&bsdf)) {
+    if (wo.z <= 0.0) return {};
+    dvec3 weight = metal->specular_reflectance;
+    for (int c = 0; c < 3; ++c)
+      weight[c] *= closed_form::fresnel_reflectance_of_metal(wo.z, metal->index.eta[c], metal->index.k[c]);
+    return {{ProbeLobe::delta_reflection, mirrored, 1.0, weight}};
   }
   const auto* glass = std::get_if<DielectricBsdf>(&bsdf);
   if (glass == nullptr || wo.z == 0.0) return {};
   const double n_o = wo.z > 0.0 ? glass->ext_ior : glass->int_ior, n_t = wo.z > 0.0 ? glass->int_ior : glass->ext_ior;
   const double f = closed_form::fresnel_reflectance(std::abs(wo.z), n_o, n_t), ratio = n_o / n_t;
-  std::vector<DeltaLobe> lobes{{ProbeLobe::delta_reflection, mirrored, f, 1.0}};
+  std::vector<DeltaLobe> lobes{{ProbeLobe::delta_reflection, mirrored, f, dvec3(1.0)}};
   if (f < 1.0) {
     const double x = -ratio * wo.x, y = -ratio * wo.y;
     const double z = std::copysign(std::sqrt(1.0 - x * x - y * y), -wo.z);
-    lobes.push_back({ProbeLobe::delta_transmission, {x, y, z}, 1.0 - f, ratio * ratio});
+    lobes.push_back({ProbeLobe::delta_transmission, {x, y, z}, 1.0 - f, dvec3(ratio * ratio)});
   }
   return lobes;
+}
+
+/// Relative index n_i/n_o of what passes the surface; 1 where nothing does.
+double relative_index(const Bsdf&, const dvec3&) {
+  return 1.0;
+}
+
+/// Place of a direction in the grid of cells, even over the sphere, or over the microfacets' normals of a narrow lobe.
+FacetCell cell_of(const std::optional<FacetCells>& facets, const dvec3& wi) {
+  return facets ? facets->cell_of(wi) : FacetCell{wi.z, std::atan2(wi.y, wi.x)};
 }
 
 /// Counts of one test: the cells of the sphere, then one per delta lobe, then the samples without a direction.
 class Histogram {
  public:
-  Histogram(int rings, int sectors, std::vector<DeltaLobe> lobes)
+  Histogram(int rings, int sectors, std::optional<FacetCells> facets, std::vector<DeltaLobe> lobes)
       : rings_(rings),
         sectors_(sectors),
+        facets_(std::move(facets)),
         lobes_(std::move(lobes)),
         counts_(static_cast<std::size_t>(rings) * sectors + lobes_.size() + 1) {}
 
   void add(const BsdfDraw& draw) {
     if (draw.pdf == 0.0 || draw.lobe == ProbeLobe::none) {
       ++counts_.back();
-    } else if (draw.lobe == ProbeLobe::diffuse) {
-      const double turn = std::atan2(draw.wi.y, draw.wi.x) / (2.0 * std::numbers::pi);
-      const int ring = std::clamp(static_cast<int>(0.5 * (draw.wi.z + 1.0) * rings_), 0, rings_ - 1);
+    } else if (!is_delta(draw.lobe)) {
+      const FacetCell cell = cell_of(facets_, draw.wi);
+      const double turn = cell.phi / (2.0 * std::numbers::pi);
+      const int ring = std::clamp(static_cast<int>(0.5 * (cell.height + 1.0) * rings_), 0, rings_ - 1);
       const int sector = std::clamp(static_cast<int>((turn < 0.0 ? turn + 1.0 : turn) * sectors_), 0, sectors_ - 1);
       ++counts_[static_cast<std::size_t>(ring) * sectors_ + sector];
     } else {
       add_delta(draw);
     }
   }
+  int rings() const { return rings_; }
+  int sectors() const { return sectors_; }
+  const std::optional<FacetCells>& facets() const { return facets_; }
   const std::vector<double>& counts() const { return counts_; }
   const std::vector<DeltaLobe>& lobes() const { return lobes_; }
   double delta_error() const { return delta_error_; }
@@ -93,46 +117,69 @@ class Histogram {
     }
     ++counts_[counts_.size() - 1 - lobes_.size() + static_cast<std::size_t>(lobe - lobes_.begin())];
     const double error = std::max({largest(draw.wi - lobe->wi), std::abs(draw.pdf - lobe->prob),
-                                   largest(draw.weight - dvec3(lobe->weight)) / lobe->weight});
+                                   largest(draw.weight - lobe->weight) / largest(lobe->weight)});
     delta_error_ = std::isnan(error) ? std::numeric_limits<double>::infinity() : std::max(delta_error_, error);
   }
 
   int rings_, sectors_;
+  std::optional<FacetCells> facets_;
   std::vector<DeltaLobe> lobes_;
   std::vector<double> counts_;
   double delta_error_ = 0;
 };
 
+/// Integrals over the cells of the histogram. Those of facets are quartered twice beforehand: the horizon cuts them
+/// anywhere, and a corner beyond it must not be missed.
+std::vector<double> integrate_histogram(const SphereDensity& density, const Histogram& histogram) {
+  if (!histogram.facets()) return integrate_cells(density, histogram.rings(), histogram.sectors());
+  constexpr int kParts = 4;
+  const std::vector<double> parts = integrate_cells(density, kParts * histogram.rings(), kParts * histogram.sectors());
+  const auto sectors = static_cast<std::size_t>(histogram.sectors());
+  std::vector<double> cells(static_cast<std::size_t>(histogram.rings()) * sectors, 0.0);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    cells[i / (kParts * sectors) / kParts * sectors + i % (kParts * sectors) / kParts] += parts[i];
+  return cells;
+}
+
 /// Expectations in the order of the histogram. Fills in the integral, and the fault when it is more than 1.
-std::vector<double> expectations(BsdfProbe& probe, const dvec3& wo, const Chi2Test& settings,
-                                 const Histogram& histogram, double samples, BsdfChi2& result) {
-  const SphereDensity density = [&](std::span<const dvec3> wi) {
+std::vector<double> expectations(BsdfProbe& probe, const dvec3& wo, const Histogram& histogram, double samples,
+                                 double rounding, BsdfChi2& result) {
+  const SphereDensity density = [&](std::span<const dvec3> places) {
+    std::vector<FacetCells::Direction> directions;
+    std::vector<dvec3> wi;
+    for (const dvec3& place : places) {
+      directions.push_back(histogram.facets()
+                               ? histogram.facets()->direction_of({place.z, std::atan2(place.y, place.x)})
+                               : FacetCells::Direction{place, 1.0});
+      wi.push_back(directions.back().solid_angle > 0.0 ? directions.back().wi : dvec3(0, 0, 1));
+    }
+    const std::vector<BsdfValue> answers = probe.evaluate(wo, wi);
     std::vector<double> values;
-    values.reserve(wi.size());
-    for (const BsdfValue& v : probe.evaluate(wo, wi)) values.push_back(v.pdf);
+    for (std::size_t i = 0; i < answers.size(); ++i)
+      values.push_back(directions[i].solid_angle > 0.0 ? answers[i].pdf * directions[i].solid_angle : 0.0);
     return values;
   };
-  std::vector<double> expected =
-      integrate_cells(density, static_cast<int>(settings.resolution), static_cast<int>(2 * settings.resolution));
+  std::vector<double> expected = integrate_histogram(density, histogram);
   for (const double share : expected) result.pdf_integral += share;
   double total = result.pdf_integral;
   for (const DeltaLobe& lobe : histogram.lobes()) {
     expected.push_back(lobe.prob);
     total += lobe.prob;
   }
-  if (!(total <= 1.0 + kRounding)) result.fault = fmt::format("the density integrates to {:.6g}, more than 1", total);
+  if (!(total <= 1.0 + rounding)) result.fault = fmt::format("the density integrates to {:.6g}, more than 1", total);
   // What is missing to 1 are samples without a direction; less than rounding is none.
-  expected.push_back(total < 1.0 - kRounding ? 1.0 - total : 0.0);
+  expected.push_back(total < 1.0 - rounding ? 1.0 - total : 0.0);
   for (double& share : expected) share *= samples;
   return expected;
 }
 
 /// pdf and weight of samples against pdf and eval at their directions.
-void check_contract(BsdfProbe& probe, const dvec3& wo, std::span<const BsdfDraw> draws, BsdfChi2& result) {
+void check_contract(BsdfProbe& probe, const dvec3& wo, std::span<const BsdfDraw> draws, double rounding,
+                    BsdfChi2& result) {
   std::vector<dvec3> directions;
   std::vector<const BsdfDraw*> smooth;
   for (const BsdfDraw& draw : draws) {
-    if (draw.pdf == 0.0 || draw.lobe != ProbeLobe::diffuse) continue;
+    if (draw.pdf == 0.0 || is_delta(draw.lobe)) continue;
     directions.push_back(draw.wi);
     smooth.push_back(&draw);
   }
@@ -146,9 +193,9 @@ void check_contract(BsdfProbe& probe, const dvec3& wo, std::span<const BsdfDraw>
     result.weight_error = std::isnan(weight_error) ? std::numeric_limits<double>::infinity()
                                                    : std::max(result.weight_error, weight_error);
   }
-  if (result.pdf_error > kRounding) {
+  if (result.pdf_error > rounding) {
     result.fault = fmt::format("the pdf of a sample differs from pdf(wo, wi) by {:.3g} of itself", result.pdf_error);
-  } else if (result.weight_error > kRounding) {
+  } else if (result.weight_error > rounding) {
     result.fault = fmt::format("the weight of a sample differs from eval/pdf by {:.3g}", result.weight_error);
   }
 }
@@ -185,18 +232,25 @@ BsdfChi2 test_bsdf(BsdfProbe& probe, const Bsdf& bsdf, const dvec3& wo, const Ch
   BsdfChi2 result;
   result.wo = wo;
   result.samples = samples;
-  Histogram histogram(static_cast<int>(settings.resolution), static_cast<int>(2 * settings.resolution),
-                      delta_lobes(bsdf, wo));
+  const std::optional<Roughness> narrow = narrow_roughness(bsdf);
+  std::optional<FacetCells> facets;
+  if (narrow) facets.emplace(*narrow, wo, relative_index(bsdf, wo));
+  // Half of a sphere is reflection, so that the normals of its facets need twice the rings.
+  const int rings = static_cast<int>(narrow ? 2 * settings.resolution : settings.resolution);
+  const double rounding =
+      narrow ? kRounding * std::max(1.0, kSharp / std::min(narrow->alpha_u, narrow->alpha_v)) : kRounding;
+  Histogram histogram(rings, static_cast<int>(2 * settings.resolution), facets, delta_lobes(bsdf, wo));
   for (std::uint64_t done = 0; done < samples; done += kChunk) {
     const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(kChunk, samples - done));
     const std::vector<BsdfDraw> draws = probe.sample(wo, seed, static_cast<std::uint32_t>(done), count);
     for (const BsdfDraw& draw : draws) histogram.add(draw);
     if (done == 0)
-      check_contract(probe, wo, std::span(draws).first(std::min<std::size_t>(kContractSamples, count)), result);
+      check_contract(probe, wo, std::span(draws).first(std::min<std::size_t>(kContractSamples, count)), rounding,
+                     result);
   }
   result.without_direction = static_cast<std::uint64_t>(histogram.counts().back());
   const std::vector<double> expected =
-      expectations(probe, wo, settings, histogram, static_cast<double>(samples), result);
+      expectations(probe, wo, histogram, static_cast<double>(samples), rounding, result);
   result.test = chi_square_test(histogram.counts(), expected,
                                 {.min_expected = settings.min_exp_frequency,
                                  .impossible_share = std::max(1e-5, kStrays / static_cast<double>(samples))});

@@ -101,6 +101,18 @@ double fresnel_reflectance(double cos_o, double n_o, double n_t) {
   return 0.5 * (s * s + p * p);
 }
 
+double fresnel_reflectance_of_metal(double cos_o, double eta, double k) {
+  const double sin2 = std::max(0.0, 1.0 - cos_o * cos_o), difference = eta * eta - k * k - sin2;
+  const double modulus = std::hypot(difference, 2.0 * eta * k);  // u² + v² of Born and Wolf's §14.2
+  const double u = std::sqrt(std::max(0.0, 0.5 * (modulus + difference)));
+  const double s = (modulus - 2.0 * u * cos_o + cos_o * cos_o) / (modulus + 2.0 * u * cos_o + cos_o * cos_o);
+  if (cos_o == 0.0) return 1.0;
+  const double tangential = sin2 / cos_o;
+  const double p = s * (modulus - 2.0 * u * tangential + tangential * tangential) /
+                   (modulus + 2.0 * u * tangential + tangential * tangential);
+  return 0.5 * (s + p);
+}
+
 double filter_share(const ReconstructionFilter& filter, double x) {
   const double support = filter_support(filter);
   return integrate_filter(filter, -support, std::clamp(x, -support, support)) /

@@ -58,6 +58,8 @@ double sphere_irradiance(const glm::dvec3& center, double radius, const glm::dve
 double clamped_cosine_product(const glm::dvec3& a, const glm::dvec3& b);
 /// Unpolarised reflectance of the boundary from index `n_o` to `n_t`, cosine `cos_o` in [0,1] [Born1999].
 double fresnel_reflectance(double cos_o, double n_o, double n_t);
+/// Unpolarised reflectance of a metal of index `eta` + ik seen from vacuum, cosine `cos_o` in [0,1] [Born1999].
+double fresnel_reflectance_of_metal(double cos_o, double eta, double k);
 /// Share of the (signed, normalised) one-dimensional filter left of `x` pixels.
 double filter_share(const ReconstructionFilter& filter, double x);
 

@@ -13,10 +13,13 @@
 #include "gpu/bsdf_probe.h"
 #include "image/film.h"
 #include "mutants.h"
+#include "reference/material_probe.h"
 #include "reference/reference_renderer.h"
 #include "validate/chi2.h"
 #include "validate/closed_form.h"
 #include "validate/image_tests.h"
+#include "validate/sphere_quadrature.h"
+#include "validate/statistics.h"
 
 namespace etendue {
 namespace {
@@ -90,6 +93,16 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "the weight of light met by chance forgets the tree's first turn", "crowd"},
     {gpu::kMutantPlaneTooWide, "plane too wide", "the plane that rays of a far camera begin on is 2 % too wide",
      "far rectangle"},
+    {gpu::kMutantStretchForgotten, "roughness forgotten",
+     "normals of microfacets are sampled as if the roughness were 1", "chi2, roughconductor"},
+    {gpu::kMutantConductorNormalIncidence, "metal by normal incidence",
+     "a metal reflects at all angles what it reflects at a right angle", "chi2, conductor"},
+    {gpu::kMutantShadowingForgotten, "shadowing forgotten",
+     "microfacets are masked toward the eye and not toward the light", "albedo, roughconductor"},
+    {gpu::kMutantFacetFresnelAtNormal, "Fresnel at the surface's normal",
+     "microfacets reflect by the angle to the normal of the surface instead of their own", "albedo, microfacet"},
+    {gpu::kMutantFacetPdfUnmasked, "facet pdf unmasked",
+     "the density is that of all microfacets, while only visible ones are sampled", "chi2, roughconductor"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -147,6 +160,39 @@ class MaterialTrial final : public Trial {
  private:
   Bsdf bsdf_;
   glm::dvec3 wo_;
+  std::unique_ptr<BsdfProbe> probe_;
+};
+
+/// What one material reflects of even light from above, device against quadrature of the reference's f cos.
+class AlbedoTrial final : public Trial {
+ public:
+  AlbedoTrial(const Bsdf& bsdf, const glm::dvec3& wo, const GpuOptions& gpu)
+      : wo_(wo), expected_(reference_albedo(bsdf, wo)), probe_(make_gpu_bsdf_probe(bsdf, gpu)) {}
+
+  double p_value(std::uint32_t samples) override {
+    RunningMoments weight;
+    for (const BsdfDraw& draw : probe_->sample(wo_, 1, 0, samples))
+      weight.add(draw.pdf > 0.0 ? glm::dot(draw.weight, kEven) : 0.0);
+    return t_test(weight.mean(), weight.variance(), samples, expected_).p_value;
+  }
+
+ private:
+  static constexpr glm::dvec3 kEven{1.0 / 3.0};
+
+  static double reference_albedo(const Bsdf& bsdf, const glm::dvec3& wo) {
+    const std::unique_ptr<BsdfProbe> reference = make_reference_bsdf_probe(bsdf);
+    const SphereDensity value = [&](std::span<const glm::dvec3> wi) {
+      std::vector<double> values;
+      for (const BsdfValue& v : reference->evaluate(wo, wi)) values.push_back(glm::dot(v.eval, kEven));
+      return values;
+    };
+    double sum = 0.0;
+    for (const double cell : integrate_cells(value, 20, 40)) sum += cell;
+    return sum;
+  }
+
+  glm::dvec3 wo_;
+  double expected_;
   std::unique_ptr<BsdfProbe> probe_;
 };
 
@@ -234,6 +280,15 @@ SuiteTest material_test(std::string name, const Bsdf& bsdf, const glm::dvec3& wo
   return {std::move(name), [=](const GpuOptions& gpu) { return std::make_unique<MaterialTrial>(bsdf, wo, gpu); }};
 }
 
+SuiteTest albedo_test(std::string name, const Bsdf& bsdf, const glm::dvec3& wo) {
+  return {std::move(name), [=](const GpuOptions& gpu) { return std::make_unique<AlbedoTrial>(bsdf, wo, gpu); }};
+}
+
+const ConductorIndex kGold{{0.143036, 0.375307, 1.44205}, {3.983, 2.38556, 1.60336}};
+const RoughConductorBsdf kRoughGold{kGold, {Roughness::Distribution::ggx, 0.5, 0.3}, glm::dvec3(1.0)};
+const MicrofacetBsdf kCoated{.kd = glm::dvec3(0.2, 0.4, 0.3), .alpha = 0.4};
+const glm::dvec3 kSlanted = glm::normalize(glm::dvec3(0.8, -0.3, 0.4));
+
 /// The suite: every test is one that users can run by themselves (ttest, chi2, validate, selftest).
 std::vector<SuiteTest> make_suite() {
   using enum LightStrategy;
@@ -258,6 +313,11 @@ std::vector<SuiteTest> make_suite() {
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),
+      material_test("chi2, conductor", ConductorBsdf{.index = kGold}, kSlanted),
+      material_test("chi2, roughconductor", kRoughGold, kSlanted),
+      material_test("chi2, microfacet", kCoated, kSlanted),
+      albedo_test("albedo, roughconductor", kRoughGold, kSlanted),
+      albedo_test("albedo, microfacet", kCoated, kSlanted),
       {"picture against the reference", [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(gpu); }},
   };
 }

@@ -19,6 +19,7 @@
 #include "formats/xml/xml_document.h"
 #include "scene/invariants.h"
 #include "scene/limits.h"
+#include "scene/metals.h"
 
 namespace etendue {
 namespace {
@@ -302,6 +303,11 @@ class SceneReader {
     const std::string_view type = object.plugin().type;
     if (type == "mirror") return MirrorBsdf{};
     if (type == "dielectric") return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR")};
+    if (type == "microfacet") return read_microfacet(object);
+    if (type == "conductor") return ConductorBsdf{read_metal(object), object.get<glm::dvec3>("specular_reflectance")};
+    if (type == "roughconductor")
+      return RoughConductorBsdf{read_metal(object), read_roughness(object),
+                                object.get<glm::dvec3>("specular_reflectance")};
     if (type != "diffuse") throw std::logic_error(fmt::format("the reader has no material {}", type));
     const auto albedo = object.get<glm::dvec3>("albedo");
     const double least = std::min({albedo.x, albedo.y, albedo.z}), most = std::max({albedo.x, albedo.y, albedo.z});
@@ -317,6 +323,52 @@ class SceneReader {
           fmt::format("albedo {} is below 0: the surface reflects negative light, which darkens others", least));
     }
     return DiffuseBsdf{albedo};
+  }
+
+  MicrofacetBsdf read_microfacet(const Object& object) {
+    return {.kd = object.get<glm::dvec3>("kd"),
+            .alpha = object.get<double>("alpha"),
+            .int_ior = object.get<double>("intIOR"),
+            .ext_ior = object.get<double>("extIOR")};
+  }
+
+  ConductorIndex read_metal(const Object& object) {
+    if (object.given("eta") != object.given("k")) {
+      sink_.error(object.position_of(object.given("eta") ? "eta" : "k"),
+                  "a complex index of refraction has two parts; give both \"eta\" and \"k\"");
+    }
+    if (object.given("material") && (object.given("eta") || object.given("k"))) {
+      sink_.error(object.position_of("material"),
+                  "the metal has both a material and an index of refraction; remove one of them");
+    }
+    if (!object.given("material")) return {object.get<glm::dvec3>("eta"), object.get<glm::dvec3>("k")};
+    const auto name = object.get<std::string>("material");
+    const auto index = metal_index(text::trim(name));
+    if (!index) {
+      sink_.error(object.position_of("material"),
+                  fmt::format("there is no material {}{}; known are {}", text::quoted(name),
+                              text::did_you_mean(name, metal_names()), text::join(metal_names())));
+    }
+    return index.value_or(ConductorIndex{});
+  }
+
+  Roughness read_roughness(const Object& object) {
+    Roughness roughness;
+    const auto distribution = object.get<std::string>("distribution");
+    roughness.distribution =
+        text::trim(distribution) == "ggx" ? Roughness::Distribution::ggx : Roughness::Distribution::beckmann;
+    if (text::trim(distribution) != "ggx" && text::trim(distribution) != "beckmann") {
+      sink_.error(object.position_of("distribution"),
+                  fmt::format("there is no distribution {}; use beckmann or ggx", text::quoted(distribution)));
+    }
+    const double alpha = object.get<double>("alpha");
+    roughness.alpha_u = object.given("alpha_u") ? object.get<double>("alpha_u") : alpha;
+    roughness.alpha_v = object.given("alpha_v") ? object.get<double>("alpha_v") : alpha;
+    if (object.given("alpha") && (object.given("alpha_u") || object.given("alpha_v"))) {
+      sink_.error(object.position_of("alpha"),
+                  "the roughness is given twice; use alpha for both directions, or alpha_u and alpha_v");
+    }
+    return roughness;
   }
 
   AreaEmitter read_emitter(const Object& object) {

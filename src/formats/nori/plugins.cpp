@@ -156,19 +156,6 @@ std::vector<Plugin> object_plugins() {
        {{"center", point, "0 0 0", between(-kMaxCoordinate, kMaxCoordinate), "world space"},
         {"radius", real, "1", above_up_to(0, kMaxCoordinate), "scene units"}},
        surface()},
-      {"bsdf",
-       "diffuse",
-       "Lambertian reflection on the side of the normal; black from behind.",
-       {{"albedo", color, "0.5 0.5 0.5", between(-1000, 1000),
-         "reflected share of the light; outside 0 … 1 there is a warning"}},
-       {}},
-      {"bsdf", "mirror", "Perfect reflection on the side of the normal; black from behind.", {}, {}},
-      {"bsdf",
-       "dielectric",
-       "A smooth boundary between two clear media; the normal points to the exterior.",
-       {{"intIOR", real, "1.5046", between(1e-3, 1000), "index of refraction inside"},
-        {"extIOR", real, "1.000277", between(1e-3, 1000), "index of refraction outside"}},
-       {}},
       {"emitter",
        "area",
        "Makes its mesh a light that shines on the side of the geometric normal.",
@@ -201,6 +188,7 @@ std::vector<Plugin> make_plugins() {
   for (Plugin& row : view_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : mesh_file_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : object_plugins()) rows.push_back(std::move(row));
+  for (Plugin& row : bsdf_plugins()) rows.push_back(std::move(row));
   return rows;
 }
 
@@ -214,8 +202,8 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"ply", "serialized", "instance", "cube", "rectangle", "disk", "cylinder", "heightfield"}},
       {"bsdf",
-       {"microfacet", "roughconductor", "roughdielectric", "conductor", "plastic", "roughplastic", "phong", "disney",
-        "principled", "twosided", "normalmap", "bumpmap", "blend", "mask", "null", "thindielectric"}},
+       {"roughdielectric", "plastic", "roughplastic", "phong", "disney", "principled", "twosided", "normalmap",
+        "bumpmap", "blend", "mask", "null", "thindielectric"}},
       {"emitter", {"point", "spot", "directional", "distant", "constant", "envmap", "environment"}},
   };
 }

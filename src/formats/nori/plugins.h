@@ -6,5 +6,7 @@
 namespace etendue {
 
 const Dialect& nori_dialect();
+/// The rows of materials.
+std::vector<Plugin> bsdf_plugins();
 
 }  // namespace etendue

@@ -211,7 +211,7 @@ struct TablesAnswer {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 368);
+static_assert(sizeof(TablesAnswer) == 416);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);
 static_assert(sizeof(FrameCase) == 32 && sizeof(FrameAnswer) == 64);

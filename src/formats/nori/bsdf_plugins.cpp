@@ -1,0 +1,75 @@
+#include "formats/nori/plugins.h"
+#include "scene/limits.h"
+
+namespace etendue {
+namespace {
+
+using enum ParameterType;
+
+constexpr Range kIndex{1e-3, 1000, false, false};
+constexpr Range kUnit{0, 1, false, false};
+constexpr Range kRoughness{kMinRoughness, 1, false, false};
+
+Parameter factor(const char* name, const char* default_text, const char* doc) {
+  return {name, color, default_text, kUnit, doc};
+}
+
+Parameter specular_reflectance() {
+  return factor("specular_reflectance", "1 1 1", "factor of what is mirrored; other than 1 is not physical");
+}
+
+/// A metal: by its name, or by its numbers.
+std::vector<Parameter> metal() {
+  return {
+      {"material", string, "", {}, "a metal by its chemical symbol, as Au, or none, which reflects everything"},
+      {"eta", color, "0 0 0", {0, kMaxConductorIndex, false, false}, "real part of the complex index of refraction"},
+      {"k", color, "1 1 1", {0, kMaxConductorIndex, false, false}, "its imaginary part, in place of a material"},
+      specular_reflectance()};
+}
+
+std::vector<Parameter> roughness() {
+  return {{"distribution", string, "beckmann", {}, "of the microfacets' normals: beckmann or ggx"},
+          {"alpha", real, "0.1", kRoughness, "roughness: root mean square slope of the microfacets, times √2"},
+          {"alpha_u", real, "0.1", kRoughness, "roughness along the tangent, in place of alpha"},
+          {"alpha_v", real, "0.1", kRoughness, "roughness across the tangent, in place of alpha"}};
+}
+
+std::vector<Parameter> joined(std::vector<Parameter> a, const std::vector<Parameter>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+}  // namespace
+
+std::vector<Plugin> bsdf_plugins() {
+  return {
+      {"bsdf",
+       "diffuse",
+       "Lambertian reflection on the side of the normal; black from behind.",
+       {{"albedo",
+         color,
+         "0.5 0.5 0.5",
+         {-1000, 1000, false, false},
+         "reflected share of the light; outside 0 … 1 there is a warning"}},
+       {}},
+      {"bsdf", "mirror", "Perfect reflection on the side of the normal; black from behind.", {}, {}},
+      {"bsdf",
+       "dielectric",
+       "A smooth boundary between two clear media; the normal points to the exterior.",
+       {{"intIOR", real, "1.5046", kIndex, "index of refraction inside"},
+        {"extIOR", real, "1.000277", kIndex, "index of refraction outside"}},
+       {}},
+      {"bsdf",
+       "microfacet",
+       "A diffuse base under a rough dielectric coat of weight 1 − max kd; black from behind.",
+       {factor("kd", "0.5 0.5 0.5", "albedo of the base"),
+        {"alpha", real, "0.1", kRoughness, "roughness of the coat (Beckmann)"},
+        {"intIOR", real, "1.5046", kIndex, "index of refraction of the coat"},
+        {"extIOR", real, "1.000277", kIndex, "index of refraction outside"}},
+       {}},
+      {"bsdf", "conductor", "A smooth metal; black from behind. The default reflects everything.", metal(), {}},
+      {"bsdf", "roughconductor", "A rough metal; black from behind.", joined(metal(), roughness()), {}},
+  };
+}
+
+}  // namespace etendue

@@ -1,0 +1,69 @@
+#include "validate/facet_cells.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace etendue {
+namespace {
+
+constexpr double kNarrow = 0.2;  // a lobe of this roughness covers several cells of ten rings
+
+std::optional<Roughness> if_narrow(const Roughness& roughness) {
+  return std::min(roughness.alpha_u, roughness.alpha_v) < kNarrow ? std::optional(roughness) : std::nullopt;
+}
+
+struct RoughnessOf {
+  std::optional<Roughness> operator()(const DiffuseBsdf&) const { return std::nullopt; }
+  std::optional<Roughness> operator()(const MirrorBsdf&) const { return std::nullopt; }
+  std::optional<Roughness> operator()(const DielectricBsdf&) const { return std::nullopt; }
+  std::optional<Roughness> operator()(const ConductorBsdf&) const { return std::nullopt; }
+  std::optional<Roughness> operator()(const MicrofacetBsdf& bsdf) const {
+    return if_narrow({Roughness::Distribution::beckmann, bsdf.alpha, bsdf.alpha});
+  }
+  std::optional<Roughness> operator()(const RoughConductorBsdf& bsdf) const { return if_narrow(bsdf.roughness); }
+};
+
+}  // namespace
+
+std::optional<Roughness> narrow_roughness(const Bsdf& bsdf) {
+  return std::visit(RoughnessOf{}, bsdf);
+}
+
+FacetCells::FacetCells(const Roughness& roughness, const glm::dvec3& wo, double eta)
+    : roughness_(roughness), wo_(wo.x, wo.y, std::abs(wo.z)), eta_(eta), turned_(wo.z < 0.0) {}
+
+FacetCell FacetCells::cell_of(const glm::dvec3& direction) const {
+  const glm::dvec3 wi(direction.x, direction.y, turned_ ? -direction.z : direction.z);
+  const bool reflected = wi.z >= 0.0;
+  glm::dvec3 h = reflected ? wo_ + wi : wo_ + eta_ * wi;
+  if (h.z < 0.0) h = -h;
+  const double x = h.x / (roughness_.alpha_u * h.z), y = h.y / (roughness_.alpha_v * h.z);
+  const double root = std::sqrt(std::hypot(x, y)), height = std::isfinite(root) ? root / (1.0 + root) : 1.0;
+  return {reflected ? height : -height, std::atan2(y, x)};
+}
+
+FacetCells::Direction FacetCells::direction_of(const FacetCell& cell) const {
+  const double q = std::abs(cell.height), root = q / (1.0 - q), slope = root * root;
+  const double x = roughness_.alpha_u * slope * std::cos(cell.phi), y = roughness_.alpha_v * slope * std::sin(cell.phi);
+  const glm::dvec3 h = glm::normalize(glm::dvec3(x, y, 1.0));
+  // Slopes per (q, φ): ρ dρ dφ with dρ/dq = 2 root/(1 − q)²; solid angle of h per slopes: h.z³.
+  const double of_h =
+      roughness_.alpha_u * roughness_.alpha_v * slope * 2.0 * root / ((1.0 - q) * (1.0 - q)) * h.z * h.z * h.z;
+  const double wo_h = glm::dot(wo_, h);
+  if (wo_h <= 0.0) return {};
+  Direction out;
+  if (cell.height >= 0.0) {
+    out = {2.0 * wo_h * h - wo_, of_h * 4.0 * wo_h};
+    if (out.wi.z < 0.0) return {};
+  } else {
+    const double cos2 = 1.0 - (1.0 - wo_h * wo_h) / (eta_ * eta_);
+    if (cos2 <= 0.0) return {};
+    const double wi_h = -std::sqrt(cos2), sum = wo_h + eta_ * wi_h;
+    out = {(wo_h / eta_ + wi_h) * h - wo_ / eta_, of_h * sum * sum / (eta_ * eta_ * -wi_h)};
+    if (out.wi.z >= 0.0) return {};
+  }
+  if (turned_) out.wi.z = -out.wi.z;
+  return out;
+}
+
+}  // namespace etendue
