@@ -33,6 +33,14 @@ vec3 plane_point(vec2 ndc) {
   return frame.camera_origin + (frame.camera_x * (frame.plane_x * ndc.x) + frame.camera_y * (frame.plane_y * ndc.y));
 }
 
+// How far behind its start a camera ray with direction `d` leaves the camera.
+float camera_ray_start(vec3 d) {
+  if (kCamera == kCameraPinhole) return 0.0;
+  // Along d depth grows by the inverse of the length of the vector that reaches depth 1.
+  const vec3 depth_axis = cross(frame.camera_x, frame.camera_y);
+  return frame.plane_depth * (dot(frame.camera_z, depth_axis) / dot(d, depth_axis));
+}
+
 // The ray of one sample of one pixel; `weight` is that of the reconstruction filter.
 Ray sample_camera_ray(uvec2 pixel, vec2 u, out float weight) {
   float weight_x, weight_y;

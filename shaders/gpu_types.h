@@ -71,6 +71,7 @@ const uint kConstantMaterialFlagsSome = 28u;
 const uint kConstantMaterialFlagsAll = 29u;
 const uint kConstantLightNormals = 30u;
 const uint kConstantCamera = 40u;
+const uint kConstantHideEmitters = 41u;
 const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -100,6 +101,13 @@ const uint kLobeGlossyTransmission = 5u;
 
 const uint kIntegratorPath = 0u;
 const uint kIntegratorNormals = 1u;
+const uint kIntegratorAbsoluteNormals = 2u;
+const uint kIntegratorDirect = 3u;
+const uint kIntegratorWhitted = 4u;
+const uint kIntegratorSimple = 5u;
+const uint kIntegratorAmbientOcclusion = 6u;
+const uint kIntegratorVisibility = 7u;
+const uint kIntegratorDepth = 8u;
 
 // How a film position becomes a ray, see camera.glsl.
 const uint kCameraPinhole = 0u;
@@ -264,7 +272,16 @@ struct Frame {
   // depths beyond that plane.
   float plane_x;
   float plane_y;
+  float plane_depth;      // of that plane; camera units, like the clipping distances
+  // What some integrators are told.
+  vec3 light_position;
+  float ray_length;       // of an occlusion ray; infinite when it has no end
+  vec3 light_intensity;   // Φ/(4π²) at a distance of one scene unit, in normalised units
+  uint emitter_samples;
+  uint bsdf_samples;
   uint pad0;
+  uint pad1;
+  uint pad2;
 };
 
 // The work of one dispatch.
@@ -373,7 +390,7 @@ static_assert(sizeof(LightPrimitive) == kLightPrimitiveTexels * kTexelBytes);
 static_assert(sizeof(LightBounds) == kLightBoundsTexels * kTexelBytes);
 static_assert(sizeof(LightPair) == kLightPairTexels * kTexelBytes);
 static_assert(sizeof(LightTrail) == kLightTrailTexels * kTexelBytes);
-static_assert(sizeof(Frame) == 144);
+static_assert(sizeof(Frame) == 192);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);
 static_assert(sizeof(SampleResult) == 32);

@@ -54,7 +54,12 @@ const uint kMutantConductorNormalIncidence = 38u;
 const uint kMutantShadowingForgotten = 39u;
 const uint kMutantFacetFresnelAtNormal = 40u;
 const uint kMutantFacetPdfUnmasked = 41u;
-const uint kMutantCount = 42u;
+const uint kMutantSampleCountsForgotten = 42u;
+const uint kMutantSimpleCosineDropped = 43u;
+const uint kMutantOcclusionWarpsSwapped = 44u;
+const uint kMutantOcclusionEndless = 45u;
+const uint kMutantHiddenEmittersOpaque = 46u;
+const uint kMutantCount = 47u;
 #endif
 
 #ifdef __cplusplus

@@ -13,6 +13,8 @@
 layout(constant_id = kConstantIntegrator) const uint kIntegrator = kIntegratorPath;
 layout(constant_id = kConstantNee) const bool kNee = true;  // and there are lights
 layout(constant_id = kConstantMis) const bool kMis = true;
+layout(constant_id = kConstantHideEmitters) const bool kHideEmitters = false;
+const bool kGathersLight = kIntegrator == kIntegratorPath || kIntegrator == kIntegratorDirect || kIntegrator == kIntegratorWhitted;
 
 // A path under construction: the ray that is traced next and what it carries.
 struct Path {
@@ -42,16 +44,23 @@ struct Decisions {
   uint lobe, survived;
 };
 
-Path begin_path(uint pixel, uint sample_index) {
+Ray camera_ray(uint pixel, uint sample_index, out float weight) {
   const uvec4 words = random_words(frame.seed, pixel, sample_index, kBlockCamera);
   const uvec2 xy = uvec2(pixel % frame.width, pixel / frame.width);
+  return sample_camera_ray(xy, to_unit(words.xy), weight);
+}
+
+Path begin_path(uint pixel, uint sample_index) {
   float weight;
-  const Ray ray = sample_camera_ray(xy, to_unit(words.xy), weight);
+  const Ray ray = camera_ray(pixel, sample_index, weight);
   return Path(ray, vec3(1.0), 0.0, vec3(0.0), vec3(0.0), 1.0, 1u, true, pixel, sample_index, weight, true, false, ray, vec3(0.0));
 }
 
 // The value of a finished path's sample.
 vec3 path_value(Path path) { return path.filter_weight * path.radiance; }
+
+#include "direct.glsl"
+#include "first_hit.glsl"
 
 vec3 sky_radiance(vec3 d) {
   MUTATE(kMutantSkyMirrored, d.y = -d.y);
@@ -65,6 +74,13 @@ float power_heuristic(float own, float other) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
+// Samples that share a vertex: `direct` takes several, every other integrator one.
+float light_sample_count() {
+  MUTATE(kMutantSampleCountsForgotten, return 1.0);
+  return kIntegrator == kIntegratorDirect ? float(frame.emitter_samples) : 1.0;
+}
+float bsdf_sample_count() { return kIntegrator == kIntegratorDirect ? float(frame.bsdf_samples) : 1.0; }
+
 // Step 2: emission met by chance.
 vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim) {
   const vec3 le = area_radiance(instance, s.frame.n, -path.ray.d);
@@ -73,7 +89,8 @@ vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim) {
   if (!kMis) return vec3(0.0);
   // ray.o is offset from the vertex by its error bound, which is far below the distance to the light.
   MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim) / path.bsdf_pdf));
-  return path.beta * le * power_heuristic(path.bsdf_pdf, light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim));
+  const float light_density = light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim);
+  return path.beta * le * power_heuristic(bsdf_sample_count() * path.bsdf_pdf, light_sample_count() * light_density);
 }
 
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
@@ -86,8 +103,9 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   const vec3 reflected = bsdf_eval(material, wo, wi) * light.radiance;
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0;
   path.shadow_ray = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
-  const float w_light = kMis ? power_heuristic(light.mis_pdf, bsdf_pdf(material, wo, wi)) : 1.0;
-  path.shadow_value = path.beta * reflected * (w_light / light.pdf_w);
+  const float w_light =
+      kMis ? power_heuristic(light_sample_count() * light.mis_pdf, bsdf_sample_count() * bsdf_pdf(material, wo, wi)) : 1.0;
+  path.shadow_value = path.beta * reflected * (w_light / (light_sample_count() * light.pdf_w));
 }
 
 // The shadow ray has been traced.
@@ -98,7 +116,8 @@ void settle_light(inout Path path, bool occluded) {
 
 // Step 6: ends the path or makes up for the paths that ended.
 bool survive_roulette(inout Path path, float u) {
-  const float q = min(max_component(path.beta) * path.eta_scale, 0.99);
+  float q = min(max_component(path.beta) * path.eta_scale, 0.99);
+  if (kIntegrator == kIntegratorWhitted) q = kWhittedSurvival;
   if (u >= q) return false;
   MUTATE(kMutantRouletteUncompensated, return true);
   path.beta *= 1.0 / q;
@@ -115,7 +134,7 @@ void scatter(inout Path path, Surface s, Material material, vec3 wo, inout Decis
     return;
   }
   decisions.lobe = bs.lobe;
-  path.beta *= bs.weight;
+  path.beta *= bs.weight * (1.0 / bsdf_sample_count());
   path.eta_scale *= bs.eta_scale;
   path.full_emission = is_delta(bs.lobe) || !kNee;
   MUTATE(kMutantEmissionAfterDeltaLost, path.full_emission = !kNee);
@@ -136,7 +155,9 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   path.alive = false;
   path.shadow_pending = false;
   if (hit.instance == kNone) {
-    if (kIntegrator == kIntegratorPath) path.radiance += path.beta * sky_radiance(path.ray.d);
+    if (kGathersLight && !no_light_to_camera(path)) path.radiance += path.beta * sky_radiance(path.ray.d);
+    if (kIntegrator == kIntegratorVisibility) path.radiance += vec3(1.0);
+    if (kIntegrator == kIntegratorDirect && !is_camera_segment(path)) next_direct_round(path);
     if (!is_finite(path.ray.o + path.ray.d)) path.radiance = vec3(kInfinity);  // the film rejects the sample and counts it
     return;
   }
@@ -144,13 +165,21 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   const Surface s = make_surface(path.ray, hit, instance);
   decisions.instance = s.instance;
   decisions.primitive = s.primitive;
-  if (kIntegrator == kIntegratorNormals) {
-    path.radiance += path.beta * (0.5 * s.frame.n + 0.5);
+  if (!kGathersLight) {
+    shade_first_hit(path, s, hit);
     return;
   }
-  path.radiance += gather_emission(path, s, instance, hit.geometry);
+  if (hidden_from_camera(path, instance)) {
+    pass_through(path, s, hit);
+    return;
+  }
+  if (!no_light_to_camera(path)) path.radiance += gather_emission(path, s, instance, hit.geometry);
   uint max_depth = frame.max_depth;
   MUTATE(kMutantDepthOffByOne, ++max_depth);
+  if (kIntegrator == kIntegratorDirect && !is_camera_segment(path)) {
+    next_direct_round(path);
+    return;
+  }
   if (path.segment >= max_depth) return;
   const Material material = evaluate_material(instance);
   const vec3 wo = to_local(s.frame, -path.ray.d);
@@ -158,8 +187,12 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     decisions.lobe = kLobeNone;
     return;
   }
-  if (kNee && !material_has(material, kMaterialDelta)) sample_direct_light(path, s, material, wo, decisions);
-  scatter(path, s, material, wo, decisions);
+  const bool delta = material_has(material, kMaterialDelta);
+  const uint round = direct_round(path);
+  if (kNee && !delta && (kIntegrator != kIntegratorDirect || round < frame.emitter_samples)) sample_direct_light(path, s, material, wo, decisions);
+  if (kIntegrator == kIntegratorWhitted && !delta) return;
+  if (kIntegrator != kIntegratorDirect || round < frame.bsdf_samples) scatter(path, s, material, wo, decisions);
+  if (kIntegrator == kIntegratorDirect && !path.alive) next_direct_round(path);
 }
 
 // One whole segment, for the kernels that look at single paths. `steps` counts traversal rounds; beyond the budget the result is void.
@@ -168,7 +201,8 @@ void path_segment(inout Path path, uint step_budget, inout uint steps, out Decis
   steps += (2u * kLightTreeDepth + 7u) / 8u;  // this lane's share of the loops that all lanes of a SIMD group go through together
   if (!path.shadow_pending) return;
   const bool occluded = walk_found(trace(path.shadow_ray, true, step_budget, steps));
-  decisions.light_contributed = occluded ? 0u : 1u;
+  if (kGathersLight) decisions.light_contributed = occluded ? 0u : 1u;
+  else decisions.survived = occluded ? 0u : 1u;
   settle_light(path, occluded);
 }
 

@@ -145,6 +145,12 @@ void make_folder(const std::string& folder) {
 }  // namespace
 
 void export_scene(const Scene& scene, const std::string& folder) {
+  const Integrator::Type type = scene.integrator.type;
+  if (type != Integrator::Type::path && type != Integrator::Type::normals)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: the integrator is neither path nor normals, which is all that other renderers are asked for",
+                    scene.file));
   make_folder(folder);
   const bool mirror = is_mirrored(scene.camera);
   const Integrator& i = scene.integrator;

@@ -11,6 +11,7 @@
 #include "gpu/ray_caster.h"
 #include "reference/ray_caster.h"
 #include "reference/reference_renderer.h"
+#include "render/film_identity.h"
 #include "vulkan/buffer.h"
 
 namespace etendue {
@@ -27,8 +28,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::string integrator_text(const Integrator& i) {
-  if (i.type == Integrator::Type::normals) return "normals";
+std::string settings_of(const Scene& scene) {
+  const Integrator& i = scene.integrator;
+  if (i.type != Integrator::Type::path) return integrator_text(scene);
   return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}", i.max_depth, i.nee, i.mis, i.rr_depth);
 }
 
@@ -151,7 +153,7 @@ void SceneBench::repeat() {
 SceneReport SceneBench::report() const {
   SceneReport out{.name = scene_.name,
                   .file = scene_.file,
-                  .integrator = integrator_text(scene_.integrator),
+                  .integrator = settings_of(scene_),
                   .width = scene_.camera.width,
                   .height = scene_.camera.height};
   for (const Instance& instance : scene_.instances) {

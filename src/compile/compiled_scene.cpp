@@ -18,6 +18,7 @@
 #include "compile/twins.h"
 #include "compile/wide_bvh.h"
 #include "core/errors.h"
+#include "scene/film_unit.h"
 #include "scene/invariants.h"
 #include "scene/placed.h"
 
@@ -147,7 +148,8 @@ class Compiler {
     if (wants_light_tree(scene_)) make_light_tree();
     out_.normalization = normalization_;
     out_.sky = scene_.sky;
-    out_.film_exponent = film_exponent(scene_, Integrator::Type::path);
+    out_.radiance_exponent = radiance_exponent(scene_);
+    out_.bounds = bounds_of(scene_);
     return std::move(out_);
   }
 

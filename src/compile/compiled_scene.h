@@ -6,6 +6,7 @@
 
 #include "compile/normalization.h"
 #include "gpu_types.h"
+#include "scene/bounds.h"
 #include "scene/scene.h"
 
 namespace etendue {
@@ -15,7 +16,8 @@ namespace etendue {
 struct CompiledScene {
   Normalization normalization;
   Sky sky;
-  int film_exponent = 0;            ///< of the path integrator
+  int radiance_exponent = 0;        ///< see scene/film_unit.h
+  Bounds bounds;                    ///< of all instances, world space
   std::vector<gpu::uvec4> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives
   std::vector<gpu::Instance> instances;
   std::vector<gpu::MaterialRecord> materials;

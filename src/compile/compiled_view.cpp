@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "compile/filter_table.h"
+#include "scene/film_unit.h"
 
 namespace etendue {
 namespace {
@@ -39,6 +41,45 @@ double depth_before_scene(const Normalization& n, const glm::dmat4& world_from_c
   return depth > 0.0 && std::isfinite(depth) ? depth : 0.0;
 }
 
+gpu::uint integrator_id(Integrator::Type type) {
+  switch (type) {
+    case Integrator::Type::path:
+      return gpu::kIntegratorPath;
+    case Integrator::Type::normals:
+      return gpu::kIntegratorNormals;
+    case Integrator::Type::absolute_normals:
+      return gpu::kIntegratorAbsoluteNormals;
+    case Integrator::Type::direct:
+      return gpu::kIntegratorDirect;
+    case Integrator::Type::whitted:
+      return gpu::kIntegratorWhitted;
+    case Integrator::Type::simple:
+      return gpu::kIntegratorSimple;
+    case Integrator::Type::ambient_occlusion:
+      return gpu::kIntegratorAmbientOcclusion;
+    case Integrator::Type::visibility:
+      return gpu::kIntegratorVisibility;
+    case Integrator::Type::depth:
+      return gpu::kIntegratorDepth;
+  }
+  throw std::logic_error("an integrator without a kernel");
+}
+
+void set_integrator(const SceneFacts& scene, const Integrator& integrator, CompiledView& out) {
+  const Normalization& n = scene.normalization;
+  gpu::Frame& f = out.frame;
+  out.integrator = integrator_id(integrator.type);
+  const bool path = integrator.type == Integrator::Type::path, whitted = integrator.type == Integrator::Type::whitted;
+  f.max_depth = path ? integrator.max_depth : Integrator::kUnlimitedDepth;
+  // Whitted's paths may end behind every mirror, those of direct nowhere.
+  f.rr_depth = path && integrator.rr_depth > 0 ? integrator.rr_depth : whitted ? 1 : gpu::kNone;
+  f.ray_length = static_cast<float>(integrator.length * n.scale);
+  f.light_position = n.point(integrator.light.position);
+  f.light_intensity = glm::vec3(integrator.light.energy * (n.scale * n.scale / (4.0 * kPi * kPi)));
+  f.emitter_samples = integrator.emitter_samples;
+  f.bsdf_samples = integrator.bsdf_samples;
+}
+
 }  // namespace
 
 CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32_t seed) {
@@ -65,6 +106,7 @@ CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32
   f.near_clip = static_cast<float>(std::max(camera.near_clip - plane, 0.0) * n.scale * unit);
   f.far_clip = static_cast<float>(std::max(camera.far_clip - plane, 0.0) * n.scale * unit);
   f.plane_x = static_cast<float>(plane * tan_x * n.scale * unit);
+  f.plane_depth = static_cast<float>(plane * n.scale * unit);
   f.plane_y = static_cast<float>(plane * tan_y * n.scale * unit);
   f.tan_x = static_cast<float>(tan_x);
   f.tan_y = static_cast<float>(tan_y);
@@ -74,9 +116,8 @@ CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32
   f.width = camera.width;
   f.height = camera.height;
   f.tiles_x = (camera.width + gpu::kTileSize - 1) / gpu::kTileSize;
-  f.max_depth = view.integrator.max_depth;
-  f.rr_depth = view.integrator.rr_depth > 0 ? view.integrator.rr_depth : gpu::kNone;
-  f.film_exponent = view.integrator.type == Integrator::Type::normals ? 0 : scene.film_exponent;
+  set_integrator(scene, view.integrator, out);
+  f.film_exponent = view_exponent(view, scene.radiance_exponent, scene.bounds);
   f.light_instance_count = scene.light_instance_count;
   const FilterTable table = make_filter_table(camera.filter);
   f.filter_weight = static_cast<float>(table.weight);

@@ -13,20 +13,23 @@ namespace etendue {
 struct SceneFacts {
   Normalization normalization;
   Sky sky;
-  int film_exponent = 0;  ///< of the path integrator
+  int radiance_exponent = 0;
+  Bounds bounds;
   std::uint32_t light_instance_count = 0;
 
   explicit SceneFacts(const CompiledScene& scene)
       : normalization(scene.normalization),
         sky(scene.sky),
-        film_exponent(scene.film_exponent),
+        radiance_exponent(scene.radiance_exponent),
+        bounds(scene.bounds),
         light_instance_count(static_cast<std::uint32_t>(scene.light_instances.size())) {}
 };
 
 struct CompiledView {
   gpu::Frame frame{};
-  std::uint32_t camera = gpu::kCameraPinhole;  ///< kCamera*
-  std::vector<float> filter_knots;  ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
+  std::uint32_t camera = gpu::kCameraPinhole;       ///< kCamera*
+  std::uint32_t integrator = gpu::kIntegratorPath;  ///< kIntegrator*
+  std::vector<float> filter_knots;                  ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
 };
 
 CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32_t seed);

@@ -33,6 +33,11 @@ constexpr std::uint32_t kTurnsNaive = 1, kStepsNaive = 8;
 constexpr double kCpuPassSeconds = 0.5;     // no watchdog there, and fewer dispatches waste less
 constexpr double kDispatchTimeout = 300.0;  // seconds; passes are sized to a fraction of one
 
+bool traces_occlusion(Integrator::Type type) {
+  using enum Integrator::Type;
+  return type == simple || type == ambient_occlusion || type == visibility;
+}
+
 // Lanes that keep a device busy.
 std::uint32_t wanted_slots(const vulkan::Context& context) {
   return context.is_cpu() ? 4096 : 1u << 17;
@@ -234,17 +239,18 @@ void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
 
 std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view, const RenderSettings& settings,
                                                                 const CompiledView& compiled) const {
-  const bool path = view.integrator.type == Integrator::Type::path;
-  const bool nee = view.integrator.nee && scene_->facts().light_instance_count > 0;
-  const std::uint32_t turns = nee ? kTurnsNee : kTurnsNaive;
-  const std::uint32_t steps = !scene_->has_tree() ? 1 : nee ? kStepsNee : kStepsNaive;
-  const std::uint32_t tree_depth = path && view.integrator.nee ? scene_->light_tree_depth() : 0;
+  const bool nee = samples_lights(view.integrator) && scene_->facts().light_instance_count > 0;
+  const bool shadow_rays = nee || traces_occlusion(view.integrator.type);
+  const std::uint32_t turns = shadow_rays ? kTurnsNee : kTurnsNaive;
+  const std::uint32_t steps = !scene_->has_tree() ? 1 : shadow_rays ? kStepsNee : kStepsNaive;
+  const std::uint32_t tree_depth = samples_lights(view.integrator) ? scene_->light_tree_depth() : 0;
   const LightRounds& rounds = scene_->light_rounds();
   return {{gpu::kConstantFilterKind, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
           {gpu::kConstantCamera, compiled.camera},
-          {gpu::kConstantIntegrator, path ? gpu::kIntegratorPath : gpu::kIntegratorNormals},
+          {gpu::kConstantIntegrator, compiled.integrator},
           {gpu::kConstantNee, nee ? 1u : 0u},
-          {gpu::kConstantMis, view.integrator.mis ? 1u : 0u},
+          {gpu::kConstantMis, weighs_strategies(view.integrator) ? 1u : 0u},
+          {gpu::kConstantHideEmitters, gathers_light(view.integrator) && view.integrator.hide_emitters ? 1u : 0u},
           {gpu::kConstantLuminance, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
           {gpu::kConstantStepsPerTurn, steps},
           {gpu::kConstantTurnsPerRound, turns},

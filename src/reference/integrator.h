@@ -40,10 +40,14 @@ class DecisionLog {
   std::vector<PathVertex>* vertices_;
 };
 
-/// Path tracing (integrator `path`) [Kajiya1986] as in docs/conventions.md, "Path estimator".
+/// Path tracing (integrators `path` and `whitted`) [Kajiya1986] as in docs/conventions.md, "Path estimator".
 Vec3 path_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
 
-/// Shading normal at the first hit, mapped from [−1,1] to [0,1] (integrator `normals`).
-Vec3 normals_radiance(const World& world, const Ray& camera_ray, DecisionLog& log);
+/// Light from emitters and sky that the first surface reflects (integrator `direct`).
+Vec3 direct_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
+
+/// Integrators that look at the first surface alone: `normals` in both forms, `depth`, `simple`, `ao` and `av`;
+/// docs/conventions.md, "Integrators".
+Vec3 first_hit_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
 
 }  // namespace etendue::reference

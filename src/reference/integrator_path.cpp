@@ -38,27 +38,108 @@ class Scatterer {
   Vec3 wo_;
 };
 
+/// The chance of a path of `whitted` to go on behind a mirror or glass.
+constexpr double kWhittedSurvival = 0.95;
+
 /// One path from the camera; the steps are those of docs/conventions.md, "Path estimator".
 class Path {
  public:
   Path(const World& world, const SampleRandom& random, DecisionLog& log)
-      : world_(world), integrator_(world.scene().integrator), random_(random), log_(log) {}
+      : world_(world),
+        integrator_(world.scene().integrator),
+        samples_lights_(samples_lights(integrator_)),
+        weighs_(weighs_strategies(integrator_)),
+        random_(random),
+        log_(log) {}
 
   Vec3 trace(Ray ray) {
-    for (std::uint32_t depth = 1; depth <= integrator_.max_depth; ++depth) {
-      const std::optional<Surface> hit = world_.closest_hit(ray);
-      log_.segment(hit);
-      const bool goes_on = hit ? scatter(*hit, depth, ray) : leave(ray);
+    const bool path = integrator_.type == Integrator::Type::path;
+    max_depth_ = path ? integrator_.max_depth : Integrator::kUnlimitedDepth;
+    std::optional<Surface> hit = first_visible(ray);
+    for (std::uint32_t depth = 1; depth <= max_depth_; ++depth) {
+      if (depth > 1) {
+        hit = world_.closest_hit(ray);
+        log_.segment(hit);
+      }
+      const bool goes_on = hit ? scatter(*hit, depth, ray) : leave(ray, depth == 1);
       log_.radiance(radiance_);
       if (!goes_on) break;
     }
     return radiance_;
   }
 
+  /// Integrator `direct`: rounds of one light sample and one material sample at the first surface, each divided by how
+  /// many of its kind there are.
+  Vec3 trace_direct(const Ray& camera_ray) {
+    const std::uint32_t rounds = std::max(integrator_.emitter_samples, integrator_.bsdf_samples);
+    for (std::uint32_t round = 0; round < rounds; ++round) {
+      Ray ray = camera_ray;
+      beta_ = Vec3(1.0);
+      previous_.reset();
+      const std::optional<Surface> hit = first_visible(ray);
+      if (!hit && round == 0) leave(ray, true);
+      const bool bounced = hit && direct_round(*hit, round, ray);
+      log_.radiance(radiance_);
+      if (!hit || black_) break;
+      if (!bounced) continue;
+      const std::optional<Surface> end = world_.closest_hit(ray);
+      log_.segment(end);
+      if (end) {
+        radiance_ +=
+            beta_ * emission(world_.scene().emitter_of(world_.scene().instances[end->instance]), *end, -ray.direction);
+      } else {
+        leave(ray, false);
+      }
+      log_.radiance(radiance_);
+    }
+    return radiance_;
+  }
+
  private:
-  bool leave(const Ray& ray) {
-    radiance_ += beta_ * world_.sky(ray.direction);
+  bool leave(const Ray& ray, bool seen_by_camera) {
+    if (!(seen_by_camera && integrator_.hide_emitters)) radiance_ += beta_ * world_.sky(ray.direction);
     return false;
+  }
+
+  /// The first surface along a camera ray that is not hidden from it; `ray` then is the part that reaches it.
+  std::optional<Surface> first_visible(Ray& ray) {
+    for (;;) {
+      const std::optional<Surface> hit = world_.closest_hit(ray);
+      log_.segment(hit);
+      if (!hit || !integrator_.hide_emitters) return hit;
+      const AreaEmitter* emitter = world_.scene().emitter_of(world_.scene().instances[hit->instance]);
+      if (emitter == nullptr || is_zero(emitter->radiance)) return hit;
+      log_.radiance(radiance_);
+      const double passed = glm::dot(hit->p - ray.origin, ray.direction);
+      ray = {.origin = hit->offset_toward(ray.direction), .direction = ray.direction, .t_max = ray.t_max - passed};
+    }
+  }
+
+  /// The first segment of a round; true when `ray` has become that of a material sample.
+  bool direct_round(const Surface& surface, std::uint32_t round, Ray& ray) {
+    const Instance& instance = world_.scene().instances[surface.instance];
+    const Bsdf& bsdf = world_.scene().bsdf_of(instance);
+    const Vec3 wo = -ray.direction;
+    if (round == 0) radiance_ += beta_ * emission(world_.scene().emitter_of(instance), surface, wo);
+    const Scatterer scatterer(bsdf, surface, wo);
+    black_ = scatterer.black();
+    if (black_) {
+      log_.lobe(Lobe::none);
+      return false;
+    }
+    // Numbers are counted by segments, of which a round has two.
+    const std::uint32_t k = 2 * round;
+    const bool delta = is_delta(bsdf);
+    if (round < integrator_.emitter_samples && !delta && !world_.lights().empty())
+      radiance_ += beta_ * direct_light(surface, scatterer, random_.light(k));
+    if (round >= integrator_.bsdf_samples) return false;
+    const BsdfSample bounce = scatterer.sample(random_.material(k));
+    log_.lobe(bounce.lobe);
+    if (bounce.lobe == Lobe::none) return false;
+    beta_ *= bounce.weight / static_cast<double>(integrator_.bsdf_samples);
+    previous_ = Previous{.point = surface.p, .ns = surface.ns, .pdf_w = bounce.pdf, .delta = is_delta(bounce.lobe)};
+    ray = {.origin = surface.offset_toward(bounce.wi), .direction = bounce.wi};
+    return true;
   }
 
   /// Gathers light at vertex `depth` − 1 and turns `ray` into the next segment; false when the path ends.
@@ -67,15 +148,16 @@ class Path {
     const Bsdf& bsdf = world_.scene().bsdf_of(instance);
     const Vec3 wo = -ray.direction;
     radiance_ += beta_ * emission(world_.scene().emitter_of(instance), surface, wo);
-    if (depth == integrator_.max_depth) return false;
+    if (depth == max_depth_) return false;
     const Scatterer scatterer(bsdf, surface, wo);
     if (scatterer.black()) {
       log_.lobe(Lobe::none);
       return false;
     }
     const std::uint32_t k = depth - 1;
-    if (integrator_.nee && !is_delta(bsdf) && !world_.lights().empty())
+    if (samples_lights_ && !is_delta(bsdf) && !world_.lights().empty())
       radiance_ += beta_ * direct_light(surface, scatterer, random_.light(k));
+    if (integrator_.type == Integrator::Type::whitted && !is_delta(bsdf)) return false;
 
     const SampleRandom::Material random = random_.material(k);
     const BsdfSample bounce = scatterer.sample(random);
@@ -93,10 +175,10 @@ class Path {
   /// Radiance emitted toward `wo`, times the share that finding it by chance has in the estimate.
   Vec3 emission(const AreaEmitter* emitter, const Surface& surface, const Vec3& wo) const {
     const Vec3 Le = emitted_radiance(emitter, surface, wo);
-    if (is_zero(Le) || !integrator_.nee || !previous_ || previous_->delta) return Le;
-    if (!integrator_.mis) return Vec3(0.0);
+    if (is_zero(Le) || !samples_lights_ || !previous_ || previous_->delta) return Le;
+    if (!weighs_) return Vec3(0.0);
     const double pdf_light = world_.lights().pdf_w_mis(world_.scene(), previous_->point, previous_->ns, surface);
-    const double w_bsdf = power_heuristic(previous_->pdf_w, pdf_light);
+    const double w_bsdf = power_heuristic(bsdf_count() * previous_->pdf_w, light_count() * pdf_light);
     return Le * w_bsdf;
   }
 
@@ -111,20 +193,28 @@ class Path {
                              !world_.occluded(surface.offset_toward(light.wi), light.surface.offset_toward(-light.wi));
     log_.light(light, contributes);
     if (!contributes) return Vec3(0.0);
-    const double w_light = integrator_.mis ? power_heuristic(light.pdf_w_mis, scatterer.pdf(light.wi)) : 1.0;
-    return unshadowed / light.pdf_w * w_light;
+    const double w_light =
+        weighs_ ? power_heuristic(light_count() * light.pdf_w_mis, bsdf_count() * scatterer.pdf(light.wi)) : 1.0;
+    return unshadowed / light.pdf_w * w_light / light_count();
   }
 
   /// Russian roulette. Paths inside a medium carry radiance scaled by its squared index; `eta_scale_` undoes this, so
   /// that a path's chance does not depend on the medium it is in.
   bool survives(std::uint32_t depth, double u) {
-    if (integrator_.rr_depth == 0 || depth < integrator_.rr_depth) return true;
-    const double q = std::min(max_component(beta_) * eta_scale_, 0.99);
+    const bool whitted = integrator_.type == Integrator::Type::whitted;
+    if (!whitted && (integrator_.rr_depth == 0 || depth < integrator_.rr_depth)) return true;
+    const double q = whitted ? kWhittedSurvival : std::min(max_component(beta_) * eta_scale_, 0.99);
     const bool survived = u < q;
     log_.roulette(survived);
     if (survived) beta_ /= q;
     return survived;
   }
+
+  /// Samples of a strategy that share a vertex; one but for `direct`.
+  double light_count() const {
+    return integrator_.type == Integrator::Type::direct ? integrator_.emitter_samples : 1.0;
+  }
+  double bsdf_count() const { return integrator_.type == Integrator::Type::direct ? integrator_.bsdf_samples : 1.0; }
 
   struct Previous {
     Vec3 point{0.0}, ns{0.0};
@@ -134,6 +224,9 @@ class Path {
 
   const World& world_;
   const Integrator& integrator_;
+  const bool samples_lights_, weighs_;
+  std::uint32_t max_depth_ = 1;
+  bool black_ = false;  ///< the surface that the rounds of `direct` look at reflects nothing
   const SampleRandom& random_;
   DecisionLog& log_;
   Vec3 beta_{1.0};
@@ -146,6 +239,10 @@ class Path {
 
 Vec3 path_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log) {
   return Path(world, random, log).trace(camera_ray);
+}
+
+Vec3 direct_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log) {
+  return Path(world, random, log).trace_direct(camera_ray);
 }
 
 }  // namespace etendue::reference

@@ -140,10 +140,18 @@ CameraSample ReferenceRenderer::camera_sample(SampleId id, const SampleRandom& r
 
 Vec3 ReferenceRenderer::radiance(const Ray& ray, const SampleRandom& random, DecisionLog& log) const {
   switch (world_.scene().integrator.type) {
-    case Integrator::Type::normals:
-      return normals_radiance(world_, ray, log);
     case Integrator::Type::path:
+    case Integrator::Type::whitted:
       return path_radiance(world_, ray, random, log);
+    case Integrator::Type::direct:
+      return direct_radiance(world_, ray, random, log);
+    case Integrator::Type::normals:
+    case Integrator::Type::absolute_normals:
+    case Integrator::Type::simple:
+    case Integrator::Type::ambient_occlusion:
+    case Integrator::Type::visibility:
+    case Integrator::Type::depth:
+      return first_hit_radiance(world_, ray, random, log);
   }
   return Vec3(0.0);
 }

@@ -8,16 +8,36 @@
 #include "core/version.h"
 
 namespace etendue {
-namespace {
 
 std::string integrator_text(const Scene& scene) {
   const Integrator& integrator = scene.integrator;
-  if (integrator.type == Integrator::Type::normals) return "normals";
-  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}{}", integrator.max_depth, integrator.nee,
-                     integrator.mis, integrator.rr_depth, uses_light_tree(scene) ? " lightSampler=tree" : "");
+  const std::string hidden = integrator.hide_emitters ? " hideEmitters" : "";
+  const std::string tree = uses_light_tree(scene) ? " lightSampler=tree" : "";
+  const glm::dvec3 &p = integrator.light.position, &e = integrator.light.energy;
+  switch (integrator.type) {
+    case Integrator::Type::path:
+      break;
+    case Integrator::Type::normals:
+      return "normals";
+    case Integrator::Type::absolute_normals:
+      return "normals absolute";
+    case Integrator::Type::direct:
+      return fmt::format("direct emitterSamples={} bsdfSamples={}{}{}", integrator.emitter_samples,
+                         integrator.bsdf_samples, tree, hidden);
+    case Integrator::Type::whitted:
+      return "whitted" + tree + hidden;
+    case Integrator::Type::simple:
+      return fmt::format("simple position={},{},{} energy={},{},{}", p.x, p.y, p.z, e.x, e.y, e.z);
+    case Integrator::Type::ambient_occlusion:
+      return fmt::format("ao length={}", integrator.length);
+    case Integrator::Type::visibility:
+      return fmt::format("av length={}", integrator.length);
+    case Integrator::Type::depth:
+      return "depth";
+  }
+  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}{}{}", integrator.max_depth, integrator.nee,
+                     integrator.mis, integrator.rr_depth, tree, hidden);
 }
-
-}  // namespace
 
 FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
   FilmHeader header{.width = scene.camera.width,

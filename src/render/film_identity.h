@@ -6,6 +6,9 @@
 
 namespace etendue {
 
+/// The settings of a scene's integrator in one line.
+std::string integrator_text(const Scene& scene);
+
 /// Size, film exponent and metadata of the films of this render, without samples. Nothing in it depends on the time or
 /// the place of the run.
 FilmHeader film_identity(const Scene& scene, std::uint32_t seed);

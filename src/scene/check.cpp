@@ -211,7 +211,7 @@ void check_scene(const Scene& scene, Diagnostics& diagnostics) {
   }
   Box seen = all;  // what light can shine on, or into
   seen.add(glm::dvec3(scene.camera.world_from_camera[3]));
-  if (scene.integrator.type == Integrator::Type::path) check_light(scene, diagnostics);
+  if (gathers_light(scene.integrator)) check_light(scene, diagnostics);
   check_camera_medium(scene, boxes, diagnostics);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];

@@ -128,6 +128,29 @@ class Checker {
       error(scene_.position, "max_depth",
             fmt::format("paths of at most {} segments are asked for; 1 to {} are supported",
                         scene_.integrator.max_depth, Integrator::kUnlimitedDepth));
+    check_integrator(scene_.integrator);
+  }
+
+  void check_integrator(const Integrator& integrator) {
+    const std::uint32_t emitter = integrator.emitter_samples, bsdf = integrator.bsdf_samples;
+    if (std::max(emitter, bsdf) < 1 || std::max(emitter, bsdf) > kMaxDirectSamples)
+      error(
+          scene_.position, "emitter_samples",
+          fmt::format("the integrator takes {} emitter samples and {} bsdf samples; take at least one of either kind, "
+                      "and at most {} of each",
+                      emitter, bsdf, kMaxDirectSamples));
+    if (!(integrator.length > 0.0))
+      error(scene_.position, "length",
+            fmt::format("rays of length {} reach nothing; the length must be above 0", integrator.length));
+    const SimpleLight& light = integrator.light;
+    if (!(largest_coordinate(light.position) <= kMaxCoordinate))
+      error(scene_.position, "position",
+            fmt::format("the light stands at {} {} {}; coordinates up to {} are supported", light.position.x,
+                        light.position.y, light.position.z, kMaxCoordinate));
+    for (const double component : {light.energy.x, light.energy.y, light.energy.z}) {
+      if (!(component >= 0.0 && component <= kMaxRadiance))
+        error(scene_.position, "energy", fmt::format("the energy {} is not between 0 and {}", component, kMaxRadiance));
+    }
   }
 
   void check_radiance(const glm::dvec3& radiance, const SourcePosition& object, std::string_view field) {

@@ -8,6 +8,8 @@ namespace etendue {
 
 /// Largest |coordinate| of a point in world space: beyond it, squared areas overflow single precision.
 inline constexpr double kMaxCoordinate = 1e9;
+/// Samples of a kind that the integrator `direct` takes at a surface.
+inline constexpr std::uint32_t kMaxDirectSamples = 1024;
 /// Largest radiance component: leaves room for path weights in single precision.
 inline constexpr double kMaxRadiance = 1e20;
 /// Darkest emission but none: below it single precision loses digits and then the light.

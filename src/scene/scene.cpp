@@ -111,10 +111,6 @@ void hash(Hasher& h, const Camera& camera) {
   h.value(camera.filter.c);
 }
 
-double largest_component(const glm::dvec3& v) {
-  return std::max({v.x, v.y, v.z});
-}
-
 }  // namespace
 
 Instance& Scene::add(Shape shape, Bsdf bsdf, std::optional<AreaEmitter> emitter) {
@@ -155,8 +151,25 @@ std::uint64_t scene_hash(const Scene& scene) {
   return h.digest();
 }
 
+bool gathers_light(const Integrator& integrator) {
+  using enum Integrator::Type;
+  return integrator.type == path || integrator.type == direct || integrator.type == whitted;
+}
+
+bool samples_lights(const Integrator& integrator) {
+  using enum Integrator::Type;
+  if (integrator.type == direct) return integrator.emitter_samples > 0;
+  return integrator.type == whitted || (integrator.type == path && integrator.nee);
+}
+
+bool weighs_strategies(const Integrator& integrator) {
+  using enum Integrator::Type;
+  if (integrator.type == direct) return integrator.emitter_samples > 0 && integrator.bsdf_samples > 0;
+  return integrator.type == path && integrator.nee && integrator.mis;
+}
+
 bool uses_light_tree(const Scene& scene) {
-  return scene.integrator.type == Integrator::Type::path && scene.integrator.nee && wants_light_tree(scene);
+  return samples_lights(scene.integrator) && wants_light_tree(scene);
 }
 
 bool wants_light_tree(const Scene& scene) {
@@ -167,23 +180,6 @@ bool wants_light_tree(const Scene& scene) {
     if (instance.emitter) primitives += primitive_count(scene.shape_of(instance));
   }
   return primitives >= kManyLights;
-}
-
-int film_exponent(const Scene& scene) {
-  return film_exponent(scene, scene.integrator.type);
-}
-
-int film_exponent(const Scene& scene, Integrator::Type integrator) {
-  if (integrator == Integrator::Type::normals) return 0;
-  double largest = std::max(largest_component(scene.sky.top), largest_component(scene.sky.horizon));
-  for (const Instance& instance : scene.instances) {
-    if (const AreaEmitter* emitter = scene.emitter_of(instance))
-      largest = std::max(largest, largest_component(emitter->radiance));
-  }
-  if (!(largest > 0.0)) return 0;
-  int exponent = 0;
-  const double mantissa = std::frexp(largest, &exponent);  // largest = mantissa · 2^exponent, mantissa in [1/2, 1)
-  return mantissa == 0.5 ? exponent - 1 : exponent;
 }
 
 }  // namespace etendue

@@ -3,6 +3,7 @@
 /// Both renderers start from this type; positions are double-precision world space.
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -113,8 +114,26 @@ struct Sampler {
   std::uint64_t sets_of(std::uint64_t paths) const { return (paths + set_size() - 1) >> set_bits; }
 };
 
+/// A point that shines alike in all directions: `energy` is its power Φ in W per Rec. 709 component. Known to the
+/// integrator `simple` alone.
+struct SimpleLight {
+  glm::dvec3 position{0.0};
+  glm::dvec3 energy{0.0};
+};
+
+/// What is computed for a camera ray; docs/conventions.md, "Integrators".
 struct Integrator {
-  enum class Type : std::uint32_t { path, normals };
+  enum class Type : std::uint32_t {
+    path,
+    normals,            ///< (n + 1)/2
+    absolute_normals,   ///< |n| of each component
+    direct,             ///< light that reaches the first surface from emitters, by several samples of each strategy
+    whitted,            ///< the same, seen in mirrors and glass as well
+    simple,             ///< a surface lit by a SimpleLight
+    ambient_occlusion,  ///< share of the cosine-weighted hemisphere that is free up to `length`
+    visibility,         ///< the same of the hemisphere, each direction counting alike
+    depth,              ///< 1 over the distance
+  };
   /// How a light is chosen: `power` by its power alone, `tree` by what it can contribute to the point; `automatic` is
   /// `tree` for many lights.
   enum class LightSampler : std::uint32_t { automatic, power, tree };
@@ -125,7 +144,18 @@ struct Integrator {
   bool mis = true;             ///< meaningless without nee
   std::uint32_t rr_depth = 5;  ///< Russian roulette from this segment on; 0 = off
   LightSampler light_sampler = LightSampler::automatic;
+  std::uint32_t emitter_samples = 1;  ///< direct: light samples of a camera ray, 0 … kMaxDirectSamples
+  std::uint32_t bsdf_samples = 1;     ///< direct: material samples
+  bool hide_emitters = false;         ///< path, direct, whitted: camera rays pass emitters and find no sky
+  double length = std::numeric_limits<double>::infinity();  ///< ambient_occlusion, visibility: scene units
+  SimpleLight light;                                        ///< simple
 };
+
+/// Whether an integrator gathers what emitters and the sky send: path, direct and whitted do.
+bool gathers_light(const Integrator& integrator);
+/// Whether it samples lights, and whether it weighs them against material samples.
+bool samples_lights(const Integrator& integrator);
+bool weighs_strategies(const Integrator& integrator);
 
 /// Light from outside. Radiance of a ray that leaves the scene in direction w: mix(horizon, top, clamp(w.y, 0, 1)).
 struct Sky {
@@ -171,9 +201,7 @@ bool uses_light_tree(const Scene& scene);
 /// Whether they would be if the integrator sampled lights: what `lightSampler` says of the scene.
 bool wants_light_tree(const Scene& scene);
 
-/// Smallest integer E with every emitted radiance component <= 2^E (0 for a dark scene or the normals integrator): the
-/// film's unit, see docs/conventions.md.
+/// The film's unit, see docs/conventions.md, "Film".
 int film_exponent(const Scene& scene);
-int film_exponent(const Scene& scene, Integrator::Type integrator);
 
 }  // namespace etendue

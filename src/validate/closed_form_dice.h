@@ -16,6 +16,7 @@ namespace etendue::closed_form {
 
 using glm::dvec3;
 inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kPointFov = 1e-6;  ///< degrees: a camera that looks at one point
 
 inline double luminance(const dvec3& rgb) {
   return glm::dot(rgb, dvec3(0.212671, 0.715160, 0.072169));
@@ -113,5 +114,8 @@ inline ReconstructionFilter random_filter(Dice& dice) {
 
 /// Families with files of their own.
 ClosedFormScene camera_scene(Dice& dice);
+ClosedFormScene integrator_scene(Dice& dice, LightStrategy strategy);
+/// Of the family direct, for others to look at differently.
+ClosedFormScene direct_light_scene(Dice& dice, LightStrategy strategy);
 
 }  // namespace etendue::closed_form

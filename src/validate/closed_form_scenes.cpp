@@ -16,8 +16,6 @@ namespace {
 
 using namespace closed_form;
 
-constexpr double kPointFov = 1e-6;  // degrees: a camera that looks at one point
-
 /// Box whose faces look inward.
 TriangleMesh inward_box(const dvec3& half) {
   TriangleMesh mesh;
@@ -395,9 +393,13 @@ ClosedFormScene coverage_scene(Dice& dice) {
 
 }  // namespace
 
+ClosedFormScene closed_form::direct_light_scene(Dice& dice, LightStrategy strategy) {
+  return direct_scene(dice, strategy, kFewLights);
+}
+
 const char* scene_family_name(SceneFamily family) {
-  constexpr std::array<const char*, kSceneFamilies.size()> kNames{"direct", "furnace",  "interior", "sky",   "sheet",
-                                                                  "glass",  "coverage", "crowd",    "camera"};
+  constexpr std::array<const char*, kSceneFamilies.size()> kNames{
+      "direct", "furnace", "interior", "sky", "sheet", "glass", "coverage", "crowd", "camera", "integrator"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -429,6 +431,8 @@ ClosedFormScene make_closed_form(SceneFamily family, std::uint64_t seed, LightSt
         return glass_scene(dice);
       case SceneFamily::camera:
         return camera_scene(dice);
+      case SceneFamily::integrator:
+        return integrator_scene(dice, strategy);
       case SceneFamily::coverage:
         break;
     }

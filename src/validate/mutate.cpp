@@ -103,6 +103,15 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "microfacets reflect by the angle to the normal of the surface instead of their own", "albedo, microfacet"},
     {gpu::kMutantFacetPdfUnmasked, "facet pdf unmasked",
      "the density is that of all microfacets, while only visible ones are sampled", "chi2, roughconductor"},
+    {gpu::kMutantSampleCountsForgotten, "sample counts forgotten",
+     "several light samples count as if each were the only one", "direct light, 3"},
+    {gpu::kMutantSimpleCosineDropped, "cosine of simple dropped", "a surface lit by a point does not look at its slope",
+     "floor lit by a point"},
+    {gpu::kMutantOcclusionWarpsSwapped, "ao and av swapped",
+     "ambient occlusion takes all directions alike, average visibility by their cosine", "ao under"},
+    {gpu::kMutantOcclusionEndless, "occlusion without end", "rays of ao and av have no end", "av under"},
+    {gpu::kMutantHiddenEmittersOpaque, "hidden emitters opaque", "emitters hidden from the camera are black",
+     "floor seen"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -310,6 +319,12 @@ std::vector<SuiteTest> make_suite() {
       scene_test(SceneFamily::coverage, naive, "box"),
       scene_test(SceneFamily::coverage, naive, "mitchell"),
       scene_test(SceneFamily::camera, naive, "far rectangle"),
+      scene_test(SceneFamily::integrator, mis, "as direct, 3 and 2"),
+      scene_test(SceneFamily::integrator, nee, "as whitted"),
+      scene_test(SceneFamily::integrator, mis, "floor lit by a point"),
+      scene_test(SceneFamily::integrator, mis, "ao under"),
+      scene_test(SceneFamily::integrator, mis, "av under"),
+      scene_test(SceneFamily::integrator, mis, "floor seen"),
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),

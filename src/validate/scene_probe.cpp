@@ -170,7 +170,7 @@ void probe_scene(Scene scene, Diagnostics& diagnostics) {
   if (is_crowded(scene, diagnostics)) return;
   shrink_film(scene.camera);
   scene.integrator.max_depth = std::min(scene.integrator.max_depth, kMaxDepth);
-  const bool path_tracing = scene.integrator.type == Integrator::Type::path;
+  const bool path_tracing = gathers_light(scene.integrator);
   const Counts counts = count_paths(scene);
   if (counts.seen == 0) {
     diagnostics.warning(scene.camera.position,

@@ -29,7 +29,12 @@ Scene cornell() {
 }
 
 Film film_of(Renderer& renderer, const Scene& scene, const View& view, SampleRange range = {0, 3}) {
-  Film film(view.camera.width, view.camera.height, film_exponent(scene, view.integrator.type));
+  Film film(view.camera.width, view.camera.height, [&] {
+    Scene shown = scene;
+    shown.camera = view.camera;
+    shown.integrator = view.integrator;
+    return film_exponent(shown);
+  }());
   std::vector<RejectedSample> rejected;
   EXPECT_EQ(renderer.render(range, film, {}, rejected), range.end);
   return film;

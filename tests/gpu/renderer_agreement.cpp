@@ -69,6 +69,56 @@ TEST_F(RendererAgreement, DepthRouletteAndNormals) {
   compare("normals", normals, 30000, 200, 0);
 }
 
+TEST_F(RendererAgreement, IntegratorsOfTheCourses) {
+  const auto as = [](Integrator::Type type) {
+    Scene scene = cornell({});
+    scene.integrator.type = type;
+    return scene;
+  };
+  using Type = Integrator::Type;
+  for (const auto& [emitter, bsdf] : {std::pair(1u, 1u), {3u, 2u}, {2u, 0u}, {0u, 3u}}) {
+    Scene direct = as(Type::direct);
+    direct.integrator.emitter_samples = emitter;
+    direct.integrator.bsdf_samples = bsdf;
+    compare(fmt::format("direct {} {}", emitter, bsdf), direct, 20000, 600, 400);
+  }
+  Scene hidden = as(Type::path);
+  hidden.integrator.hide_emitters = true;
+  compare("hidden emitters", hidden, 20000, 600, 400);
+  compare("whitted", as(Type::whitted), 20000, 600, 400);
+  compare("absolute normals", as(Type::absolute_normals), 20000, 200, 0);
+  compare("depth", as(Type::depth), 20000, 200, 0);
+  Scene simple = as(Type::simple);
+  simple.integrator.light = {{0.1, 0.6, 0.2}, {40, 30, 20}};
+  compare("simple", simple, 20000, 600, 400);
+  for (const Type type : {Type::ambient_occlusion, Type::visibility}) {
+    for (const double length : {0.3, 1e30}) {
+      Scene scene = as(type);
+      scene.integrator.length = length;
+      compare(fmt::format("openness {} {}", static_cast<int>(type), length), scene, 20000, 800, 400);
+    }
+  }
+}
+
+// One sample of each kind is what path takes at its first vertex, to the bit.
+TEST_F(RendererAgreement, DirectIsPathOfTwoSegments) {
+  Scene path = cornell({{"integrator.maxDepth", "2"}, {"integrator.rrDepth", "0"}});
+  Scene direct = path;
+  direct.integrator.type = Integrator::Type::direct;
+  std::vector<SampleId> ids;
+  for (std::uint32_t i = 0; i < 7500; ++i) ids.push_back({i, i % 5});
+  const auto by_path = make_gpu_renderer(path, {.seed = 4}, renderer_options())->trace_samples(ids);
+  const auto by_direct = make_gpu_renderer(direct, {.seed = 4}, renderer_options())->trace_samples(ids);
+  const auto reference = make_reference_renderer(path, {.seed = 4})->trace_samples(ids);
+  const auto reference_direct = make_reference_renderer(direct, {.seed = 4})->trace_samples(ids);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    ASSERT_EQ(by_path[i].radiance, by_direct[i].radiance) << i;
+    ASSERT_EQ(by_path[i].signature, by_direct[i].signature) << i;
+    ASSERT_EQ(reference[i].radiance, reference_direct[i].radiance) << i;
+    ASSERT_EQ(reference[i].signature, reference_direct[i].signature) << i;
+  }
+}
+
 TEST_F(RendererAgreement, FiltersAndMirroredCameras) {
   for (const auto type :
        {ReconstructionFilter::Type::tent, ReconstructionFilter::Type::gaussian, ReconstructionFilter::Type::mitchell}) {

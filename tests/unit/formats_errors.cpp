@@ -138,7 +138,7 @@ const BadInput kGrammar[] = {
     {"TooSmooth", in_mesh("<bsdf type=\"microfacet\"><float name=\"alpha\" value=\"1e-4\"/></bsdf>"), 3, 52,
      "allowed is 0.001 … 1"},
     {"EnvironmentMap", in_mesh("<emitter type=\"envmap\"/>"), 3, 16, "not supported; supported are: area"},
-    {"Whitted", "<scene><camera type=\"perspective\"/>\n<integrator type=\"whitted\"/></scene>", 2, 19,
+    {"PhotonMapper", "<scene><camera type=\"perspective\"/>\n<integrator type=\"photonmapper\"/></scene>", 2, 19,
      "not supported; supported are: path, path_mats"},
     {"Medium", scene_around("<medium type=\"homogeneous\"/>"), 2, 1, "<medium> is not supported"},
     {"Phase", scene_around("<phase type=\"hg\"/>"), 2, 1, "<phase> is not supported"},

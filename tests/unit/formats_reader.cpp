@@ -2,6 +2,7 @@
 
 #include <clocale>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -167,7 +168,61 @@ TEST(SceneReader, IntegratorAliases) {
     EXPECT_EQ(i.max_depth, Integrator::kUnlimitedDepth);
     EXPECT_EQ(i.rr_depth, 5u);
   }
-  EXPECT_EQ(integrator("<integrator type=\"normals\"/>").type, Integrator::Type::normals);
+  EXPECT_EQ(integrator("<integrator type=\"normals\"/>").type, Integrator::Type::absolute_normals);
+}
+
+TEST(SceneReader, IntegratorsOfTheCourses) {
+  using Type = Integrator::Type;
+  const auto with = [](const char* type, const char* properties = "") {
+    return integrator(fmt::format("<integrator type=\"{}\">{}</integrator>", type, properties));
+  };
+  EXPECT_EQ(with("normals", "<boolean name=\"signed\" value=\"true\"/>").type, Type::normals);
+  EXPECT_EQ(with("depth").type, Type::depth);
+  EXPECT_EQ(with("whitted").type, Type::whitted);
+  EXPECT_EQ(with("ao").length, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(with("ao", "<float name=\"length\" value=\"2\"/>").length, 2.0);
+  EXPECT_EQ(with("av", "<float name=\"length\" value=\"0.5\"/>").length, 0.5);
+  const Integrator simple =
+      with("simple", "<point name=\"position\" value=\"1 2 3\"/><color name=\"energy\" value=\"3e4 2e4 1e4\"/>");
+  EXPECT_EQ(simple.light.position, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(simple.light.energy, glm::dvec3(3e4, 2e4, 1e4));
+  const auto counts = [&](const char* type, const char* properties = "") {
+    const Integrator i = with(type, properties);
+    EXPECT_EQ(i.type, Type::direct);
+    return std::pair(i.emitter_samples, i.bsdf_samples);
+  };
+  EXPECT_EQ(counts("direct"), std::pair(1u, 1u));
+  EXPECT_EQ(counts("direct_ems"), std::pair(1u, 0u));
+  EXPECT_EQ(counts("direct_mats"), std::pair(0u, 1u));
+  EXPECT_EQ(counts("direct_mis"), std::pair(1u, 1u));
+  EXPECT_EQ(
+      counts("direct", "<integer name=\"emitterSamples\" value=\"4\"/><integer name=\"bsdfSamples\" value=\"0\"/>"),
+      std::pair(4u, 0u));
+  EXPECT_TRUE(with("whitted", "<boolean name=\"hideEmitters\" value=\"true\"/>").hide_emitters);
+  EXPECT_TRUE(with("volpath").mis);
+  EXPECT_FALSE(with("vol_path_mats").nee);
+}
+
+TEST(SceneReader, TypesByOverride) {
+  const std::string text =
+      "<scene><integrator type=\"path\"><integer name=\"maxDepth\" value=\"7\"/></integrator>"
+      "<camera type=\"perspective\"/></scene>";
+  // What belongs to the replaced type is no mistake, even where mistakes are refused.
+  EXPECT_EQ(read_good(text, {{{"integrator.type", "ao"}, {"integrator.length", "2"}}, true}).integrator.length, 2.0);
+  EXPECT_EQ(read_good(text, {{{"integrator.type", "path_mats"}}, true}).integrator.max_depth, 7u);
+  EXPECT_EQ(read_good(text, {{{"sampler.type", "sobol"}}, true}).sampler.type, Sampler::Type::sobol);
+  // A type that nobody knows may be replaced, too.
+  EXPECT_EQ(read_good("<scene><integrator type=\"bdpt\"><float name=\"x\" value=\"1\"/></integrator>"
+                      "<camera type=\"perspective\"/></scene>",
+                      {{{"integrator.type", "depth"}}, true})
+                .integrator.type,
+            Integrator::Type::depth);
+  Diagnostics diagnostics;
+  TemporaryFolder folder;
+  EXPECT_FALSE(read_scene_file(folder.write("s.xml", text), {{{"integrator.type", "pth"}}, false}, diagnostics));
+  EXPECT_NE(all_messages(diagnostics).find("unknown integrator type \"pth\"; did you mean \"path\"?"),
+            std::string::npos)
+      << all_messages(diagnostics);
 }
 
 TEST(SceneReader, NeeOfTheSceneYieldsToTheIntegrator) {

@@ -27,6 +27,32 @@ std::vector<std::string> optional_attributes(std::string_view tag, const Dialect
 }
 
 /// The row for an element's type; reports what is wrong with it.
+/// The type that -D gives the objects of a tag, "-D integrator.type=ao"; nullptr where it gives none.
+const std::pair<std::string, std::string>* find_type_override(std::string_view tag, ReadContext& context) {
+  if (!is_overridable(tag) || context.dialect.find(tag, "") != nullptr) return nullptr;
+  const std::string path = fmt::format("{}.type", tag);
+  context.overridable.insert(path);
+  const std::pair<std::string, std::string>* last = nullptr;
+  for (std::size_t i = 0; i < context.overrides.size(); ++i) {
+    if (context.overrides[i].first != path) continue;
+    context.override_matched[i] = true;
+    last = &context.overrides[i];
+  }
+  return last;
+}
+
+/// The row of a type that -D gives; reports one that there is not.
+const Plugin* find_overriding_row(std::string_view tag, const std::pair<std::string, std::string>& type,
+                                  ReadContext& context) {
+  if (const Plugin* plugin = context.dialect.find(tag, type.second)) return plugin;
+  const std::vector<std::string> types = context.dialect.types_of(tag);
+  context.diagnostics.error({fmt::format("-D {}={}", type.first, type.second), 0, 0},
+                            fmt::format("unknown {} type {}{}; supported are: {}", tag, text::quoted(type.second),
+                                        text::did_you_mean(type.second, types), text::join(types)),
+                            ErrorKind::usage);
+  return nullptr;
+}
+
 const Plugin* find_row(const XmlElement& element, ReadContext& context) {
   const Dialect& dialect = context.dialect;
   const std::string_view tag = dialect.canonical(element.name);
@@ -37,6 +63,7 @@ const Plugin* find_row(const XmlElement& element, ReadContext& context) {
   const XmlAttribute* type = element.find("type");
   check_attributes(element, {"type"}, context, optional_attributes(tag, dialect));
   if (type == nullptr) return nullptr;
+  if (const auto* other = find_type_override(tag, context)) return find_overriding_row(tag, *other, context);
   if (const Plugin* plugin = dialect.find(tag, type->value)) return plugin;
   const std::vector<std::string> types = dialect.types_of(tag);
   const SourcePosition position = value_position(*type, 0, context);
@@ -92,6 +119,9 @@ std::optional<Object> Object::read(const XmlElement& element, ReadContext& conte
   const Plugin* plugin = find_row(element, context);
   if (plugin == nullptr) return std::nullopt;
   Object object(*plugin, element.name, context.document.position(element.offset));
+  const XmlAttribute* type = element.find("type");
+  object.retyped_ = type != nullptr && type->value != plugin->type;
+  if (object.retyped_) object.in_file_ = context.dialect.find(plugin->tag, type->value);
   for (const XmlElement& child : element.children) object.read_child(child, context);
   object.apply_overrides(context);
   object.check_complete(context);
@@ -99,7 +129,11 @@ std::optional<Object> Object::read(const XmlElement& element, ReadContext& conte
 }
 
 Object Object::defaulted(const char* tag, const char* type, const SourcePosition& parent, ReadContext& context) {
-  Object object(*context.dialect.find(tag, type), tag, parent);
+  const Plugin* plugin = context.dialect.find(tag, type);
+  if (const auto* other = find_type_override(tag, context)) {
+    if (const Plugin* row = find_overriding_row(tag, *other, context)) plugin = row;
+  }
+  Object object(*plugin, tag, parent);
   object.apply_overrides(context);
   return object;
 }
@@ -159,6 +193,7 @@ void Object::add_child(const XmlElement& child, const XmlElement& object, ReadCo
   const bool may_be_named = is_reference || context.dialect.can_be_named(tag);
   if (may_be_named && child.find("name") != nullptr) return add_named_child(child, object, context);
   const ChildRule* rule = plugin_->find_child(tag);
+  if (rule == nullptr && retyped_ && (in_file_ == nullptr || in_file_->find_child(tag) != nullptr)) return;
   if (rule == nullptr || (is_reference && rule->use != ChildUse::element_or_reference))
     return report_misplaced(child, object.name, context);
   const SourcePosition position = context.document.position(child.offset);
@@ -215,6 +250,8 @@ void Object::add_named_child(const XmlElement& child, const XmlElement& object, 
 
 void Object::report_unknown_property(const XmlAttribute& name, ReadContext& context) const {
   if (!context.strict && !context.diagnostics.wants_warnings()) return;
+  // What belongs to the type that -D has replaced is not wrong.
+  if (retyped_ && (in_file_ == nullptr || in_file_->find(name.value) != nullptr)) return;
   const std::vector<std::string> names = plugin_->parameter_names();
   const std::string known = names.empty() ? "it has none" : "it has: " + text::join(names);
   const std::string message = fmt::format("{} has no property {}{}; {}", heading(), text::quoted(name.value),

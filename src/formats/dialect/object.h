@@ -87,7 +87,9 @@ class Object {
   [[noreturn]] static void throw_wrong_type(const char* name);
 
   const Plugin* plugin_;
-  std::string tag_;  ///< as the file writes it: an alias of the row's tag, perhaps
+  bool retyped_ = false;             ///< -D gives another type than the file
+  const Plugin* in_file_ = nullptr;  ///< then the row of the file's type; nullptr where there is none
+  std::string tag_;                  ///< as the file writes it: an alias of the row's tag, perhaps
   SourcePosition position_;
   std::map<std::string, Given, std::less<>> given_;
   std::set<std::string, std::less<>> seen_;  ///< names met, also with values that could not be read

@@ -100,27 +100,66 @@ class SceneReader {
   }
 
   Integrator read_integrator(const Object& object, const Object& scene) {
-    Integrator integrator;
     const std::string type = object.plugin().type;
-    if (type == "normals") {
-      integrator.type = Integrator::Type::normals;
-      return integrator;
-    }
+    if (object.plugin().find("maxDepth") != nullptr) return read_path(object, scene, type);
+    const bool gathers = type.starts_with("direct") || type == "whitted";
+    if (gathers && scene.given("nee")) warn_scene_nee(scene, "the integrator " + type + " decides it");
+    Integrator integrator = gathers ? read_direct(object, type) : read_first_hit(object, type);
+    if (object.plugin().find("hideEmitters") != nullptr) integrator.hide_emitters = object.get<bool>("hideEmitters");
+    if (object.plugin().find("lightSampler") != nullptr) integrator.light_sampler = read_light_sampler(object);
+    return integrator;
+  }
+
+  /// path, and what is path under another name.
+  Integrator read_path(const Object& object, const Object& scene, const std::string& type) {
+    Integrator integrator;
     integrator.max_depth = to_uint32(object.get<std::int64_t>("maxDepth"));
     integrator.rr_depth = to_uint32(object.get<std::int64_t>("rrDepth"));
+    integrator.hide_emitters = object.get<bool>("hideEmitters");
     if (type == "path") {
       // The scene's nee counts only where the integrator is silent: the nearer word wins.
       integrator.nee = object.given("nee") ? object.get<bool>("nee") : scene.get<bool>("nee");
       integrator.mis = object.get<bool>("mis");
       if (object.given("nee") && scene.given("nee")) warn_scene_nee(scene, "the integrator has its own");
     } else {
-      integrator.nee = type != "path_mats";
-      integrator.mis = type == "path_mis";
+      integrator.nee = !type.ends_with("mats") && type != "path_simple";
+      integrator.mis = integrator.nee && type != "path_ems";
       if (scene.given("nee") && scene.get<bool>("nee") != integrator.nee)
         warn_scene_nee(scene, "the integrator " + type + " decides it");
     }
     integrator.light_sampler = read_light_sampler(object);
     check_integrator(integrator, object);
+    return integrator;
+  }
+
+  Integrator read_direct(const Object& object, const std::string& type) {
+    Integrator integrator;
+    integrator.type = type == "whitted" ? Integrator::Type::whitted : Integrator::Type::direct;
+    if (type == "direct_ems") integrator.bsdf_samples = 0;
+    if (type == "direct_mats") integrator.emitter_samples = 0;
+    if (type != "direct") return integrator;
+    integrator.emitter_samples = to_uint32(object.get<std::int64_t>("emitterSamples"));
+    integrator.bsdf_samples = to_uint32(object.get<std::int64_t>("bsdfSamples"));
+    if (integrator.emitter_samples + integrator.bsdf_samples == 0)
+      sink_.error(object.position_of("bsdfSamples"),
+                  "neither emitterSamples nor bsdfSamples is above 0: nothing would be lit; set one of them to 1");
+    return integrator;
+  }
+
+  Integrator read_first_hit(const Object& object, const std::string& type) {
+    using enum Integrator::Type;
+    Integrator integrator;
+    if (type == "normals") {
+      integrator.type = object.get<bool>("signed") ? normals : absolute_normals;
+    } else if (type == "depth") {
+      integrator.type = depth;
+    } else if (type == "simple") {
+      integrator.type = simple;
+      integrator.light = {object.get<glm::dvec3>("position"), object.get<glm::dvec3>("energy")};
+    } else {
+      integrator.type = type == "av" ? visibility : ambient_occlusion;
+      if (const auto length = object.get<double>("length"); length > 0.0) integrator.length = length;
+    }
     return integrator;
   }
 

@@ -40,10 +40,16 @@ Parameter light_sampler() {
       "point; auto, tree for 10 or more emitting primitives, else power"};
 }
 
+Parameter hide_emitters() {
+  return {"hideEmitters", boolean, "false", any(),
+          "camera rays pass through what emits, and find no sky; light that it sends elsewhere stays"};
+}
+
 std::vector<Parameter> alias_parameters() {
   return {{"maxDepth", integer, "1073741824", between(1, kMaxDepth), "path segments; the default is without limit"},
           {"rrDepth", integer, "5", between(1, kMaxDepth), "Russian roulette from this segment on"},
-          light_sampler()};
+          light_sampler(),
+          hide_emitters()};
 }
 
 std::vector<Plugin> scene_plugins() {
@@ -59,6 +65,93 @@ std::vector<Plugin> scene_plugins() {
         {"sampler", 0, 1, ChildUse::element},
         {"mesh", 0, kAnyNumber, ChildUse::element},
         {"bsdf", 0, kAnyNumber, ChildUse::definition}}},
+  };
+}
+
+/// Path tracing under the names of Nori's courses and of renderers with media, without which they are the same.
+std::vector<Plugin> path_aliases() {
+  std::vector<Plugin> rows;
+  const auto add = [&](const char* type, const char* doc) {
+    rows.push_back({"integrator", type, doc, alias_parameters(), {}});
+  };
+  add("path_mats", "Path tracing by material sampling only: path with nee off, and no depth limit.");
+  add("path_ems",
+      "Path tracing with light sampling only at diffuse vertices: path with nee on and mis off, and no depth limit.");
+  add("path_mis", "Path tracing with multiple importance sampling: path with nee and mis on, and no depth limit.");
+  add("path_simple", "Another name of path_mats.");
+  add("path_vol", "Where there is no medium the same as path_mis.");
+  add("volpath", "Where there is no medium the same as path_mis.");
+  add("vol_path", "Where there is no medium the same as path_mis.");
+  add("vol_path_mats", "Where there is no medium the same as path_mats.");
+  add("vol_path_mis", "Where there is no medium the same as path_mis.");
+  return rows;
+}
+
+std::vector<Parameter> direct_parameters() {
+  return {light_sampler(), hide_emitters()};
+}
+
+std::vector<Plugin> direct_plugins() {
+  return {
+      {"integrator",
+       "direct",
+       "Light that the first surface reflects straight from emitters and sky, and what emits toward the camera. "
+       "Mirrors and glass show emitters by their material samples.",
+       {{"emitterSamples", integer, "1", between(0, kMaxDirectSamples), "light samples of a camera ray"},
+        {"bsdfSamples", integer, "1", between(0, kMaxDirectSamples),
+         "material samples; with both kinds they are weighted against each other"},
+        light_sampler(),
+        hide_emitters()},
+       {}},
+      {"integrator",
+       "direct_ems",
+       "direct with one light sample and no material sample: mirrors and glass are black.",
+       direct_parameters(),
+       {}},
+      {"integrator", "direct_mats", "direct with one material sample and no light sample.", {hide_emitters()}, {}},
+      {"integrator", "direct_mis", "direct with one sample of each kind.", direct_parameters(), {}},
+      {"integrator",
+       "whitted",
+       "Direct light, by one light sample, at the first surface that is no mirror and no glass. Behind each of those "
+       "the "
+       "path goes on with probability 0.95.",
+       direct_parameters(),
+       {}},
+  };
+}
+
+std::vector<Plugin> first_hit_plugins() {
+  return {
+      {"integrator",
+       "normals",
+       "The shading normal of the first hit as a colour: |n| of each component.",
+       {{"signed", boolean, "false", any(), "(n + 1)/2 instead"}},
+       {}},
+      {"integrator",
+       "simple",
+       "What is hit, lit by a single point that shines alike in all directions; emitters and materials play no part: "
+       "energy/(4π²) · max(0, cos θ)/d², or 0 in shadow.",
+       {{"position", point, nullptr, between(-kMaxCoordinate, kMaxCoordinate), "of the light, world space"},
+        {"energy", color, nullptr, between(0, kMaxRadiance), "power of the light"}},
+       {}},
+      {"integrator",
+       "ao",
+       "Ambient occlusion: 1 where a cosine-distributed ray from the first hit meets nothing, else 0.",
+       {{"length", real, "0", between(0, kMaxCoordinate), "of that ray; 0: without end"}},
+       {}},
+      {"integrator",
+       "av",
+       "Average visibility: 1 where a ray from the first hit, evenly distributed over the hemisphere, meets nothing, "
+       "and "
+       "where nothing is hit; else 0.",
+       {{"length", real, nullptr, above_up_to(0, kMaxCoordinate), "of that ray"}},
+       {}},
+      {"integrator", "depth", "1 over the distance between camera and first hit; 0 where there is none.", {}, {}},
+  };
+}
+
+std::vector<Plugin> integrator_plugins() {
+  std::vector<Plugin> rows = {
       {"integrator",
        "path",
        "Path tracing.",
@@ -67,25 +160,12 @@ std::vector<Plugin> scene_plugins() {
         {"nee", boolean, "true", any(), "next-event estimation: one shadow ray to a light at every diffuse vertex"},
         {"mis", boolean, "true", any(), "multiple importance sampling of lights and materials; no effect without nee"},
         {"rrDepth", integer, "5", between(0, kMaxDepth), "Russian roulette from this segment on; 0 is off"},
-        light_sampler()},
-       {}},
-      {"integrator",
-       "path_mats",
-       "Path tracing by material sampling only: path with nee off, and no depth limit.",
-       alias_parameters(),
-       {}},
-      {"integrator",
-       "path_ems",
-       "Path tracing with light sampling only at diffuse vertices: path with nee on and mis off, and no depth limit.",
-       alias_parameters(),
-       {}},
-      {"integrator",
-       "path_mis",
-       "Path tracing with multiple importance sampling: path with nee and mis on, and no depth limit.",
-       alias_parameters(),
-       {}},
-      {"integrator", "normals", "The shading normal of the first hit as a colour, (n + 1)/2.", {}, {}},
-  };
+        light_sampler(),
+        hide_emitters()},
+       {}}};
+  for (const auto& more : {path_aliases(), direct_plugins(), first_hit_plugins()})
+    rows.insert(rows.end(), more.begin(), more.end());
+  return rows;
 }
 
 std::vector<Plugin> view_plugins() {
@@ -185,6 +265,7 @@ std::vector<Plugin> object_plugins() {
 
 std::vector<Plugin> make_plugins() {
   std::vector<Plugin> rows = scene_plugins();
+  for (Plugin& row : integrator_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : view_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : mesh_file_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : object_plugins()) rows.push_back(std::move(row));
@@ -194,9 +275,7 @@ std::vector<Plugin> make_plugins() {
 
 std::vector<UnsupportedTypes> unsupported_types() {
   return {
-      {"integrator",
-       {"av", "ao", "simple", "whitted", "direct", "direct_ems", "direct_mats", "direct_mis", "photonmapper", "volpath",
-        "path_vol", "vol_path_mats", "vol_path_mis", "bdpt"}},
+      {"integrator", {"photonmapper", "bdpt", "mlt", "sppm"}},
       {"camera", {"thinlens", "orthographic", "environment", "fisheye"}},
       {"sampler", {"stratified", "halton", "ldsampler", "multijitter"}},
       {"rfilter", {"lanczos", "catmullrom"}},

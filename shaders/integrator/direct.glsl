@@ -1,0 +1,44 @@
+// The integrators direct and whitted, where they differ from path; docs/conventions.md, "Integrators".
+//
+// direct takes several samples of each strategy at the first surface, one of each a round. A round begins with the camera ray, which is traced anew:
+// nothing of a vertex is kept while other rays are traced. Segment 2r + 1 is the camera ray of round r, 2r + 2 the ray of its material sample.
+#ifndef DIRECT_GLSL
+#define DIRECT_GLSL
+
+const float kWhittedSurvival = 0.95;  // chance to go on behind a mirror or glass, as after [Whitted1980]
+
+bool is_camera_segment(Path path) { return kIntegrator == kIntegratorDirect ? (path.segment & 1u) == 1u : path.segment == 1u; }
+
+uint direct_round(Path path) { return (path.segment - 1u) >> 1u; }
+
+// What the camera sees by itself counts once, in the first round, or not at all.
+bool no_light_to_camera(Path path) {
+  if (kHideEmitters && is_camera_segment(path)) return true;
+  return kIntegrator == kIntegratorDirect && is_camera_segment(path) && path.segment > 1u;
+}
+
+void next_direct_round(inout Path path) {
+  const uint round = direct_round(path) + 1u;
+  path.alive = round < max(frame.emitter_samples, frame.bsdf_samples);
+  if (!path.alive) return;
+  float weight;
+  path.ray = camera_ray(path.pixel, path.sample_index, weight);
+  path.beta = vec3(1.0);
+  path.full_emission = true;
+  path.segment = 2u * round + 1u;
+}
+
+bool hidden_from_camera(Path path, Instance instance) {
+  MUTATE(kMutantHiddenEmittersOpaque, return false);
+  return kHideEmitters && is_camera_segment(path) && instance.radiance != vec3(0.0);
+}
+
+// The camera ray goes on behind an emitter that is hidden from it.
+void pass_through(inout Path path, Surface s, Hit hit) {
+  Ray ray = spawn_ray(s.p, s.ng, s.error, path.ray.d);
+  ray.t_max = path.ray.t_max - hit.t;
+  path.ray = ray;
+  path.alive = true;
+}
+
+#endif

@@ -1,0 +1,66 @@
+#include "scene/film_unit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/gtc/constants.hpp>
+
+namespace etendue {
+namespace {
+
+double largest_component(const glm::dvec3& v) {
+  return std::max({v.x, v.y, v.z});
+}
+
+/// Smallest E with value <= 2^E; 0 where the value is not above 0 and finite.
+int exponent_above(double value) {
+  if (!(value > 0.0) || !std::isfinite(value)) return 0;
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);  // value = mantissa · 2^exponent, mantissa in [1/2, 1)
+  return mantissa == 0.5 ? exponent - 1 : exponent;
+}
+
+/// A film takes values up to 2^(E+24). From the farthest point of the scene, at distance R, up to R · 2^-22 from the
+/// light, where single precision ends, Φ/(4π²d²) grows by 2^44.
+int simple_exponent(const SimpleLight& light, const Bounds& bounds) {
+  if (bounds.empty()) return 0;
+  const glm::dvec3 farthest = glm::max(glm::abs(bounds.min - light.position), glm::abs(bounds.max - light.position));
+  constexpr double kPi = glm::pi<double>();
+  const double least = largest_component(light.energy) / (4.0 * kPi * kPi * glm::dot(farthest, farthest));
+  constexpr int kRoom = 20;
+  return exponent_above(least) + kRoom;
+}
+
+/// 1/t is at most 1 over the near clipping distance, which takes the top of the film's range; the bottom lies 2^80
+/// below. Without a near plane the range ends at 2^-40 of the far one.
+int depth_exponent(const Camera& camera) {
+  const double unit = glm::length(glm::dvec3(camera.world_from_camera[2]));
+  const double nearest = std::max(camera.near_clip, camera.far_clip * 0x1p-40) * unit;
+  constexpr int kHeadroom = 23;
+  return exponent_above(1.0 / nearest) - kHeadroom;
+}
+
+}  // namespace
+
+int radiance_exponent(const Scene& scene) {
+  double largest = std::max(largest_component(scene.sky.top), largest_component(scene.sky.horizon));
+  for (const Instance& instance : scene.instances) {
+    if (const AreaEmitter* emitter = scene.emitter_of(instance))
+      largest = std::max(largest, largest_component(emitter->radiance));
+  }
+  return exponent_above(largest);
+}
+
+int view_exponent(const View& view, int radiance_exponent, const Bounds& bounds) {
+  if (gathers_light(view.integrator)) return radiance_exponent;
+  if (view.integrator.type == Integrator::Type::simple) return simple_exponent(view.integrator.light, bounds);
+  if (view.integrator.type == Integrator::Type::depth) return depth_exponent(view.camera);
+  return 0;
+}
+
+int film_exponent(const Scene& scene) {
+  const bool light = gathers_light(scene.integrator), bounded = scene.integrator.type != Integrator::Type::simple;
+  return view_exponent(view_of(scene), light ? radiance_exponent(scene) : 0, bounded ? Bounds{} : bounds_of(scene));
+}
+
+}  // namespace etendue

@@ -1,0 +1,17 @@
+#pragma once
+/// The unit of the film's sums, chosen so that nothing is refused for being bright; docs/conventions.md, "Film".
+
+#include "scene/bounds.h"
+#include "scene/view.h"
+
+namespace etendue {
+
+/// Smallest integer E with every component of radiance that anything of the scene emits <= 2^E; 0 for a dark scene.
+int radiance_exponent(const Scene& scene);
+
+/// The film's exponent for a view of a scene whose emitters have `radiance_exponent` and that fills `bounds`: that
+/// itself where light is gathered, 0 for colours and shares, and for what has no bound enough for the least distance
+/// that positions can tell apart.
+int view_exponent(const View& view, int radiance_exponent, const Bounds& bounds);
+
+}  // namespace etendue
