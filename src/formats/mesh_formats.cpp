@@ -1,18 +1,14 @@
 #include "formats/mesh_formats.h"
 
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "formats/obj/obj_reader.h"
+#include "formats/ply/ply_reader.h"
 
 namespace etendue {
 
 const std::vector<MeshFormat>& mesh_formats() {
   static const std::vector<MeshFormat> kFormats = {
-      {"obj", "OBJ", "Triangles from a Wavefront OBJ file.", true,
-       [](const std::string& path, Diagnostics& diagnostics) { return read_obj(path, diagnostics); }},
+      {"obj", "OBJ", "Triangles from a Wavefront OBJ file.", true, read_obj},
+      {"ply", "PLY", "Triangles from a PLY file, ASCII or binary.", false, read_ply},
   };
   return kFormats;
 }
@@ -22,12 +18,6 @@ const MeshFormat* find_mesh_format(std::string_view word) {
     if (format.word == word) return &format;
   }
   return nullptr;
-}
-
-std::string mesh_format_titles() {
-  std::vector<std::string> titles;
-  for (const MeshFormat& format : mesh_formats()) titles.emplace_back(format.title);
-  return fmt::format("{}", fmt::join(titles, " or "));
 }
 
 }  // namespace etendue

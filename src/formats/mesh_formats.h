@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "formats/mesh/mesh_content.h"
 #include "scene/diagnostics.h"
 #include "scene/scene.h"
 
@@ -19,13 +20,11 @@ struct MeshFormat {
   bool states_v;      ///< the format says where v = 0 lies, and `read` gives v upward as scene.h does
   /// One mesh in object space; nothing after reporting an error. Throws Error if the file cannot be opened or read. A
   /// file without triangles gives a mesh without them.
-  std::optional<TriangleMesh> (*read)(const std::string& path, Diagnostics& diagnostics);
+  std::optional<TriangleMesh> (*read)(const std::string& path, const MeshContent& content, Diagnostics& diagnostics);
 };
 
 const std::vector<MeshFormat>& mesh_formats();
 /// The format of an extension, or nullptr.
 const MeshFormat* find_mesh_format(std::string_view word);
-/// The titles: "OBJ or PLY".
-std::string mesh_format_titles();
 
 }  // namespace etendue

@@ -40,9 +40,8 @@ std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOpti
     diagnostics.error({}, error.what(), error.kind());
     return std::nullopt;
   }
-  const MeshLoader load = [](const MeshFormat& format, const std::string& mesh, Diagnostics& sink) {
-    return format.read(mesh, sink);
-  };
+  const MeshLoader load = [](const MeshFormat& format, const std::string& mesh, const MeshContent& content,
+                             Diagnostics& sink) { return format.read(mesh, content, sink); };
   return parse_scene_file(std::move(text), path, options, load, diagnostics);
 }
 

@@ -44,7 +44,7 @@ std::optional<etendue::TriangleMesh> load_from(std::string_view obj, const std::
     obj.remove_prefix(count);
     return count;
   };
-  return etendue::read_obj(source, path, sink);
+  return etendue::read_obj(source, path, {}, sink);
 }
 
 /// The scene of an input, small enough; nothing when `check` would refuse it.
@@ -53,9 +53,8 @@ std::optional<etendue::Scene> read_input(std::string_view input) {
   const std::string_view obj = end < input.size() ? input.substr(end + kSeparator.size())
                                                   : "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
   etendue::Diagnostics diagnostics;
-  const auto load = [obj](const etendue::MeshFormat&, const std::string& path, etendue::Diagnostics& sink) {
-    return load_from(obj, path, sink);
-  };
+  const auto load = [obj](const etendue::MeshFormat&, const std::string& path, const etendue::MeshContent&,
+                          etendue::Diagnostics& sink) { return load_from(obj, path, sink); };
   auto file = etendue::parse_scene_file(std::string(input.substr(0, end)), "fuzz.xml", {}, load, diagnostics);
   if (!file || !std::holds_alternative<etendue::Scene>(*file)) return std::nullopt;
   etendue::check_scene_file(*file, diagnostics);

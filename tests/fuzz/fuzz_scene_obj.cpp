@@ -23,6 +23,11 @@ void require_sound(const etendue::TriangleMesh& mesh) {
   for (const glm::uvec3& t : mesh.triangles) require(std::max({t.x, t.y, t.z}) < mesh.positions.size());
   for (const glm::dvec3& p : mesh.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   for (const glm::dvec3& n : mesh.normals) require(std::abs(glm::length(n) - 1.0) < 1e-6);
+  for (const auto& uvs : mesh.uv_sets) {
+    require(uvs.size() == mesh.positions.size());
+    for (const glm::vec2& uv : uvs) require(std::isfinite(uv.x) && std::isfinite(uv.y));
+  }
+  require(mesh.vertex_colors.empty() || mesh.vertex_colors.size() == mesh.positions.size());
 }
 
 /// A sound mesh stays one wherever it is placed.
@@ -57,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return count;
   };
   etendue::Diagnostics diagnostics;
-  const auto mesh = etendue::read_obj(source, "fuzz.obj", diagnostics);
+  const auto mesh = etendue::read_obj(source, "fuzz.obj", {}, diagnostics);
   require(mesh.has_value() != diagnostics.has_errors());
   if (!mesh) return 0;
   require_sound(*mesh);

@@ -13,14 +13,14 @@ namespace {
 
 /// Stands for every mesh file, so that the fuzzer never opens one.
 std::optional<etendue::TriangleMesh> load_triangle(const etendue::MeshFormat&, const std::string& path,
-                                                   etendue::Diagnostics& sink) {
+                                                   const etendue::MeshContent&, etendue::Diagnostics& sink) {
   bool done = false;
   const etendue::ByteSource source = [&](char* buffer, std::size_t) {
     static constexpr std::string_view kMesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
     if (std::exchange(done, true)) return std::size_t{0};
     return kMesh.copy(buffer, kMesh.size());
   };
-  return etendue::read_obj(source, path, sink);
+  return etendue::read_obj(source, path, {}, sink);
 }
 
 void require(bool condition) {

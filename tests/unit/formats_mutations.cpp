@@ -1,5 +1,6 @@
 // Thousands of damaged copies of sound files: each reads, or is refused with a place and a sentence of one line.
 
+#include "formats/ply/ply_reader.h"
 #include "formats_testing.h"
 #include "scene/check.h"
 
@@ -83,7 +84,7 @@ TEST(Mutations, OfMeshes) {
   std::size_t refused = 0, read = 0;
   for (const std::string& text : mutations(mesh, 12000)) {
     Diagnostics diagnostics;
-    const auto result = read_obj(memory_source(text), "m.obj", diagnostics);
+    const auto result = read_obj(memory_source(text), "m.obj", {}, diagnostics);
     EXPECT_NE(result.has_value(), diagnostics.has_errors());
     ++(result ? read : refused);
     for (const Diagnostic& d : diagnostics.list()) expect_one_line(d, "m.obj");
@@ -91,6 +92,38 @@ TEST(Mutations, OfMeshes) {
   }
   EXPECT_GT(refused, 2000u);
   EXPECT_GT(read, 2000u);
+}
+
+TEST(Mutations, OfPlyFiles) {
+  const std::string head =
+      " 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+      "property uchar green\nproperty uchar blue\nproperty float u\nproperty float v\nelement face 2\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  std::string binary = "ply\nformat binary_little_endian" + head;
+  for (int i = 0; i < 4; ++i) {
+    const float numbers[] = {static_cast<float>(i % 2), static_cast<float>(i / 2), 0.0f};
+    binary.append(reinterpret_cast<const char*>(numbers), sizeof numbers).append("\x01\x80\xff", 3);
+    binary.append(reinterpret_cast<const char*>(numbers), 2 * sizeof(float));
+  }
+  binary += std::string("\x03\0\0\0\0\x01\0\0\0\x02\0\0\0\x04\0\0\0\0\x01\0\0\0\x03\0\0\0\x02\0\0\0", 30);
+  const std::string ascii =
+      "ply\nformat ascii" + head +
+      "0 0 0 1 2 3 0 0\n1 0 0 255 1 1 1 0\n1 1 0 0 0 0 1 1\n0 1 0 9 9 9 0 1\n3 0 1 2\n4 0 1 2 3\n";
+  std::size_t refused = 0, read = 0;
+  for (const std::string& seed : {ascii, binary}) {
+    for (const std::string& text : mutations(seed, 6000)) {
+      Diagnostics diagnostics;
+      const auto mesh = read_ply(memory_source(text), "m.ply", {}, diagnostics, text.size());
+      EXPECT_NE(mesh.has_value(), diagnostics.has_errors());
+      ++(mesh ? read : refused);
+      for (const Diagnostic& d : diagnostics.list()) EXPECT_EQ(d.message.find('\n'), std::string::npos) << d.message;
+      if (!mesh) continue;
+      for (const glm::uvec3& t : mesh->triangles) ASSERT_LT(std::max({t.x, t.y, t.z}), mesh->positions.size()) << text;
+      for (const glm::dvec3& p : mesh->positions) ASSERT_TRUE(std::abs(p.x + p.y + p.z) < 1e10) << text;
+    }
+  }
+  EXPECT_GT(refused, 2000u);
+  EXPECT_GT(read, 1000u);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "formats/obj/polygon.h"
+#include "formats/mesh/polygon.h"
 #include "formats_testing.h"
 #include "scene/placed.h"
 
@@ -21,7 +21,7 @@ namespace {
 
 TriangleMesh read(std::string_view text, std::size_t chunk = std::string_view::npos) {
   Diagnostics diagnostics;
-  std::optional<TriangleMesh> mesh = read_obj(memory_source(text, chunk), "m.obj", diagnostics);
+  std::optional<TriangleMesh> mesh = read_obj(memory_source(text, chunk), "m.obj", {}, diagnostics);
   EXPECT_TRUE(mesh.has_value()) << all_messages(diagnostics);
   return mesh.value_or(TriangleMesh{});
 }
@@ -87,7 +87,7 @@ TEST(Obj, AllBadLinesAreListed) {
   Diagnostics diagnostics;
   const std::string text =
       "v 0 0 0\nv 1 x 0\nv 0 1 0\nvn nan 0 1\nf 1 2 3\nf 1 2 4\nf 1 2\nf 1//1 2//1 3//1\nf 1//1 1//1 3//1\n";
-  EXPECT_FALSE(read_obj(memory_source(text), "m.obj", diagnostics));
+  EXPECT_FALSE(read_obj(memory_source(text), "m.obj", {}, diagnostics));
   EXPECT_EQ(all_messages(diagnostics),
             "m.obj:2:5: \"x\" is not a number; write it like 1.5 or -2e3\n"
             "m.obj:6:7: index 4 of a vertex is out of range; the file has 3 so far\n"
@@ -96,14 +96,14 @@ TEST(Obj, AllBadLinesAreListed) {
   std::string many;
   for (int i = 0; i < 1000; ++i) many += "f x\n";
   Diagnostics few;
-  EXPECT_FALSE(read_obj(memory_source(many), "m.obj", few));
+  EXPECT_FALSE(read_obj(memory_source(many), "m.obj", {}, few));
   EXPECT_EQ(few.error_count(), 20u);
 }
 
 /// The mesh of a text that is to be read with these warnings and no error.
 TriangleMesh read_with_warnings(const std::string& text, const std::string& warnings) {
   Diagnostics diagnostics;
-  const auto mesh = read_obj(memory_source(text), "m.obj", diagnostics);
+  const auto mesh = read_obj(memory_source(text), "m.obj", {}, diagnostics);
   EXPECT_EQ(all_messages(diagnostics), warnings);
   EXPECT_FALSE(diagnostics.has_errors());
   return mesh.value_or(TriangleMesh{});
@@ -131,7 +131,7 @@ TEST(Obj, BadElementsAfterTheFirstFewAreErrorsToo) {
   std::string text = kThree;
   for (int i = 0; i < 100; ++i) text += "v nan 0 0\n";
   Diagnostics diagnostics;
-  EXPECT_FALSE(read_obj(memory_source(text + "f 1 2 90\nf 1 2 91\n"), "m.obj", diagnostics));
+  EXPECT_FALSE(read_obj(memory_source(text + "f 1 2 90\nf 1 2 91\n"), "m.obj", {}, diagnostics));
   EXPECT_EQ(all_messages(diagnostics), "m.obj:104:1: vertex 90 of this face could not be read\n");
 }
 
@@ -266,7 +266,7 @@ class BadMesh : public ::testing::TestWithParam<BadObj> {};
 TEST_P(BadMesh, IsRefusedAtItsPlace) {
   const BadObj& bad = GetParam();
   Diagnostics diagnostics;
-  EXPECT_FALSE(read_obj(memory_source(bad.text), "m.obj", diagnostics).has_value());
+  EXPECT_FALSE(read_obj(memory_source(bad.text), "m.obj", {}, diagnostics).has_value());
   ASSERT_EQ(diagnostics.error_count(), 1u);
   const Diagnostic& error = diagnostics.list().back();
   EXPECT_EQ(error.position.line, bad.line) << to_string(error);
@@ -330,8 +330,8 @@ INSTANTIATE_TEST_SUITE_P(Obj, BadMesh, ::testing::ValuesIn(kBadMeshes), name_of)
 
 TEST(Obj, WarnsOnceAboutUnknownLinesAndCountsDegenerateTriangles) {
   Diagnostics diagnostics;
-  const auto mesh =
-      read_obj(memory_source("hello\nworld\nl 1 2\n" + kThree + "f 1 2 3\nf 1 1 2\nf 1 2 2\n"), "m.obj", diagnostics);
+  const auto mesh = read_obj(memory_source("hello\nworld\nl 1 2\n" + kThree + "f 1 2 3\nf 1 1 2\nf 1 2 2\n"), "m.obj",
+                             {}, diagnostics);
   ASSERT_TRUE(mesh.has_value());
   EXPECT_EQ(mesh->triangles.size(), 3u) << "triangles without area are kept";
   ASSERT_EQ(diagnostics.list().size(), 2u) << all_messages(diagnostics);
@@ -343,7 +343,7 @@ TEST(Obj, WarnsOnceAboutUnknownLinesAndCountsDegenerateTriangles) {
 TEST(Obj, AFileWithoutFacesIsAnEmptyMesh) {
   for (const std::string& text : {std::string(), std::string("# nothing\n"), kThree}) {
     Diagnostics diagnostics;
-    const auto mesh = read_obj(memory_source(text), "m.obj", diagnostics);
+    const auto mesh = read_obj(memory_source(text), "m.obj", {}, diagnostics);
     ASSERT_TRUE(mesh.has_value());
     EXPECT_TRUE(mesh->triangles.empty() && mesh->positions.empty() && mesh->normals.empty());
     EXPECT_TRUE(diagnostics.list().empty());
@@ -370,7 +370,7 @@ TEST(Obj, AMeshWithoutFacesIsLeftOutWhereTheSceneHasOthers) {
   EXPECT_FALSE(read_scene_file(folder.write("t.xml", scene_around(mesh("empty.obj"))), {}, alone));
   EXPECT_EQ(all_messages(alone), folder.path("t.xml") +
                                      ":2:49: the mesh \"empty.obj\" has no faces, nor has any "
-                                     "other; export the surface as f lines\n");
+                                     "other; export the surface as faces\n");
 }
 
 TEST(Obj, BackslashesInFileNames) {
@@ -558,6 +558,72 @@ long largest_memory() {
   return usage.ru_maxrss * 1024;
 }
 
+TEST(Obj, TextureCoordinatesSplitVertices) {
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0 7\nvt 0.5\nf 1/1 2/2 3/3\nf 2/3 4/1 3/3\nf 1/1 2/2 4\n";
+  Diagnostics diagnostics;
+  const auto mesh = read_obj(memory_source(text), "m.obj", {}, diagnostics);
+  ASSERT_TRUE(mesh);
+  EXPECT_TRUE(diagnostics.list().empty()) << all_messages(diagnostics);
+  EXPECT_EQ(mesh->triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {3, 4, 2}, {0, 1, 5}}));
+  EXPECT_EQ(mesh->positions,
+            (std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 0}}));
+  ASSERT_EQ(mesh->uv_sets.size(), 1u);
+  EXPECT_EQ(mesh->uv_sets[0], (std::vector<glm::vec2>{{0, 0}, {1, 0}, {.5f, 0}, {.5f, 0}, {0, 0}, {0, 0}}))
+      << "0 0 where a corner has none";
+  // Where nothing uses them the mesh is what it would be without.
+  const auto plain = read_obj(memory_source(text), "m.obj", {.uv = false}, diagnostics);
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {1, 3, 2}, {0, 1, 3}}));
+  EXPECT_TRUE(plain->uv_sets.empty());
+}
+
+TEST(Obj, NormalsAndTextureCoordinatesTogether) {
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\nvn 1 0 0\n"
+      "f 1/1/1 2/1/1 3/1/1\nf 1/2/1 2/1/1 3/1/2\nf 1/2/1 2/1/1 3/2/2\nf 1/2/1 2/1/1 3/1/2\n";
+  Diagnostics diagnostics;
+  const auto mesh = read_obj(memory_source(text), "m.obj", {}, diagnostics);
+  ASSERT_TRUE(mesh);
+  EXPECT_EQ(mesh->triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {3, 1, 4}, {3, 1, 5}, {3, 1, 4}}));
+  EXPECT_EQ(mesh->normals.at(4), glm::dvec3(1, 0, 0));
+  EXPECT_EQ(mesh->uv_sets.at(0).at(5), glm::vec2(1, 1));
+}
+
+TEST(Obj, BadTextureCoordinatesAreNone) {
+  for (const char* bad : {"vt x 0\n", "vt 1e39 0\n"}) {
+    Diagnostics diagnostics;
+    const auto mesh = read_obj(
+        memory_source("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n" + std::string(bad) + "f 1/2 2/1 3/1\n"),
+        "m.obj", {}, diagnostics);
+    ASSERT_TRUE(mesh);
+    EXPECT_TRUE(mesh->uv_sets.empty());
+    ASSERT_EQ(diagnostics.list().size(), 1u);
+    EXPECT_NE(all_messages(diagnostics).find("texture coordinates are ignored, here and further on"),
+              std::string::npos);
+  }
+}
+
+TEST(Obj, ColorsOfVertices) {
+  const std::string faces = "f 1 2 3\n";
+  Diagnostics diagnostics;
+  const auto mesh =
+      read_obj(memory_source("v 0 0 0 1 0 0.5\nv 1 0 0 0 1 0 1\nv 0 1 0\n" + faces), "m.obj", {}, diagnostics);
+  ASSERT_TRUE(mesh);
+  ASSERT_EQ(mesh->vertex_colors.size(), 3u);
+  EXPECT_NEAR(mesh->vertex_colors[0].z, 0.214041, 1e-5) << "0.5 as sRGB";
+  EXPECT_EQ(mesh->vertex_colors[1], glm::vec3(0, 1, 0));
+  EXPECT_EQ(mesh->vertex_colors[2], glm::vec3(1));
+  EXPECT_EQ(all_messages(diagnostics), "m.obj: 1 of 3 vertices have no colour; they are white\n");
+  Diagnostics bad;
+  const auto none =
+      read_obj(memory_source("v 0 0 0 1 0 0\nv 1 0 0 255 1 0\nv 0 1 0 1 1 1\n" + faces), "m.obj", {}, bad);
+  ASSERT_TRUE(none);
+  EXPECT_TRUE(none->vertex_colors.empty());
+  EXPECT_NE(all_messages(bad).find("m.obj:2:1: the colour 255 1 0 of this vertex is not between 0 and 1"),
+            std::string::npos);
+}
+
 TEST(Obj, TablesAreFreedAsSoonAsTheyAreRead) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers keep memory that is freed";
@@ -568,7 +634,7 @@ TEST(Obj, TablesAreFreedAsSoonAsTheyAreRead) {
   if (child == 0) {
     const long before = largest_memory();
     Diagnostics diagnostics;
-    const auto mesh = read_obj(mesh_source(kCount), "m.obj", diagnostics);
+    const auto mesh = read_obj(mesh_source(kCount), "m.obj", {}, diagnostics);
     if (!mesh || mesh->positions.size() != kCount || mesh->normals.size() != kCount) _exit(255);
     _exit(static_cast<int>((largest_memory() - before) / kCount));
   }

@@ -51,8 +51,9 @@ inline ByteSource memory_source(std::string_view text, std::size_t chunk = std::
 }
 
 /// One triangle in the plane z = 0; stands for any mesh file.
-inline std::optional<TriangleMesh> load_triangle(const MeshFormat&, const std::string& path, Diagnostics& sink) {
-  return read_obj(memory_source("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), path, sink);
+inline std::optional<TriangleMesh> load_triangle(const MeshFormat&, const std::string& path, const MeshContent&,
+                                                 Diagnostics& sink) {
+  return read_obj(memory_source("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), path, {}, sink);
 }
 
 struct Parsed {

@@ -9,8 +9,4 @@ namespace etendue {
 /// Makes smooth normals where the mesh has none and the dialect wants them, and turns v upward unless `states_v`.
 void apply_mesh_facts(const MeshFacts& facts, bool states_v, TriangleMesh& mesh);
 
-/// A unit normal a vertex: the mean of the normals of its triangles, weighted by their angles there [Thurmer1998].
-/// Vertices at the same place are not joined. One without a triangle that has an area gets +z.
-void make_smooth_normals(TriangleMesh& mesh);
-
 }  // namespace etendue

@@ -28,6 +28,8 @@ namespace fs = std::filesystem;
 
 /// Errors after which meshes are no longer opened: a file that names one broken mesh a million times ends soon.
 constexpr std::size_t kMaxErrorsBeforeMeshes = 100;
+/// What materials and emitters use of meshes, beside their surface.
+constexpr MeshContent kContent = {.uv = false, .colors = false};
 /// Bytes of all mesh files together, one that is named twice counting twice: some minutes of reading.
 constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{1} << 34;
 
@@ -331,7 +333,7 @@ class SceneReader {
     for (const EmptyMesh& mesh : std::exchange(empty_meshes_, {})) {
       const std::string what = fmt::format("the mesh {} has no faces", text::quoted(mesh.name));
       if (scene.instances.empty()) {
-        sink_.error(mesh.position, what + ", nor has any other; export the surface as f lines");
+        sink_.error(mesh.position, what + ", nor has any other; export the surface as faces");
       } else {
         sink_.warning(mesh.position, what + "; it is left out");
       }
@@ -456,7 +458,7 @@ class SceneReader {
     if (exceeds(mesh_bytes_, kMaxMeshBytes, "bytes of mesh files", position)) return std::nullopt;
     std::optional<TriangleMesh> mesh;
     try {
-      mesh = load_mesh_(format, path, sink_);
+      mesh = load_mesh_(format, path, kContent, sink_);
     } catch (const Error& error) {  // the file cannot be opened or read: say who asked for it
       const bool missing = !fs::exists(path, unknown) && !unknown;
       const char* remedy = missing ? "; names are relative to the folder of the scene file" : "";

@@ -13,8 +13,8 @@
 namespace etendue {
 
 /// Loads a mesh file named in a scene, as MeshFormat::read does.
-using MeshLoader =
-    std::function<std::optional<TriangleMesh>(const MeshFormat&, const std::string& path, Diagnostics& diagnostics)>;
+using MeshLoader = std::function<std::optional<TriangleMesh>(const MeshFormat&, const std::string& path,
+                                                             const MeshContent&, Diagnostics& diagnostics)>;
 
 /// Reads from memory: `file` names the text in messages and gives the folder that filenames are relative to.
 std::optional<SceneFile> parse_scene_file(std::string text, const std::string& file, const ReadOptions& options,

@@ -279,7 +279,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"camera", {"thinlens", "orthographic", "environment", "fisheye"}},
       {"sampler", {"stratified", "halton", "ldsampler", "multijitter"}},
       {"rfilter", {"lanczos", "catmullrom"}},
-      {"mesh", {"ply", "serialized", "instance", "cube", "rectangle", "disk", "cylinder", "heightfield"}},
+      {"mesh", {"serialized", "instance", "cube", "rectangle", "disk", "cylinder", "heightfield"}},
       {"bsdf",
        {"roughdielectric", "plastic", "roughplastic", "phong", "disney", "principled", "twosided", "normalmap",
         "bumpmap", "blend", "mask", "null", "thindielectric"}},

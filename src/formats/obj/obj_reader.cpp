@@ -16,17 +16,12 @@
 #include "core/text.h"
 #include "formats/input_file.h"
 #include "formats/line_reader.h"
-#include "formats/obj/polygon.h"
-#include "scene/placed.h"
+#include "formats/mesh/polygon.h"
 
 namespace etendue {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-
-/// Point tests of ear clipping allowed per file: some ten seconds. A hostile file of huge comb-shaped polygons ends
-/// there.
-constexpr std::int64_t kMaxPolygonWork = 3'000'000'000;
 
 /// Errors listed of one file; nobody reads more.
 constexpr std::size_t kMaxErrors = 20;
@@ -65,6 +60,9 @@ struct RawMesh {
   std::vector<glm::dvec3> normals;  ///< unit, or 0 where the file's normal has no direction
   std::vector<glm::uvec3> position_triangles;
   std::vector<glm::uvec3> normal_triangles;  ///< as long as position_triangles once a face has normals, else empty
+  std::vector<glm::vec2> uvs;
+  std::vector<glm::uvec3> uv_triangles;  ///< the same for texture coordinates
+  std::vector<glm::vec3> colors;         ///< of positions, linear; empty unless one of them has a colour
 };
 
 /// Positions or normals whose lines are wrong: an error where a face uses the element, else a warning. Exporters write
@@ -118,9 +116,9 @@ class BadElements {
 
 class ObjParser {
  public:
-  ObjParser(const ByteSource& source, const std::string& file, Diagnostics& diagnostics)
+  ObjParser(const ByteSource& source, const std::string& file, const MeshContent& content, Diagnostics& diagnostics)
       : lines_(source, file, ObjLimits::kMaxLine),
-        file_(file),
+        content_(content),
         diagnostics_(diagnostics),
         bad_positions_("vertex", diagnostics),
         bad_normals_("normal", diagnostics) {}
@@ -137,6 +135,7 @@ class ObjParser {
       return false;
     }
     if (errors_ > 0) return false;
+    drop_unusable();
     warn();
     return true;
   }
@@ -147,6 +146,7 @@ class ObjParser {
   struct Corner {
     std::uint32_t position = kNone;
     std::uint32_t normal = kNone;
+    std::uint32_t uv = kNone;
   };
 
   struct EndOfReading {};
@@ -228,9 +228,9 @@ class ObjParser {
     check_capacity(mesh_.positions.size(), kMaxVertices, "vertices");
     mesh_.positions.emplace_back(0.0);  // counts even when the line is wrong, or all faces after it would be, too
     read_element(mesh_.positions, bad_positions_, [&] {
-      // Three coordinates, then perhaps a weight (for curves only) or a colour, as some exporters write.
+      // Three coordinates, then perhaps a weight (for curves only) or a colour, as some exporters write, with alpha.
       std::array<double, 8> n{};
-      parse_numbers(tokens, n, 3, 7, "a vertex");
+      if (parse_numbers(tokens, n, 3, 7, "a vertex") >= 6) add_color(glm::dvec3(n[3], n[4], n[5]));
       const glm::dvec3 p(n[0], n[1], n[2]);
       const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
       if (!(largest <= kMaxCoordinate)) {
@@ -239,6 +239,23 @@ class ObjParser {
       }
       return p;
     });
+  }
+
+  /// Of the vertex read last.
+  void add_color(const glm::dvec3& color) {
+    if (!content_.colors || bad_color_) return;
+    if (!(std::min({color.x, color.y, color.z}) >= 0.0 && std::max({color.x, color.y, color.z}) <= 1.0)) {
+      bad_color_ = true;
+      diagnostics_.warning(
+          lines_.position(0),
+          fmt::format("the colour {} {} {} of this vertex is not between 0 and 1; colours are ignored, "
+                      "here and further on",
+                      color.x, color.y, color.z));
+      return;
+    }
+    mesh_.colors.resize(mesh_.positions.size(), glm::vec3(1.0f));
+    mesh_.colors.back() = linear_from_srgb(glm::vec3(color));
+    ++colored_;
   }
 
   void parse_normal(Tokens& tokens) {
@@ -252,13 +269,16 @@ class ObjParser {
     });
   }
 
-  /// Nothing uses texture coordinates; they are only counted.
   void parse_texture(Tokens& tokens) {
     check_capacity(textures_, kMaxVertices, "texture coordinates");
     ++textures_;
     std::array<double, 8> n{};
     try {
       parse_numbers(tokens, n, 1, 3, "a texture coordinate");
+      constexpr double kLargest = std::numeric_limits<float>::max();
+      if (std::max(std::abs(n[0]), std::abs(n[1])) > kLargest)
+        throw ObjError{0, fmt::format("a texture coordinate is larger than {}", kLargest)};
+      if (content_.uv && !bad_texture_) mesh_.uvs.emplace_back(n[0], n[1]);
     } catch (const ObjError& error) {
       warn_texture(error);
     }
@@ -310,18 +330,24 @@ class ObjParser {
     }
     Corner corner;
     corner.position = resolve(parts[0], offsets[0], mesh_.positions.size(), "vertex");
-    if (!parts[1].empty()) check_texture_index(parts[1], offsets[1]);
+    if (!parts[1].empty()) corner.uv = texture_index(parts[1], offsets[1]);
     if (!parts[2].empty()) corner.normal = resolve(parts[2], offsets[2], mesh_.normals.size(), "normal");
     return corner;
   }
 
-  void check_texture_index(std::string_view token, std::size_t offset) {
-    if (bad_texture_) return void(parse_index(token, offset));  // the sentence was said
+  /// kNone where it cannot be used.
+  std::uint32_t texture_index(std::string_view token, std::size_t offset) {
+    if (bad_texture_) {
+      parse_index(token, offset);  // the sentence was said
+      return kNone;
+    }
     try {
-      resolve(token, offset, textures_, "texture coordinate");
+      const std::uint32_t index = resolve(token, offset, textures_, "texture coordinate");
+      return content_.uv ? index : kNone;
     } catch (const ObjError& error) {
       parse_index(token, offset);  // what is no index at all stays an error
       warn_texture(error);
+      return kNone;
     }
   }
 
@@ -343,9 +369,8 @@ class ObjParser {
   void parse_face(Tokens& tokens) {
     corners_.clear();
     for (std::string_view token = tokens.next(); !token.empty() && token.front() != '#'; token = tokens.next()) {
-      if (corners_.size() == ObjLimits::kMaxCorners) {
-        throw ObjError{tokens.offset(),
-                       fmt::format("the face has more than {} corners; triangulate it", ObjLimits::kMaxCorners)};
+      if (corners_.size() == kMaxCorners) {
+        throw ObjError{tokens.offset(), fmt::format("the face has more than {} corners; triangulate it", kMaxCorners)};
       }
       corners_.push_back(parse_corner(token, tokens.offset()));
     }
@@ -369,18 +394,36 @@ class ObjParser {
 
   void add_triangle(const PolygonTriangle& t) {
     const Corner &a = corners_[t.x], &b = corners_[t.y], &c = corners_[t.z];
-    const bool has_normals = a.normal != kNone || b.normal != kNone || c.normal != kNone;
-    if (has_normals && mesh_.normal_triangles.empty()) {
-      mesh_.normal_triangles.resize(mesh_.position_triangles.size(), glm::uvec3(kNone));
-    }
+    add_further(mesh_.normal_triangles, {a.normal, b.normal, c.normal});
+    add_further(mesh_.uv_triangles, {a.uv, b.uv, c.uv});
     mesh_.position_triangles.emplace_back(a.position, b.position, c.position);
-    if (has_normals || !mesh_.normal_triangles.empty())
-      mesh_.normal_triangles.emplace_back(a.normal, b.normal, c.normal);
+  }
+
+  /// Indices that need not be there: the list begins with the first triangle that has one, the others before it.
+  void add_further(std::vector<glm::uvec3>& triangles, const glm::uvec3& triangle) const {
+    const bool has_any = triangle != glm::uvec3(kNone);
+    if (has_any && triangles.empty()) triangles.resize(mesh_.position_triangles.size(), glm::uvec3(kNone));
+    if (has_any || !triangles.empty()) triangles.push_back(triangle);
+  }
+
+  /// Texture coordinates and colours of which some could not be read.
+  void drop_unusable() {
+    if (bad_texture_) {
+      release(mesh_.uvs);
+      release(mesh_.uv_triangles);
+    }
+    if (bad_color_) release(mesh_.colors);
+    if (!mesh_.colors.empty()) mesh_.colors.resize(mesh_.positions.size(), glm::vec3(1.0f));
   }
 
   void warn() const {
     bad_positions_.warn_unused();
     bad_normals_.warn_unused();
+    if (!mesh_.colors.empty() && colored_ < mesh_.positions.size()) {
+      diagnostics_.warning({lines_.position(0).file, 0, 0},
+                           fmt::format("{} of {} vertices have no colour; they are white",
+                                       mesh_.positions.size() - colored_, mesh_.positions.size()));
+    }
     if (crossing_ > 0) {
       diagnostics_.warning(
           first_crossing_,
@@ -390,12 +433,13 @@ class ObjParser {
   }
 
   LineReader lines_;
-  const std::string& file_;
+  MeshContent content_;
   Diagnostics& diagnostics_;
   BadElements bad_positions_, bad_normals_;
   RawMesh mesh_;
   std::size_t textures_ = 0;
-  bool bad_texture_ = false;
+  bool bad_texture_ = false, bad_color_ = false;
+  std::size_t colored_ = 0;
   bool first_line_ = true;
   bool unknown_ = false;
   std::size_t errors_ = 0;
@@ -407,58 +451,42 @@ class ObjParser {
   std::vector<PolygonTriangle> triangles_;
 };
 
-/// Numbers of the vertices after the first of their position, found by position and normal: open addressing over bare
-/// numbers, a tenth of what a table of pairs would take.
+/// Numbers of the vertices after the first of their position, found by what these are made of: open addressing over
+/// bare numbers, a tenth of what a table of keys would take.
 class VertexTable {
  public:
-  /// A vertex of the result: what it is made of. `source` is an index into the normals, or kPlane plus the triangle
-  /// whose plane gives the normal.
-  struct Vertex {
-    std::uint32_t position;
-    std::uint32_t source;
-  };
-
-  /// The place of a pair among `vertices`: its number, or kNone to be replaced by one.
-  std::uint32_t& find(const Vertex& wanted, const std::vector<Vertex>& vertices) {
-    if (2 * (count_ + 1) > slots_.size()) grow(vertices);
-    std::uint32_t& slot = probe(wanted, vertices);
-    if (slot == kNone) ++count_;
-    return slot;
+  /// The place of a vertex: its number, or kNone to be replaced by one. `is_wanted(n)` tells whether vertex n is it.
+  template <typename IsWanted, typename HashOf>
+  std::uint32_t& find(std::size_t hash, const IsWanted& is_wanted, const HashOf& hash_of) {
+    if (2 * (count_ + 1) > slots_.size()) grow(hash_of);
+    std::size_t i = hash & mask();
+    while (slots_[i] != kNone && !is_wanted(slots_[i])) i = (i + 1) & mask();
+    if (slots_[i] == kNone) ++count_;
+    return slots_[i];
   }
 
  private:
-  std::uint32_t& probe(const Vertex& wanted, const std::vector<Vertex>& vertices) {
-    const std::size_t mask = slots_.size() - 1;
-    for (std::size_t i = mix(wanted) & mask;; i = (i + 1) & mask) {
-      if (slots_[i] == kNone) return slots_[i];
-      const Vertex& found = vertices[slots_[i]];
-      if (found.position == wanted.position && found.source == wanted.source) return slots_[i];
-    }
-  }
+  std::size_t mask() const { return slots_.size() - 1; }
 
-  void grow(const std::vector<Vertex>& vertices) {
+  template <typename HashOf>
+  void grow(const HashOf& hash_of) {
     std::vector<std::uint32_t> before(std::max<std::size_t>(1024, 2 * slots_.size()), kNone);
     before.swap(slots_);
     for (const std::uint32_t number : before) {
-      if (number != kNone) probe(vertices[number], vertices) = number;
+      if (number == kNone) continue;
+      std::size_t i = hash_of(number) & mask();
+      while (slots_[i] != kNone) i = (i + 1) & mask();
+      slots_[i] = number;
     }
-  }
-
-  /// Mixed well: a file could otherwise make all pairs collide.
-  static std::size_t mix(const Vertex& v) {
-    std::uint64_t x = std::uint64_t{v.position} << 32 | v.source;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
   }
 
   std::vector<std::uint32_t> slots_;
   std::size_t count_ = 0;
 };
 
-/// Turns the two index lists of an OBJ file into one: a vertex of the result is a pair of position and normal. Vertices
-/// are numbered first and written out afterwards, list by list, each after the one it came from is freed: the largest
-/// file allowed stays within some 3 GiB.
+/// Turns the index lists of an OBJ file into one: a vertex of the result is a position with a normal and texture
+/// coordinates, where there are any. Vertices are numbered first and written out afterwards, list by list, each after
+/// the one it came from is freed: the largest file allowed stays within some 3 GiB.
 class VertexSplitter {
  public:
   explicit VertexSplitter(RawMesh& raw) : raw_(raw), first_(raw.positions.size(), kNone) {}
@@ -466,24 +494,34 @@ class VertexSplitter {
   /// Nothing if there would be more than kMaxVertices.
   std::optional<TriangleMesh> split() {
     const bool with_normals = !raw_.normal_triangles.empty();
+    with_uv_ = !raw_.uv_triangles.empty();
     mesh_.triangles = std::move(raw_.position_triangles);
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
       for (int corner = 0; corner < 3; ++corner) {
         std::uint32_t& index = mesh_.triangles[i][corner];
-        index = number({index, with_normals ? source_of(raw_.normal_triangles[i][corner], i) : 0});
+        index = number({index, with_normals ? source_of(raw_.normal_triangles[i][corner], i) : 0},
+                       with_uv_ ? raw_.uv_triangles[i][corner] : kNone);
         if (vertices_.size() > kMaxVertices) return std::nullopt;
       }
     }
     release(first_);
     further_ = {};
     release(raw_.normal_triangles);
+    release(raw_.uv_triangles);
     write_positions();
     if (with_normals) write_normals();
+    if (with_uv_) write_uvs();
     return std::move(mesh_);
   }
 
  private:
-  using Vertex = VertexTable::Vertex;
+  /// What a vertex of the result is made of. `source` is an index into the normals, or kPlane plus the triangle whose
+  /// plane gives the normal.
+  struct Vertex {
+    std::uint32_t position;
+    std::uint32_t source;
+    bool operator==(const Vertex&) const = default;
+  };
   static constexpr std::uint32_t kPlane = 0x80000000u;
   static_assert(kMaxVertices < kPlane && kMaxTriangles < kPlane);
 
@@ -492,22 +530,49 @@ class VertexSplitter {
     return flat ? kPlane + triangle : normal;
   }
 
-  std::uint32_t number(const Vertex& vertex) {
+  std::uint32_t number(const Vertex& vertex, std::uint32_t uv) {
     const auto next = static_cast<std::uint32_t>(vertices_.size());
+    const auto is_wanted = [&](std::uint32_t n) { return vertices_[n] == vertex && uv_of(n) == uv; };
     // Nearly every position has one normal: the first one is kept in a flat array, only further ones in the table.
     std::uint32_t& first = first_[vertex.position];
-    if (first != kNone && vertices_[first].source == vertex.source) return first;
-    std::uint32_t& place = first == kNone ? first : further_.find(vertex, vertices_);
+    if (first != kNone && is_wanted(first)) return first;
+    const auto hash_of = [this](std::uint32_t n) { return mix(vertices_[n], uv_of(n)); };
+    std::uint32_t& place = first == kNone ? first : further_.find(mix(vertex, uv), is_wanted, hash_of);
     if (place != kNone) return place;
     place = next;
     vertices_.push_back(vertex);
+    if (with_uv_) uv_indices_.push_back(uv);
     return next;
+  }
+
+  std::uint32_t uv_of(std::uint32_t vertex) const { return with_uv_ ? uv_indices_[vertex] : kNone; }
+
+  /// Mixed well: a file could otherwise make all vertices collide.
+  static std::size_t mix(const Vertex& v, std::uint32_t uv) {
+    const auto stir = [](std::uint64_t x) {
+      x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+      x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+      return x ^ (x >> 31);
+    };
+    return stir((std::uint64_t{v.position} << 32 | v.source) + stir(uv));
   }
 
   void write_positions() {
     mesh_.positions.reserve(vertices_.size());
     for (const Vertex& vertex : vertices_) mesh_.positions.push_back(raw_.positions[vertex.position]);
     release(raw_.positions);
+    if (raw_.colors.empty()) return;
+    mesh_.vertex_colors.reserve(vertices_.size());
+    for (const Vertex& vertex : vertices_) mesh_.vertex_colors.push_back(raw_.colors[vertex.position]);
+    release(raw_.colors);
+  }
+
+  /// A corner without texture coordinates, in a file that has some, gets 0, 0.
+  void write_uvs() {
+    std::vector<glm::vec2>& uvs = mesh_.uv_sets.emplace_back();
+    uvs.reserve(vertices_.size());
+    for (const std::uint32_t uv : uv_indices_) uvs.push_back(uv != kNone ? raw_.uvs[uv] : glm::vec2(0.0f));
+    release(raw_.uvs);
   }
 
   void write_normals() {
@@ -530,38 +595,34 @@ class VertexSplitter {
 
   RawMesh& raw_;
   TriangleMesh mesh_;
+  bool with_uv_ = false;
   std::vector<Vertex> vertices_;
-  std::vector<std::uint32_t> first_;  ///< vertex of each position that was made first
+  std::vector<std::uint32_t> uv_indices_;  ///< of the vertices; empty without texture coordinates
+  std::vector<std::uint32_t> first_;       ///< vertex of each position that was made first
   VertexTable further_;
 };
 
-void warn_degenerate(const TriangleMesh& mesh, const std::string& file, Diagnostics& diagnostics) {
-  const auto degenerate = std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
-                                        [&](const glm::uvec3& t) { return !(triangle_area(mesh, t) > 0.0); });
-  if (degenerate == 0) return;
-  diagnostics.warning({file, 0, 0}, fmt::format("{} of {} triangles have no area; no ray hits them", degenerate,
-                                                mesh.triangles.size()));
-}
-
 }  // namespace
 
-std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file, Diagnostics& diagnostics) {
-  ObjParser parser(source, file, diagnostics);
+std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file, const MeshContent& content,
+                                     Diagnostics& diagnostics) {
+  ObjParser parser(source, file, content, diagnostics);
   if (!parser.parse()) return std::nullopt;
   std::optional<TriangleMesh> mesh = VertexSplitter(parser.mesh()).split();
   if (mesh) {
     warn_degenerate(*mesh, file, diagnostics);
   } else {
-    diagnostics.error(
-        {file, 0, 0},
-        fmt::format("the mesh has more than {} vertices with different normals; split the mesh", kMaxVertices));
+    diagnostics.error({file, 0, 0}, fmt::format("the mesh has more than {} vertices with different normals or texture "
+                                                "coordinates; split the mesh",
+                                                kMaxVertices));
   }
   return mesh;
 }
 
-std::optional<TriangleMesh> read_obj(const std::string& path, Diagnostics& diagnostics) {
+std::optional<TriangleMesh> read_obj(const std::string& path, const MeshContent& content, Diagnostics& diagnostics) {
   InputFile file(path);
-  return read_obj([&](char* buffer, std::size_t capacity) { return file.read(buffer, capacity); }, path, diagnostics);
+  return read_obj([&](char* buffer, std::size_t capacity) { return file.read(buffer, capacity); }, path, content,
+                  diagnostics);
 }
 
 }  // namespace etendue

@@ -3,34 +3,33 @@
 /// indices that are out of range and has crashed on hostile files; a file here may be anything.
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <string>
 
+#include "formats/byte_source.h"
+#include "formats/mesh/mesh_content.h"
 #include "scene/diagnostics.h"
 #include "scene/limits.h"
 #include "scene/scene.h"
 
 namespace etendue {
 
-/// Bounds on a file beside those of scene/limits.h, so that memory stays within a few GiB whatever it holds.
+/// Bounds on a file beside those of scene/limits.h and mesh_content.h, so that memory stays within a few GiB whatever
+/// it holds.
 struct ObjLimits {
-  static constexpr std::size_t kMaxCorners = 65536;              ///< of one face
   static constexpr std::size_t kMaxLine = std::size_t{4} << 20;  ///< bytes, continuations included
 };
 
-/// Fills a buffer with the next bytes of a file and returns how many there were; 0 at the end.
-using ByteSource = std::function<std::size_t(char* buffer, std::size_t capacity)>;
-
 /// Reads `v`, `vt`, `vn` and `f` lines into one mesh in object space; groups, materials and smoothing groups are
-/// ignored. Polygons are triangulated,
-/// vertices with several normals are split, vertices no face uses are left out. Where only some faces have normals, the
-/// others get that of their plane. Lines with errors are reported, with line and column, and skipped, up to 20 of them;
-/// then there is no mesh. A vertex or normal that is wrong and that no face uses is a warning, and so is anything wrong
-/// with texture coordinates, which are not used. A file without faces gives a mesh without triangles, not an error:
-/// what that means is up to the caller. Warnings are reported too.
-std::optional<TriangleMesh> read_obj(const std::string& path, Diagnostics& diagnostics);
+/// ignored. Polygons are triangulated, corners of a vertex that differ in normal or texture coordinates become vertices
+/// of their own, vertices no face uses are left out. Where only some faces have normals, the others get that of their
+/// plane. Colours (`v x y z r g b`, in [0,1]) are taken for sRGB. Lines with errors are reported, with line and column,
+/// and skipped, up to 20 of them; then there is no mesh. A vertex or normal that is wrong and that no face uses is a
+/// warning; so is anything wrong with texture coordinates or colours, of which the mesh has none then. A file without
+/// faces gives a mesh without triangles, not an error: what that means is up to the caller. Warnings are reported too.
+std::optional<TriangleMesh> read_obj(const std::string& path, const MeshContent& content, Diagnostics& diagnostics);
 /// The same from any source of bytes; `file` is for messages.
-std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file, Diagnostics& diagnostics);
+std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file, const MeshContent& content,
+                                     Diagnostics& diagnostics);
 
 }  // namespace etendue

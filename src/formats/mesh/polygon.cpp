@@ -1,4 +1,4 @@
-#include "formats/obj/polygon.h"
+#include "formats/mesh/polygon.h"
 
 #include <algorithm>
 #include <cmath>
