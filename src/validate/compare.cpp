@@ -58,18 +58,13 @@ void note_dependence(const Image& test, const Image& reference, Comparison& c) {
     const auto a = test.metadata.find(name), b = reference.metadata.find(name);
     return a != test.metadata.end() && b != reference.metadata.end() && a->second == b->second;
   };
-  constexpr double kNarrow = 0.7;
-  constexpr std::uint64_t kEnough = 1000;
-  const TestFamily& pixels = c.tests->families.front();
-  if (same("seed") && same("sceneHash")) {
+  c.tests->shared_noise = same("seed") && same("sceneHash");
+  if (c.tests->shared_noise) {
     c.notes.push_back(
         "both pictures were rendered with the same seed: they share their noise, so that the tests are "
         "conservative; render one with another --seed");
-  } else if (pixels.tests >= kEnough && pixels.z_deviation < kNarrow && pixels.z_deviation > 0) {
-    c.notes.push_back(
-        fmt::format("z-scores spread only {:.2f} instead of 1: the pictures are not independent or their "
-                    "standard errors are too large",
-                    pixels.z_deviation));
+  } else if (c.tests->spread.too_small && !c.tests->passed()) {
+    c.notes.push_back(spread_text(c.tests->spread));
   }
 }
 
@@ -279,6 +274,10 @@ Json image_tests_json(const ImageTests& tests) {
           {"pixels", tests.pixels},
           {"differingPixels", tests.differing},
           {"untestedPixels", tests.untested},
+          {"scoredPixels", tests.spread.pixels},
+          {"meanSquareScore", tests.spread.mean_square},
+          {"errorsTooLarge", tests.spread.too_small},
+          {"sharedNoise", tests.shared_noise},
           {"made", tests.made()},
           {"passed", tests.passed()}};
 }

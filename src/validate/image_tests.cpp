@@ -9,50 +9,13 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "validate/mean_difference.h"
 #include "validate/metrics.h"
 
 namespace etendue {
 namespace {
 
 constexpr double kLargestScore = 37.0;  // beyond it a double holds no normal tail
-
-/// Difference of two sums of independent means, gathered term by term. The variance is that under the hypothesis
-/// tested: samples of both pictures spread around their common mean. A pixel that shows all of a light in one picture
-/// and nothing of it in the other has no variance of its own in either, but a large one around the common mean; its
-/// score stays what chance allows.
-class MeanDifference {
- public:
-  void add(const Image& test, const Image& reference, std::size_t pixel, int channel) {
-    const double a = test.pixels[pixel][channel], b = reference.pixels[pixel][channel];
-    const double n_a = test.sample_count[pixel], n_b = reference.sample_count[pixel];
-    const double common = (n_a * a + n_b * b) / (n_a + n_b);
-    const double unbiased = (n_a + n_b) / (n_a + n_b - 1.0);
-    variance_ += unbiased * (variance(test.standard_error[pixel][channel], n_a, a - common) +
-                             variance(reference.standard_error[pixel][channel], n_b, b - common));
-    sum_test_ += a;
-    sum_reference_ += b;
-    has_spread_ |= test.standard_error[pixel][channel] > 0.0f || reference.standard_error[pixel][channel] > 0.0f;
-    ++terms_;
-  }
-
-  double mean_test() const { return sum_test_ / static_cast<double>(terms_); }
-  double mean_reference() const { return sum_reference_ / static_cast<double>(terms_); }
-  double standard_error() const { return std::sqrt(variance_) / static_cast<double>(terms_); }
-  /// Some sample differs from another of its picture.
-  bool has_spread() const { return has_spread_; }
-  ZTestResult test() const { return z_test(mean_test(), standard_error(), mean_reference(), 0.0); }
-
- private:
-  /// Of a mean of n samples, around a common mean that lies `offset` away.
-  static double variance(double standard_error, double n, double offset) {
-    return standard_error * standard_error * (n - 1.0) / n + offset * offset / n;
-  }
-
-  double sum_test_ = 0, sum_reference_ = 0;
-  double variance_ = 0;  ///< of the difference of the sums
-  bool has_spread_ = false;
-  std::uint64_t terms_ = 0;
-};
 
 /// One tested mean.
 struct Cell {
@@ -73,12 +36,6 @@ Cell make_cell(const MeanDifference& difference, std::uint32_t x, std::uint32_t 
   const double score = r.p_value > 0.0 ? std::min(std::abs(r.z), kLargestScore) : kLargestScore;
   cell.z = std::copysign(score, std::isnan(r.difference) ? 1.0 : r.difference);
   return cell;
-}
-
-bool testable(const Image& image, std::size_t pixel, std::uint32_t min_samples) {
-  const glm::vec3& e = image.standard_error[pixel];
-  const auto usable = [](float error) { return std::isfinite(error) && error >= 0.0f; };
-  return image.sample_count[pixel] >= min_samples && usable(e.x) && usable(e.y) && usable(e.z);
 }
 
 /// What a family of tests comes to, cell by cell; keeps no cell but the worst.
@@ -269,6 +226,7 @@ std::string ImageTests::gap() const {
         "is infinite, NaN or negative); render more samples a pixel",
         untested, pixels);
   }
+  if (spread.too_small && !shared_noise) return spread_text(spread);
   return fmt::format("the noise hides everything below {:.3g} % of the image mean; render more samples a pixel",
                      100.0 * detectable_bias);
 }
@@ -284,6 +242,7 @@ ImageTests test_images(const Image& test, const Image& reference, double signifi
   result.families.push_back(BlockTests(test, reference, kBlockSize, 2).family("8×8 blocks", level));
   result.families.push_back(BlockTests(test, reference, whole, 2).family("image mean", level));
   look_at_coverage(test, reference, result);
+  result.spread = score_spread(test, reference);
   return result;
 }
 

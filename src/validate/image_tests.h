@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "image/image.h"
+#include "validate/score_spread.h"
 #include "validate/statistics.h"
 
 namespace etendue {
@@ -45,12 +46,19 @@ struct ImageTests {
   /// Of those, pixels that no test looked at: fewer than two samples in one of the pictures, or a standard error that
   /// is infinite, NaN or negative.
   std::uint64_t untested = 0;
+  ScoreSpread spread;  ///< whether the scores spread as those of independent pictures do
+  /// Both pictures have the same noise by what is known of them, which explains scores that are too small: the errors
+  /// may be right, and the tests see less than there is.
+  bool shared_noise = false;
 
   /// No test rejects. Says nothing by itself when the tests could not be made.
   bool passed() const;
-  /// Every pixel that differs was tested, with power enough to find a bias of kBlindBias. Pixels that agree need no
-  /// test.
-  bool made() const { return untested == 0 && (differing == 0 || detectable_bias <= kBlindBias); }
+  /// Every pixel that differs was tested, with power enough to find a bias of kBlindBias, by standard errors that can
+  /// be believed. Pixels that agree need no test.
+  bool made() const {
+    const bool believed = !spread.too_small || shared_noise;
+    return untested == 0 && (differing == 0 || (believed && detectable_bias <= kBlindBias));
+  }
   /// What was not tested and what would help, one sentence without a full stop; "" when everything was.
   std::string gap() const;
 };

@@ -72,6 +72,14 @@ double binomial_two_sided(std::uint64_t k, std::uint64_t n, double prob) {
   return std::min(1.0, 2.0 * std::min(binomial_lower_tail(k, n, prob), binomial_upper_tail(k, n, prob)));
 }
 
+double mean_lower_tail_bound(double mean, std::uint64_t n, double second_moment) {
+  if (!(mean < 1.0)) return 1.0;
+  const double q = 1.0 / second_moment, p = std::max(mean, 0.0) * q;
+  const double divergence =
+      (p > 0.0 ? p * std::log(p / q) : 0.0) + (p < 1.0 && q < 1.0 ? (1.0 - p) * std::log((1.0 - p) / (1.0 - q)) : 0.0);
+  return std::exp(-static_cast<double>(n) * divergence);
+}
+
 double sidak_level(double family_alpha, std::uint64_t tests) {
   require_probability(family_alpha, "the significance level");
   if (tests <= 1) return family_alpha;

@@ -30,6 +30,12 @@ double binomial_lower_tail(std::uint64_t k, std::uint64_t n, double prob);
 /// Twice the smaller tail, at most 1.
 double binomial_two_sided(std::uint64_t k, std::uint64_t n, double prob);
 
+/// Bound of P(mean of `n` independent variables <= `mean`), each not negative, of expectation at least 1 and second
+/// moment at most `second_moment` >= 1: exp(−n D(mean/second ‖ 1/second)), D the relative entropy of two coins;
+/// Chernoff's bound with the moment-generating function of the coin {0, second_moment}, the largest there is
+/// [Bennett1962].
+double mean_lower_tail_bound(double mean, std::uint64_t n, double second_moment);
+
 // --- Many tests at once
 // ------------------------------------------------------------------------------------------------
 

@@ -17,14 +17,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-enum class Noise { exponential, coin };
+enum class Noise { exponential, coin, rare };
 
 // A picture as a renderer makes it: `spp` samples per pixel of expectation `factor` · (1 + x/width).
 Image picture(std::uint32_t width, std::uint32_t height, std::uint32_t spp, unsigned seed, double factor = 1.0,
               Noise noise = Noise::exponential) {
   std::mt19937_64 rng(seed);
   std::exponential_distribution<double> exponential(1.0);
-  std::bernoulli_distribution coin(0.5);
+  std::bernoulli_distribution coin(0.5), rare(0.01);
   Image image;
   image.width = width;
   image.height = height;
@@ -34,7 +34,9 @@ Image picture(std::uint32_t width, std::uint32_t height, std::uint32_t spp, unsi
     for (int c = 0; c < 3; ++c) {
       RunningMoments m;
       for (std::uint32_t s = 0; s < spp; ++s) {
-        m.add(expectation * (noise == Noise::coin ? 2.0 * coin(rng) : exponential(rng)));
+        m.add(expectation * (noise == Noise::coin   ? 2.0 * coin(rng)
+                             : noise == Noise::rare ? 100.0 * rare(rng)
+                                                    : exponential(rng)));
       }
       mean[c] = float(m.mean());
       error[c] = float(m.standard_error());
@@ -213,6 +215,80 @@ TEST(Compare, ATestThatCannotRejectIsNone) {
   EXPECT_EQ(c.verdict, Verdict::untested) << comparison_text(c);
   EXPECT_THAT(comparison_text(c), HasSubstr("the noise hides everything below"));
 }
+
+// 1 against 1.3, with an error so large that no test of the difference rejects.
+Image even(std::uint32_t side, float value, float error) {
+  Image image;
+  image.width = image.height = side;
+  image.pixels.assign(std::size_t{side} * side, glm::vec3(value));
+  image.standard_error.assign(image.pixels.size(), glm::vec3(error));
+  image.sample_count.assign(image.pixels.size(), 64);
+  return image;
+}
+
+TEST(Compare, ErrorsThatAreFarTooLargeAreNotBelieved) {
+  for (const auto& [side, error] :
+       {std::pair{64u, 5.0f}, std::pair{40u, 5.0f}, std::pair{16u, 1.5f}, std::pair{12u, 1.0f}}) {
+    SCOPED_TRACE(side);
+    const Image a = even(side, 1.0f, error), b = even(side, 1.3f, error);
+    const Comparison c = compare(a, b);
+    EXPECT_TRUE(c.tests->passed());
+    EXPECT_LE(c.tests->detectable_bias, kBlindBias);
+    EXPECT_EQ(c.verdict, Verdict::untested) << comparison_text(c);
+    EXPECT_FALSE(c.passed());
+    EXPECT_THAT(c.untested_why, HasSubstr("the errors are too large, or the pictures share their noise"));
+    EXPECT_TRUE(nlohmann::json::parse(comparison_json(c).dump())["tests"]["errorsTooLarge"].get<bool>());
+    EXPECT_EQ(compare(a, a).verdict, Verdict::identical);
+  }
+}
+
+TEST(Compare, ErrorsThatAreTooLargeInAPartAreNotBelieved) {
+  Image a = picture(64, 96, 64, 1), b = picture(64, 96, 64, 2);
+  for (std::uint32_t y = 0; y < 32; ++y) {
+    for (std::uint32_t x = 32; x < 64; ++x) {
+      b.pixels[y * 64 + x] = a.pixels[y * 64 + x] * 1.1f;
+      for (Image* image : {&a, &b}) image->standard_error[y * 64 + x] *= 20.0f;
+    }
+  }
+  const Comparison c = compare(a, b);
+  EXPECT_EQ(c.verdict, Verdict::untested) << comparison_text(c);
+  EXPECT_THAT(c.untested_why, HasSubstr("in the 32x32 pixels from (32, 0) on"));
+}
+
+TEST(Compare, SameSeedExplainsScoresThatAreTooSmall) {
+  Image a = picture(32, 32, 64, 1), b = a;
+  for (glm::vec3& pixel : b.pixels) pixel *= 1.0001f;
+  EXPECT_EQ(compare(a, b).verdict, Verdict::untested);
+  a.metadata["sceneHash"] = b.metadata["sceneHash"] = "17";
+  EXPECT_EQ(compare(a, b).verdict, Verdict::statistically_equal);
+  b.metadata["seed"] = "2";
+  EXPECT_EQ(compare(a, b).verdict, Verdict::untested);
+  // What a test finds is a difference all the same.
+  for (glm::vec3& pixel : b.pixels) pixel *= 1.2f;
+  EXPECT_EQ(compare(a, b).verdict, Verdict::different);
+}
+
+// Noise, samples of A, samples of B.
+class SpreadRate : public ::testing::TestWithParam<std::tuple<Noise, std::uint32_t, std::uint32_t>> {};
+TEST_P(SpreadRate, FalseAlarmsStayBelowTheBound) {
+  const auto [noise, samples_a, samples_b] = GetParam();
+  constexpr std::uint64_t kExperiments = 300;
+  std::uint64_t alarms = 0;
+  for (std::uint32_t i = 0; i < kExperiments; ++i) {
+    const Image a = picture(8, 8, samples_a, 2 * i, 1.0, noise), b = picture(8, 8, samples_b, 2 * i + 1, 1.0, noise);
+    const ScoreSpread spread = score_spread(a, b);
+    EXPECT_FALSE(spread.too_small);
+    // Without the factor of 2 that is allowed for.
+    alarms += mean_lower_tail_bound(spread.mean_square, spread.pixels, 3.0) < 0.05;
+  }
+  EXPECT_GT(binomial_upper_tail(alarms, kExperiments, 0.05), 1e-3) << alarms << " of " << kExperiments;
+}
+INSTANTIATE_TEST_SUITE_P(Noise, SpreadRate,
+                         ::testing::Values(std::tuple{Noise::exponential, 16u, 16u}, std::tuple{Noise::coin, 2u, 2u},
+                                           std::tuple{Noise::coin, 16u, 16u}, std::tuple{Noise::rare, 64u, 64u},
+                                           std::tuple{Noise::exponential, 2u, 2u}, std::tuple{Noise::rare, 16u, 160u},
+                                           std::tuple{Noise::exponential, 2u, 160u},
+                                           std::tuple{Noise::coin, 2u, 1600u}));
 
 TEST(Compare, SharedSeedIsNoted) {
   Image a = picture(8, 8, 64, 1), b = picture(8, 8, 64, 1, 1.0001);

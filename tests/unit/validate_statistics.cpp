@@ -83,6 +83,18 @@ TEST(Tails, BinomialSums) {
   EXPECT_EQ(binomial_upper_tail(21, 20, 0.5), 0.0);
 }
 
+TEST(Tails, MeanBoundHoldsForTheCoinItComesFrom) {
+  EXPECT_DOUBLE_EQ(mean_lower_tail_bound(1.0, 100, 3.0), 1.0);
+  EXPECT_NEAR(mean_lower_tail_bound(0.0, 10, 3.0) / std::pow(2.0 / 3.0, 10), 1.0, 1e-12);
+  EXPECT_DOUBLE_EQ(mean_lower_tail_bound(std::numeric_limits<double>::quiet_NaN(), 10, 3.0), 1.0);
+  for (std::uint64_t k = 0; k < 20; ++k) {  // 60 coins that show 3 with probability 1/3
+    const double exact = binomial_lower_tail(k, 60, 1.0 / 3.0),
+                 bound = mean_lower_tail_bound(static_cast<double>(k) / 20.0, 60, 3.0);
+    EXPECT_LE(exact, bound);
+    EXPECT_LE(bound, 10.0 * exact);
+  }
+}
+
 TEST(Corrections, SidakInvertsItselfAndKeepsTinyValues) {
   EXPECT_NEAR(sidak_level(0.05, 5), 1.0 - std::pow(0.95, 0.2), 1e-16);
   EXPECT_NEAR(sidak_adjust(sidak_level(0.01, 480000), 480000), 0.01, 1e-14);
