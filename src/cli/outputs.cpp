@@ -46,9 +46,15 @@ void write_output(const std::string& path, const FilmFile& film, bool as_film) {
 }
 
 void OutputWriter::write(const std::string& path, const std::function<void()>& write) {
-  try {
+  write_somewhere(path, [&] {
     write();
-    written_.push_back(path);
+    return path;
+  });
+}
+
+void OutputWriter::write_somewhere(const std::string& path, const std::function<std::string()>& write) {
+  try {
+    written_.push_back(write());
     return;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::file) throw;

@@ -33,6 +33,8 @@ class OutputWriter {
  public:
   /// Calls `write`, which writes the file at `path`; an Error(file) or a lack of memory is kept for finish().
   void write(const std::string& path, const std::function<void()>& write);
+  /// The same where `write` decides the place and returns it.
+  void write_somewhere(const std::string& path, const std::function<std::string()>& write);
 
   const std::vector<std::string>& written() const { return written_; }
   const std::vector<std::string>& failed() const { return failed_; }

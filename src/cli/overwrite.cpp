@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/log.h"
+#include "core/printable.h"
 #include "image/files.h"
 #include "image/merge.h"
 #include "image/picture_header.h"
@@ -15,10 +17,6 @@
 
 namespace etendue::cli {
 namespace {
-
-[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
-  throw Error(ErrorKind::file, fmt::format("{}: {}; give another name, or --force.", path, reason));
-}
 
 std::string value_of(const Metadata& metadata, const char* key) {
   const auto found = metadata.find(key);
@@ -40,21 +38,64 @@ std::uint64_t samples_per_pixel(const SampleRanges& samples, const Metadata& met
   return sample_count(samples) * set_size(metadata);
 }
 
-PictureHeader header_of_existing(const std::string& path) {
-  try {
-    PictureHeader header = read_picture_header(path);
-    if (value_of(header.metadata, "software") == "Etendue") return header;
-  } catch (const Error&) {
-    refuse(path, "exists and is no picture that can be read");
-  }
-  refuse(path, "exists and is a picture that Etendue did not make");
-}
-
 /// "a picture of 40x30 pixels and 64 samples each".
 std::string describe(const PictureHeader& old) {
   const std::uint64_t spp = samples_per_pixel(old.samples, old.metadata);
   return fmt::format("a {} of {}x{} pixels{}", old.film ? "film" : "picture", old.width, old.height,
                      spp > 0 ? fmt::format(" and {} samples each", spp) : "");
+}
+
+/// What files say of themselves is not to be trusted on a terminal.
+std::string clean(const std::string& value) {
+  constexpr std::size_t kLongest = 60;
+  return text::printable(value, kLongest);
+}
+
+/// "of seed 3": the first thing that tells a picture from those of the new render; "" where nothing does.
+std::string difference_text(const PictureHeader& old, const FilmHeader& wanted) {
+  const auto differs = [&](const char* key) { return value_of(old.metadata, key) != value_of(wanted.metadata, key); };
+  if (differs("scene")) return fmt::format("of another scene ('{}')", clean(value_of(old.metadata, "scene")));
+  if (differs("seed")) return fmt::format("of seed {}", clean(value_of(old.metadata, "seed")));
+  if (differs("sceneHash")) return "of the scene before it was changed";
+  if (differs("integrator")) return fmt::format("by '{}'", clean(value_of(old.metadata, "integrator")));
+  return "";
+}
+
+/// A regular file with something in it. What is none is the business of those who write.
+bool holds_something(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) && (std::filesystem::file_size(path, error) > 0 || error);
+}
+
+/// Why the file must not be replaced by the picture; "" where it may.
+std::string reason_to_keep(const std::string& path, const NewPicture& picture) {
+  PictureHeader old;
+  try {
+    old = read_picture_header(path);
+  } catch (const Error&) {
+    return "exists and is no picture that can be read";
+  }
+  if (value_of(old.metadata, "software") != "Etendue") return "exists and is a picture that Etendue did not make";
+  const FilmHeader& wanted = picture.header;
+  const bool same = same_samples(old.metadata, wanted.metadata) && old.width == wanted.width &&
+                    old.height == wanted.height && set_size(old.metadata) == set_size(wanted.metadata);
+  if (const SampleRanges lost = difference(old.samples, wanted.samples); same && !lost.empty())
+    return fmt::format("exists and holds the samples {} of this render, which would be lost", to_text(lost));
+  if (old.film && !(picture.as_film && path.ends_with(".exr")))
+    return "exists and is a film, which a picture would replace; --film writes a film";
+  const std::string other = difference_text(old, wanted);
+  if (old.film && !same)
+    return fmt::format("exists and is {}{}: a film of another render", describe(old),
+                       other.empty() ? "" : ", " + other);
+  if (value_of(old.metadata, "scene") != value_of(wanted.metadata, "scene"))
+    return fmt::format("exists and is {}, {}", describe(old), other);
+  const std::uint64_t here = samples_per_pixel(old.samples, old.metadata);
+  const std::uint64_t then = samples_per_pixel(wanted.samples, wanted.metadata);
+  const std::uint64_t old_pixels = std::uint64_t{old.width} * old.height;
+  const std::uint64_t new_pixels = std::uint64_t{wanted.width} * wanted.height;
+  if (here * old_pixels <= then * new_pixels) return "";
+  return fmt::format("exists and is {}, more than the {} of {}x{} that would replace it", describe(old), then,
+                     wanted.width, wanted.height);
 }
 
 /// Whether a file begins like what the option writes.
@@ -76,28 +117,34 @@ std::string check_replaceable(const std::string& path, const NewPicture& picture
   if (options.force && options.no_clobber)
     throw Error(ErrorKind::usage, "--force and --no-clobber exclude each other; give one of them.");
   std::error_code error;
-  // What is no regular file is the business of those who write.
-  if (!std::filesystem::is_regular_file(path, error) || options.force) return "";
-  if (options.no_clobber) throw Error(ErrorKind::file, fmt::format("{}: exists, and --no-clobber keeps it.", path));
-  if (std::filesystem::file_size(path, error) == 0 && !error) return "";
+  if (options.no_clobber && std::filesystem::is_regular_file(path, error))
+    throw Error(ErrorKind::file, fmt::format("{}: exists, and --no-clobber keeps it.", path));
+  if (options.force || !holds_something(path)) return "";
+  if (const std::string reason = reason_to_keep(path, picture); !reason.empty())
+    throw Error(ErrorKind::file, fmt::format("{}: {}; give another name, or --force.", path, reason));
+  const PictureHeader old = read_picture_header(path);
+  const std::string other = difference_text(old, picture.header);
+  return fmt::format("{} exists, {}{}, and will be replaced.", path, describe(old),
+                     other.empty() ? "" : fmt::format(", {}", other));
+}
 
-  const PictureHeader old = header_of_existing(path);
-  const FilmHeader& wanted = picture.header;
-  const bool same = same_samples(old.metadata, wanted.metadata) && old.width == wanted.width &&
-                    old.height == wanted.height && set_size(old.metadata) == set_size(wanted.metadata);
-  if (const SampleRanges lost = difference(old.samples, wanted.samples); same && !lost.empty())
-    refuse(path, fmt::format("exists and holds the samples {} of this render, which would be lost", to_text(lost)));
-  if (old.film && !(picture.as_film && path.ends_with(".exr")))
-    refuse(path, "exists and is a film, which a picture would replace; --film writes a film");
-  const std::uint64_t here = samples_per_pixel(old.samples, old.metadata);
-  const std::uint64_t then = samples_per_pixel(wanted.samples, wanted.metadata);
-  const std::uint64_t old_pixels = std::uint64_t{old.width} * old.height;
-  const std::uint64_t new_pixels = std::uint64_t{wanted.width} * wanted.height;
-  if (here * old_pixels > then * new_pixels) {
-    refuse(path, fmt::format("exists and is {}, more than the {} of {}x{} that would replace it", describe(old), then,
-                             wanted.width, wanted.height));
+std::string place_of(const std::string& path, const NewPicture& picture, const OverwriteOptions& options) {
+  if (options.force || !holds_something(path)) return path;
+  const std::string reason = reason_to_keep(path, picture);
+  if (reason.empty()) return path;
+  const std::filesystem::path name(path);
+  constexpr int kMostNames = 99;
+  for (int i = 1; i <= kMostNames; ++i) {
+    const std::string number = i == 1 ? "" : fmt::format("-{}", i);
+    std::filesystem::path beside = name;
+    beside.replace_filename(fmt::format("{}.partial{}{}", name.stem().string(), number, name.extension().string()));
+    if (holds_something(beside) && !reason_to_keep(beside, picture).empty()) continue;
+    log::warning(
+        fmt::format("{}: {}; it is kept, and what this run has done goes to {}.", path, reason, beside.string()));
+    return beside;
   }
-  return fmt::format("{} exists, {}, and will be replaced.", path, describe(old));
+  throw Error(ErrorKind::file, fmt::format("{}: {}, and so are {} files beside it; nothing was written there", path,
+                                           reason, kMostNames));
 }
 
 void check_report_replaceable(const std::string& option, const std::string& path) {

@@ -226,6 +226,17 @@ std::optional<RenderProfile> count_profile(const DeviceTeam& team, const Options
   return gpu_profile(*team.renderers().front(), kProfiledSamples);
 }
 
+// What is done now, each file where it costs nothing that is worth more.
+void write_outputs(OutputWriter& files, const RenderJob& job, const Options& options, const Plan& plan) {
+  const NewPicture picture{header_of(job.state()), plan.film};
+  for (const std::string& path : plan.outputs)
+    files.write_somewhere(path, [&] {
+      const std::string place = place_of(path, picture, options.overwrite);
+      write_output(place, job.state(), plan.film);
+      return place;
+    });
+}
+
 SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const Options& options,
                        const Plan& plan, SignalWatch& signals) {
   const std::uint64_t paths = job.pixels() * plan.session.set_size;
@@ -233,7 +244,7 @@ SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team,
   const auto write_picture = [&] {
     signals.take_image_request();
     OutputWriter files;
-    for (const std::string& path : plan.outputs) files.write(path, [&] { write_output(path, job.state(), plan.film); });
+    write_outputs(files, job, options, plan);
     if (!files.failed().empty()) log::warning(files.complaint() + ". The render goes on.");
   };
   Session session(job, checkpoint, plan.session,
@@ -272,8 +283,7 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const O
       throw Error(ErrorKind::comparison, text + "; without --strict the image is written without them.");
     log::warning(text);
   }
-  for (const std::string& path : plan.outputs)
-    outcome.files.write(path, [&] { write_output(path, job.state(), plan.film); });
+  write_outputs(outcome.files, job, options, plan);
   outcome.seconds = std::chrono::duration<double>(Clock::now() - plan.session.start).count();
   if (outcome.end != SessionEnd::interrupted) outcome.profile = count_profile(team, options);
   if (outcome.profile) {
@@ -389,7 +399,8 @@ void add_render_command(Command& app, Action& action) {
   command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--json", options->json, "print what was done as JSON");
   command->footer(
-      "SIGINT, SIGTERM or SIGHUP: finish the pass, write image and checkpoint, end with code 130; a second SIGINT or "
+      "SIGINT, SIGTERM, SIGHUP or a signal of a limit or timer (SIGXCPU, SIGALRM …): finish the pass, write image and "
+      "checkpoint, end with code 130; a second SIGINT or "
       "SIGTERM aborts. "
       "SIGUSR1: write the current image.");
   command->callback([&action, options] { action = [options] { return render(*options); }; });

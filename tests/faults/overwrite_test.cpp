@@ -26,9 +26,9 @@ class Overwrite : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  ProcessResult render(const std::vector<std::string>& more) const {
+  ProcessResult render(const std::vector<std::string>& more, const std::string& scene = "cbox-sphere") const {
     const auto says = [&](const char* option) { return std::ranges::find(more, option) != more.end(); };
-    std::vector<std::string> arguments = {"render", SCENES_DIR "/cbox-sphere.xml"};
+    std::vector<std::string> arguments = {"render", SCENES_DIR "/" + scene + ".xml"};
     if (!says("--device")) arguments.insert(arguments.end(), {"--device", "reference"});
     if (!says("--size")) arguments.insert(arguments.end(), {"--size", "8x6"});
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -62,8 +62,9 @@ TEST_F(Overwrite, APictureOfNoMoreSamplesIsReplacedAndNamed) {
     expect_ok({"--spp", "4", "-o", name});
     const ProcessResult again = render({"--spp", "4", "--seed", "1", "-o", name});
     EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_THAT(again.err,
-                HasSubstr(name + " exists, a picture of 8x6 pixels and 4 samples each, and will be replaced"));
+    EXPECT_THAT(
+        again.err,
+        HasSubstr(name + " exists, a picture of 8x6 pixels and 4 samples each, of seed 0, and will be replaced"));
     EXPECT_TRUE(changes(name, {"--spp", "8", "-o", name}));
     EXPECT_TRUE(changes(name, {"--spp", "2", "--size", "16x16", "-o", name}));  // other pixels, more samples in all
   }
@@ -81,6 +82,56 @@ TEST_F(Overwrite, APictureOfMoreSamplesIsKept) {
   expect_ok({"--spp", "4", "-o", "b.exr"});
   expect_kept("b.exr", {"--spp", "2", "-o", "new.png", "-o", "b.exr"}, "would be lost");
   EXPECT_FALSE(fs::exists(folder_ / "new.png"));
+}
+
+TEST_F(Overwrite, APictureOfAnotherSceneIsKept) {
+  for (const std::string name : {"a.exr", "a.png"}) {
+    expect_ok({"--spp", "2", "-o", name});
+    const std::string before = read_text(folder_ / name);
+    const ProcessResult other = render({"--spp", "8", "-o", name}, "bubble");
+    EXPECT_EQ(other.code, 6) << other.err;
+    EXPECT_THAT(other.err, HasSubstr("of another scene ('cbox-sphere')"));
+    EXPECT_TRUE(read_text(folder_ / name) == before);
+    // The same scene, edited: rendered again and again.
+    const ProcessResult edited = render({"--spp", "2", "-D", "scene/integrator/maxDepth=3", "-o", name});
+    EXPECT_EQ(edited.code, 0) << edited.err;
+    EXPECT_THAT(edited.err, HasSubstr("by 'path"));
+    EXPECT_EQ(render({"--spp", "1", "--force", "-o", name}, "bubble").code, 0);
+  }
+}
+
+TEST_F(Overwrite, AFilmOfAnotherRenderIsKept) {
+  expect_ok({"--spp", "4", "--film", "-o", "f.exr"});
+  expect_kept("f.exr", {"--spp", "4", "--film", "--seed", "5", "-o", "f.exr"}, "of seed 0: a film of another render");
+  expect_kept("f.exr", {"--spp", "99", "--film", "--size", "16x12", "-o", "f.exr"}, "a film of another render");
+  const std::string before = read_text(folder_ / "f.exr");
+  EXPECT_EQ(render({"--spp", "9", "--film", "-o", "f.exr"}, "bubble").code, 6);
+  EXPECT_TRUE(read_text(folder_ / "f.exr") == before);
+  EXPECT_TRUE(changes("f.exr", {"--spp", "4", "--film", "--seed", "5", "--force", "-o", "f.exr"}));
+}
+
+// What counts in the end are the samples that there are, not those that were asked for.
+TEST_F(Overwrite, ARunThatEndsEarlyWritesBesideWhatIsWorthMore) {
+  expect_ok({"--spp", "64", "--seed", "3", "-o", "a.exr", "-o", "a.png"});
+  const std::string picture = read_text(folder_ / "a.exr"), display = read_text(folder_ / "a.png");
+  const std::vector<std::string> early = {"--spp", "100000000", "--time", "0.01s", "-o", "a.exr", "-o", "a.png"};
+  const ProcessResult stopped = render(early);
+  EXPECT_EQ(stopped.code, 0) << stopped.err;
+  EXPECT_THAT(stopped.err, HasSubstr("it is kept, and what this run has done goes to a.partial.exr"));
+  EXPECT_THAT(stopped.err, HasSubstr("wrote a.partial.exr and a.partial.png"));
+  EXPECT_TRUE(read_text(folder_ / "a.exr") == picture);
+  EXPECT_TRUE(read_text(folder_ / "a.png") == display);
+  EXPECT_TRUE(fs::exists(folder_ / "a.partial.exr"));
+  // The same rule holds for what stands beside it.
+  expect_ok({"--spp", "64", "--force", "-o", "a.partial.exr"});
+  const std::string beside = read_text(folder_ / "a.partial.exr");
+  EXPECT_EQ(render(early).code, 0);
+  EXPECT_TRUE(read_text(folder_ / "a.partial.exr") == beside);
+  EXPECT_TRUE(fs::exists(folder_ / "a.partial-2.exr"));
+  std::vector<std::string> forced = early;
+  forced.push_back("--force");
+  EXPECT_EQ(render(forced).code, 0);
+  EXPECT_FALSE(read_text(folder_ / "a.exr") == picture);
 }
 
 TEST_F(Overwrite, NamesThatFollowFromTheSceneAreGuardedToo) {
