@@ -46,7 +46,7 @@ int run(int argc, char** argv) {
   etendue::cli::add_mutate_command(app, action);
   etendue::cli::add_bench_command(app, action);
   etendue::cli::add_explain_command(app, action);
-  if (const std::optional<bool> end = app.parse(argc, argv))
+  if (const std::optional<bool> end = app.parse(argc, argv, etendue::cli::print_text))
     return *end ? exit_code(Ending::ok) : exit_code(ErrorKind::usage);
   const etendue::cli::Result result = action();
   // A run under the validation layer is only good when the layer had nothing to say.

@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <iostream>
 
 #include "core/errors.h"
 #include "core/printable.h"
@@ -30,11 +29,10 @@ void print_json(const Json& json) {
 
 void finish_results() {
   errno = 0;
-  std::cout.flush();
   if (std::fflush(stdout) != 0 && g_error == 0) g_error = errno;
-  if (g_error == 0 && std::ferror(stdout) == 0 && std::cout) return;
-  throw Error(ErrorKind::file, fmt::format("The results cannot be written to stdout: {}.",
-                                           std::strerror(g_error != 0 ? g_error : errno)));
+  if (g_error == 0 && std::ferror(stdout) == 0) return;
+  throw Error(ErrorKind::file,
+              fmt::format("The results cannot be written to stdout: {}.", std::strerror(g_error != 0 ? g_error : EIO)));
 }
 
 }  // namespace etendue::cli

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 
 #include "cli/ending.h"
 
@@ -26,8 +27,12 @@ static_assert(std::atomic<std::int64_t>::is_always_lock_free && std::atomic<bool
 
 constexpr std::int64_t kOneRequest = 300'000'000;  // ns: signals that belong together
 
-constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1};
-constexpr int kSignalCount = 4;
+// Whatever would end the program without a core dump and can be caught, but for SIGPIPE and SIGXFSZ, which writes
+// report themselves, and the signals of faults in the program. SIGXCPU is the kernel's, every second beyond `ulimit -S
+// -t`.
+constexpr int kSignals[] = {SIGINT,  SIGTERM,   SIGHUP,  SIGUSR1, SIGUSR2, SIGXCPU,
+                            SIGALRM, SIGVTALRM, SIGPROF, SIGPWR,  SIGPOLL};
+constexpr int kSignalCount = static_cast<int>(std::size(kSignals));
 struct sigaction g_before[kSignalCount];
 
 void say(const char* sentence) {
@@ -39,7 +44,7 @@ void say(const char* sentence) {
 }
 
 bool is_impatient(int signal) {
-  if (signal == SIGHUP) return false;
+  if (signal != SIGINT && signal != SIGTERM) return false;  // others are repeated by shells, timers or the kernel
   timespec time{};
   clock_gettime(CLOCK_MONOTONIC, &time);
   const std::int64_t now = std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
@@ -81,8 +86,10 @@ SignalWatch::SignalWatch(bool quiet) {
   sigemptyset(&action.sa_mask);
   for (int i = 0; i < kSignalCount; ++i) {
     sigaction(kSignals[i], nullptr, &g_before[i]);
-    const bool under_nohup = kSignals[i] == SIGHUP && g_before[i].sa_handler == SIG_IGN;
-    if (!under_nohup) sigaction(kSignals[i], &action, nullptr);
+    // As by nohup. SIGINT is ignored in every background job of a script, and is meant all the same.
+    const bool deliberate = kSignals[i] != SIGINT && kSignals[i] != SIGTERM && kSignals[i] != SIGUSR1;
+    if (deliberate && g_before[i].sa_handler == SIG_IGN) continue;
+    sigaction(kSignals[i], &action, nullptr);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "core/command_line.h"
 
 #include <cstdint>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 
@@ -96,12 +97,16 @@ CommandOption* Command::add_flag(const std::string& names, bool& variable, const
   return keep(app_->add_flag(names, variable, description));
 }
 
-std::optional<bool> Command::parse(int argc, char** argv) {
+std::optional<bool> Command::parse(int argc, char** argv, const std::function<void(std::string_view)>& print) {
   try {
     app_->parse(argc, argv);
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
-    return app_->exit(error) == 0;
+    if (!print) return app_->exit(error) == 0;
+    std::ostringstream out;
+    const bool asked = app_->exit(error, out) == 0;
+    print(out.str());
+    return asked;
   }
 }
 

@@ -84,7 +84,8 @@ class Command {
 
   /// Reads the arguments and calls the callbacks; nothing: go on. Else the program is to end: true after --help or
   /// --version, false after a usage error; what there is to say about it has been printed.
-  std::optional<bool> parse(int argc, char** argv);
+  /// `print` takes what belongs to stdout; without it that is printed here, where nobody learns why it did not arrive.
+  std::optional<bool> parse(int argc, char** argv, const std::function<void(std::string_view)>& print = {});
 
  private:
   explicit Command(CLI::App* app);

@@ -110,8 +110,30 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
 }
 
+namespace {
+
+constexpr std::string_view kAnnexFolder = "/annex/objects/";  // below .git, which may be a file that says where it is
+constexpr const char* kAnnexPointer = "this is a git-annex pointer, not the file itself; fetch it with `git annex get`";
+
+}  // namespace
+
 bool is_lfs_pointer(std::string_view beginning) {
   return beginning.starts_with("version https://git-lfs.");
+}
+
+const char* pointer_sentence(std::string_view beginning) {
+  if (is_lfs_pointer(beginning)) return kLfsPointer;
+  // An unlocked file holds "/annex/objects/KEY"; a locked one is a link, and its target is the text where links are not
+  // supported: "../.git/annex/objects/xx/yy/KEY/KEY".
+  const std::string_view line = beginning.substr(0, beginning.find('\n'));
+  const bool path = line.starts_with("/annex/") || line.starts_with(".git/") || line.starts_with("../");
+  return path && line.find(kAnnexFolder) != std::string_view::npos ? kAnnexPointer : nullptr;
+}
+
+const char* link_sentence(std::string_view target) {
+  return target.find(kAnnexFolder) != std::string_view::npos
+             ? "git-annex keeps it elsewhere; fetch it with `git annex get`"
+             : nullptr;
 }
 
 namespace {

@@ -27,11 +27,15 @@ bool is_blank(char c);
 std::string_view trim(std::string_view s);
 bool equal_ignoring_case(std::string_view a, std::string_view b);
 
-/// True for the few lines that stand for a large file in a repository with Git LFS until the file itself is fetched.
+/// True for a pointer of Git LFS, and what to say then.
 bool is_lfs_pointer(std::string_view beginning);
-/// What to say then.
 inline constexpr const char* kLfsPointer =
     "this is a Git LFS pointer, not the file itself; fetch it with `git lfs pull`";
+/// What to say of the few lines that stand for a large file in a repository with Git LFS or git-annex until the file
+/// itself is fetched; nullptr where `beginning` are no such lines.
+const char* pointer_sentence(std::string_view beginning);
+/// The same of the target of a symbolic link that leads nowhere, as git-annex leaves them.
+const char* link_sentence(std::string_view target);
 
 /// The candidate closest to `word`, or "" if none is close enough to be a slip of the pen.
 std::string closest(std::string_view word, const std::vector<std::string>& candidates);

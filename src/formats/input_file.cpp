@@ -1,9 +1,11 @@
 #include "formats/input_file.h"
 
 #include <fcntl.h>
+#include <limits.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -11,11 +13,21 @@
 
 #include "core/errors.h"
 #include "core/printable.h"
+#include "core/text.h"
 
 namespace etendue {
 namespace {
 
 constexpr std::size_t kMostShown = 300;  // of a name that a scene may make as long as it likes
+
+/// Why a file could not be opened.
+std::string reason(const std::string& path, int error) {
+  std::array<char, PATH_MAX> target{};
+  const ssize_t length = error == ENOENT ? ::readlink(path.c_str(), target.data(), target.size()) : -1;
+  const char* pointer =
+      length < 0 ? nullptr : text::link_sentence(std::string_view(target.data(), static_cast<std::size_t>(length)));
+  return pointer != nullptr ? pointer : std::strerror(error);
+}
 
 }  // namespace
 
@@ -23,7 +35,7 @@ InputFile::InputFile(const std::string& path) : path_(text::printable(path, kMos
   // O_NONBLOCK lets open() return at once for a FIFO, which is then refused by its kind.
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor_ < 0) {
-    throw Error(ErrorKind::scene, fmt::format("{}: cannot open the file: {}", path_, std::strerror(errno)));
+    throw Error(ErrorKind::scene, fmt::format("{}: cannot open the file: {}", path_, reason(path, errno)));
   }
   struct stat info {};
   const bool known = ::fstat(descriptor_, &info) == 0;

@@ -86,8 +86,8 @@ Bitmap read_bitmap(const std::string& path, const BitmapOptions& options) {
   try {
     // The kind first: gigabytes of something else need not be read.
     const std::vector<std::byte> head = read_file(path, 64);
-    if (text::is_lfs_pointer({reinterpret_cast<const char*>(head.data()), head.size()}))
-      throw Error(ErrorKind::file, fmt::format("{}: {}", path, text::kLfsPointer));
+    if (const char* pointer = text::pointer_sentence({reinterpret_cast<const char*>(head.data()), head.size()}))
+      throw Error(ErrorKind::file, fmt::format("{}: {}", path, pointer));
     if (head.empty()) throw Error(ErrorKind::file, fmt::format("{}: is empty; expected a picture", path));
     if (is_exr(head) || is_png(head) || is_jpeg(head) || is_hdr(head))
       return decode_bitmap(read_whole_image(path), path, options);

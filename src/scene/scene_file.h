@@ -36,7 +36,9 @@ struct Chi2Test {
   std::uint32_t resolution = 10;   ///< cells in cos θ; twice as many in φ
   double min_exp_frequency = 5.0;  ///< cells that expect fewer samples are pooled
   std::uint64_t sample_count = 0;  ///< per test; 0: 5000 for each cell
-  std::uint32_t test_count = 5;    ///< directions of incidence per bsdf
+  std::uint32_t test_count = 5;    ///< directions of incidence per bsdf, and per angle where there are any
+  /// Degrees from the normal, in [0, 180] without 90; empty: directions at random on the sides the bsdf is lit from.
+  std::vector<double> angles;
   std::vector<TestBsdf> bsdfs;
 };
 

@@ -200,11 +200,13 @@ void check_contract(BsdfProbe& probe, const dvec3& wo, std::span<const BsdfDraw>
   }
 }
 
-/// Even over the hemisphere a material is lit from; materials with two sides are seen from both in turn.
-dvec3 incident_direction(const Bsdf& bsdf, std::uint32_t seed) {
+/// At `angle` degrees, or even over the hemisphere a material is lit from; materials with two sides are seen from both
+/// in turn.
+dvec3 incident_direction(const Bsdf& bsdf, std::optional<double> angle, std::uint32_t seed) {
   std::mt19937_64 engine(seed);
   const auto unit = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
   const double cosine = 0.02 + 0.98 * unit(), phi = 2.0 * std::numbers::pi * unit();
+  if (angle) return spherical_direction(std::cos(*angle * std::numbers::pi / 180.0), phi);
   const bool behind = std::holds_alternative<DielectricBsdf>(bsdf) && seed % 2 == 1;
   return spherical_direction(behind ? -cosine : cosine, phi);
 }
@@ -269,7 +271,8 @@ Chi2Report run_chi2(const Chi2Test& test, const std::string& file, const BsdfPro
   report.file = file;
   report.seed = options.seed;
   report.significance_level = options.significance_level.value_or(test.significance_level);
-  report.test_level = sidak_level(report.significance_level, std::uint64_t{test.test_count} * test.bsdfs.size());
+  const std::uint64_t directions = std::uint64_t{test.test_count} * std::max<std::size_t>(test.angles.size(), 1);
+  report.test_level = sidak_level(report.significance_level, directions * test.bsdfs.size());
   const std::uint64_t cells = std::uint64_t{2} * test.resolution * test.resolution;
   const std::uint64_t samples = options.sample_count.value_or(test.sample_count > 0 ? test.sample_count : 5000 * cells);
   if (samples == 0 || samples > std::numeric_limits<std::uint32_t>::max()) {
@@ -280,9 +283,11 @@ Chi2Report run_chi2(const Chi2Test& test, const std::string& file, const BsdfPro
     const std::unique_ptr<BsdfProbe> probe = make_probe(bsdf.bsdf);
     report.device = probe->device_name();
     report.driver = probe->driver_name();
-    for (std::uint32_t i = 0; i < test.test_count; ++i) {
+    for (std::uint64_t i = 0; i < directions; ++i) {
+      const std::optional<double> angle =
+          test.angles.empty() ? std::nullopt : std::optional(test.angles[i / test.test_count]);
       const std::uint32_t seed = options.seed + static_cast<std::uint32_t>(report.tests.size());
-      const dvec3 wo = incident_direction(bsdf.bsdf, seed);
+      const dvec3 wo = incident_direction(bsdf.bsdf, angle, seed);
       BsdfChi2 result = test_bsdf(*probe, bsdf.bsdf, wo, test, samples, seed, report.test_level);
       result.name = fmt::format("{}, wo {}", bsdf.name, direction_text(wo));
       result.passed = result.passed || (!result.tested && options.allow_untested);

@@ -162,6 +162,10 @@ const NoFile kNoFiles[] = {
     {"fifo", "not a regular file", [](const fs::path& p) { ASSERT_EQ(mkfifo(p.c_str(), 0600), 0); }},
     {"socket", "cannot open the file", make_socket},
     {"link to nothing", "cannot open the file: No such file", [](const fs::path& p) { fs::create_symlink("gone", p); }},
+    {"link into git-annex", "git-annex keeps it elsewhere; fetch it with `git annex get`",
+     [](const fs::path& p) {
+       fs::create_symlink("../.git/annex/objects/x1/Qz/SHA256E-s9--ab.obj/SHA256E-s9--ab.obj", p);
+     }},
     {"link to itself", "Too many levels of symbolic links",
      [](const fs::path& p) { fs::create_symlink(p.filename(), p); }},
     {"link to a folder", "this is a folder", [](const fs::path& p) { fs::create_directory_symlink(".", p); }},

@@ -93,6 +93,36 @@ TEST_F(LostStreams, ResultsThatNobodyTakesAreAnErrorAfterTheFilesAreWritten) {
   }
 }
 
+TEST_F(LostStreams, WhatIsAskedOfTheProgramItselfIsAResultToo) {
+  const int full = keep(open("/dev/full", O_WRONLY | O_CLOEXEC));
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--version"}, {"--help"}, {"render", "--help"}, {"devices", "--help"}}) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    expect_error(run(arguments, {.close_out = true}), 6, "cannot be written to stdout: Bad file descriptor");
+    expect_error(run(arguments, {.out = full}), 6, "cannot be written to stdout: No space left on device");
+  }
+}
+
+// Whatever ends a program by default and can be caught: limits, timers, signals of the user's own.
+TEST_F(LostStreams, SignalsOfLimitsAndTimersSaveWhatIsDone) {
+  for (const int signal : {SIGXCPU, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPWR, SIGPOLL}) {
+    SCOPED_TRACE(signal);
+    Process process(render({"--spp", "10000000", "--checkpoint", "ck.exr", "--checkpoint-every", "200ms",
+                            "--pass-samples", "4", "-o", "x.exr"}),
+                    folder_);
+    ASSERT_TRUE(wait_until([&] { return exists("ck.exr"); }));
+    process.signal(signal);
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    process.signal(signal);  // never the impatient one
+    const ProcessResult result = process.wait();
+    EXPECT_EQ(result.code, 130) << result.err;
+    EXPECT_THAT(result.err, testing::Not(HasSubstr("Aborted")));
+    EXPECT_TRUE(exists("x.exr"));
+    std::filesystem::remove(folder_ / "ck.exr");
+    std::filesystem::remove(folder_ / "x.exr");
+  }
+}
+
 TEST_F(LostStreams, ResultFilesDoNotNeedStdout) {
   const ProcessResult result = run({"compare", "one.exr", "one.exr", "--json", "r.json", "--junit", "gone/r.xml"});
   expect_error(result, 6, "gone/r.xml");  // told before any work

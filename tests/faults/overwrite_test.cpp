@@ -93,7 +93,7 @@ TEST_F(Overwrite, APictureOfAnotherSceneIsKept) {
     EXPECT_THAT(other.err, HasSubstr("of another scene ('cbox-sphere')"));
     EXPECT_TRUE(read_text(folder_ / name) == before);
     // The same scene, edited: rendered again and again.
-    const ProcessResult edited = render({"--spp", "2", "-D", "scene/integrator/maxDepth=3", "-o", name});
+    const ProcessResult edited = render({"--spp", "2", "-D", "integrator.maxDepth=3", "-o", name});
     EXPECT_EQ(edited.code, 0) << edited.err;
     EXPECT_THAT(edited.err, HasSubstr("by 'path"));
     EXPECT_EQ(render({"--spp", "1", "--force", "-o", name}, "bubble").code, 0);
@@ -112,9 +112,10 @@ TEST_F(Overwrite, AFilmOfAnotherRenderIsKept) {
 
 // What counts in the end are the samples that there are, not those that were asked for.
 TEST_F(Overwrite, ARunThatEndsEarlyWritesBesideWhatIsWorthMore) {
-  expect_ok({"--spp", "64", "--seed", "3", "-o", "a.exr", "-o", "a.png"});
+  expect_ok({"--size", "64x48", "--spp", "64", "--seed", "3", "-o", "a.exr", "-o", "a.png"});
   const std::string picture = read_text(folder_ / "a.exr"), display = read_text(folder_ / "a.png");
-  const std::vector<std::string> early = {"--spp", "100000000", "--time", "0.01s", "-o", "a.exr", "-o", "a.png"};
+  const std::vector<std::string> early = {"--size", "64x48", "--spp", "100000000", "--time",
+                                          "0.01s",  "-o",    "a.exr", "-o",        "a.png"};
   const ProcessResult stopped = render(early);
   EXPECT_EQ(stopped.code, 0) << stopped.err;
   EXPECT_THAT(stopped.err, HasSubstr("it is kept, and what this run has done goes to a.partial.exr"));
@@ -123,7 +124,7 @@ TEST_F(Overwrite, ARunThatEndsEarlyWritesBesideWhatIsWorthMore) {
   EXPECT_TRUE(read_text(folder_ / "a.png") == display);
   EXPECT_TRUE(fs::exists(folder_ / "a.partial.exr"));
   // The same rule holds for what stands beside it.
-  expect_ok({"--spp", "64", "--force", "-o", "a.partial.exr"});
+  expect_ok({"--size", "64x48", "--spp", "64", "--seed", "3", "--force", "-o", "a.partial.exr"});
   const std::string beside = read_text(folder_ / "a.partial.exr");
   EXPECT_EQ(render(early).code, 0);
   EXPECT_TRUE(read_text(folder_ / "a.partial.exr") == beside);

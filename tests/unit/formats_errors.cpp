@@ -300,6 +300,9 @@ const BadInput kTests[] = {
      in_ttest(
          "<string name=\"references\" value=\"1\"/>\n<string name=\"angles\" value=\"181\"/><bsdf type=\"diffuse\"/>"),
      3, 30, "out of range; allowed is 0 … 180"},
+    {"Chi2AngleAlongTheSurface",
+     "<test type=\"chi2test\">\n<string name=\"angles\" value=\"90\"/><bsdf type=\"diffuse\"/></test>", 2, 30,
+     "an angle is 90: light along the surface meets neither side"},
     {"AngleAlongTheSurface",
      in_ttest(
          "<string name=\"references\" value=\"1\"/>\n<string name=\"angles\" value=\"90\"/><bsdf type=\"diffuse\"/>"),

@@ -256,6 +256,13 @@ TEST(SceneReader, LookatFrame) {
   EXPECT_NEAR(glm::determinant(glm::dmat3(oblique)), 1.0, 1e-12);
 }
 
+TEST(SceneReader, LookatMeasuresWhatNoSquareHolds) {
+  const glm::dmat4 plain = transform("<lookat origin=\"1 2 3\" target=\"1 2 13\" up=\"0 5 0\"/>");
+  for (const char* up : {"0 1e200 0", "0 1e-200 0", "0 1e308 0", "0 5e-324 0"})
+    EXPECT_EQ(transform("<lookat origin=\"1 2 3\" target=\"1 2 13\" up=\"" + std::string(up) + "\"/>"), plain) << up;
+  EXPECT_EQ(transform("<lookat origin=\"0 0 0\" target=\"0 0 1e-200\" up=\"0 1 0\"/>")[2], glm::dvec4(0, 0, 1, 0));
+}
+
 TEST(SceneReader, LookatAlongItsUpTakesAnotherAndWarns) {
   struct Case {
     const char *target, *up, *says;

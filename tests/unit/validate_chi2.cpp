@@ -86,6 +86,35 @@ TEST(Chi2, TheReferencePasses) {
   }
 }
 
+// From behind a one-sided material is black: no sample has a direction, and no direction a density.
+TEST(Chi2, AnglesBeyondTheSurfaceTestTheBackOfAMaterial) {
+  Chi2Test test;
+  test.bsdfs = {{DiffuseBsdf{}, "diffuse", {}}, {MirrorBsdf{}, "mirror", {}}, {DielectricBsdf{}, "dielectric", {}}};
+  test.angles = {30.0, 150.0};
+  test.test_count = 2;
+  const Chi2Report report = run_chi2(test, "x.xml", make_reference_bsdf_probe);
+  ASSERT_EQ(report.tests.size(), 3u * 2 * 2);
+  EXPECT_TRUE(report.passed()) << chi2_table(report);
+  for (std::size_t i = 0; i < report.tests.size(); ++i) {
+    const BsdfChi2& t = report.tests[i];
+    const bool behind = i / 2 % 2 == 1, one_sided = i < 8;
+    EXPECT_NEAR(t.wo.z, behind ? -std::sqrt(0.75) : std::sqrt(0.75), 1e-12) << t.name;
+    EXPECT_EQ(t.without_direction, behind && one_sided ? t.samples : 0) << t.name;
+  }
+  // A diffuse material that shines from behind is found out.
+  test.bsdfs.resize(1);
+  const auto two_sided = [](const Bsdf& bsdf) {
+    auto probe = std::make_unique<WrongProbe>(bsdf);
+    probe->change_draw = [](BsdfDraw& draw) {
+      if (draw.pdf == 0.0) draw = {{0.0, 0.0, -1.0}, 1.0 / kPi, {0.5, 0.5, 0.5}, ProbeLobe::diffuse};
+    };
+    return probe;
+  };
+  EXPECT_FALSE(run_chi2(test, "x.xml", two_sided).passed());
+  test.angles = {30.0};
+  EXPECT_TRUE(run_chi2(test, "x.xml", two_sided).passed());
+}
+
 TEST(Chi2, FalseAlarmRateIsWhatItSays) {
   const auto probe = make_reference_bsdf_probe(DiffuseBsdf{});
   std::uint64_t failed = 0;

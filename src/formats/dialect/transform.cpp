@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -97,20 +98,28 @@ glm::dvec3 other_up(const glm::dvec3& dir) {
   return along.z <= along.x ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(1.0, 0.0, 0.0);
 }
 
+/// A vector along `v` whose length can be measured: scaled where squares would leave the range of a double; nothing for
+/// (0, 0, 0).
+std::optional<glm::dvec3> measurable(const glm::dvec3& v) {
+  constexpr double kSafe = 1e100;
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (!(largest > 0.0)) return std::nullopt;
+  return largest > kSafe || largest < 1.0 / kSafe ? v / largest : v;
+}
+
 glm::dmat4 read_lookat(const XmlElement& element, ReadContext& context) {
   const glm::dvec3 origin = read_triple(element, "origin");
   const glm::dvec3 target = read_triple(element, "target");
   const glm::dvec3 up = read_triple(element, "up");
-  const glm::dvec3 toward = target - origin;
-  if (!(glm::length(toward) > 0.0)) {
+  const std::optional<glm::dvec3> toward = measurable(target - origin);
+  if (!toward) {
     throw ValueError{element.find("target")->value_offset, "<lookat> has its target at its origin; move one of them"};
   }
-  const glm::dvec3 dir = glm::normalize(toward);
-  const double up_length = glm::length(up);
+  const glm::dvec3 dir = glm::normalize(*toward);
+  const std::optional<glm::dvec3> upward = measurable(up);
   const std::size_t up_offset = element.find("up")->value_offset;
-  if (!(up_length > 0.0))
-    throw ValueError{up_offset, "\"up\" of <lookat> has length 0; give a direction such as 0,1,0"};
-  glm::dvec3 side = glm::cross(up / up_length, dir);
+  if (!upward) throw ValueError{up_offset, "\"up\" of <lookat> has length 0; give a direction such as 0,1,0"};
+  glm::dvec3 side = glm::cross(*upward / glm::length(*upward), dir);
   if (!(glm::length(side) > kMinUnitVolume)) {
     const glm::dvec3 other = other_up(dir);
     side = glm::cross(other, dir);

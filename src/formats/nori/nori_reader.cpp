@@ -507,15 +507,20 @@ class SceneReader {
     return bsdfs;
   }
 
+  std::vector<double> read_angles(const Object& object) {
+    std::vector<double> angles = object.get<std::vector<double>>("angles");
+    if (std::ranges::find(angles, 90.0) != angles.end())
+      sink_.error(object.position_of("angles"),
+                  "an angle is 90: light along the surface meets neither side; leave it out");
+    return angles;
+  }
+
   TTest read_ttest(const Object& object) {
     TTest test;
     test.significance_level = object.get<double>("significanceLevel");
     test.sample_count = static_cast<std::uint64_t>(object.get<std::int64_t>("sampleCount"));
     test.references = object.get<std::vector<double>>("references");
-    test.angles = object.get<std::vector<double>>("angles");
-    if (std::ranges::find(test.angles, 90.0) != test.angles.end())
-      sink_.error(object.position_of("angles"),
-                  "an angle is 90: light along the surface meets neither side; leave it out");
+    test.angles = read_angles(object);
     const std::string stem = fs::path(path_).stem().string();
     const std::vector<const XmlElement*> scenes = object.children("scene");
     const std::size_t bsdf_count = object.children("bsdf").size();
@@ -564,6 +569,7 @@ class SceneReader {
     test.min_exp_frequency = object.get<double>("minExpFrequency");
     test.sample_count = static_cast<std::uint64_t>(object.get<std::int64_t>("sampleCount"));
     test.test_count = to_uint32(object.get<std::int64_t>("testCount"));
+    test.angles = read_angles(object);
     test.bsdfs = read_test_bsdfs(object);
     return test;
   }

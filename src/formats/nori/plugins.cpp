@@ -258,7 +258,10 @@ std::vector<Plugin> object_plugins() {
         {"resolution", integer, "10", between(2, 1000), "cells in the cosine of the polar angle; twice as many around"},
         {"minExpFrequency", real, "5", between(1, 1e6), "cells that expect fewer samples are pooled"},
         {"sampleCount", integer, "0", between(0, 1e12), "samples per test; 0 is 5000 for each cell"},
-        {"testCount", integer, "5", between(1, 1e6), "directions of incidence for each bsdf"}},
+        {"testCount", integer, "5", between(1, 1e6), "directions of incidence for each bsdf, and for each angle"},
+        {"angles", number_list, "", between(0, 180),
+         "angles of incidence in degrees from the normal, beyond 90 from behind, but not 90; none: at random on the "
+         "sides that a bsdf is lit from"}},
        {{"bsdf", 1, kAnyNumber}}},
   };
 }

@@ -181,7 +181,7 @@ class ObjParser {
     Tokens tokens(lines_.line());
     if (std::exchange(first_line_, false)) {
       if (lines_.line().starts_with("\xef\xbb\xbf")) tokens = Tokens(lines_.line(), 3);
-      if (text::is_lfs_pointer(lines_.line())) throw ObjError{0, text::kLfsPointer, true};
+      if (const char* pointer = text::pointer_sentence(lines_.line())) throw ObjError{0, pointer, true};
     }
     const std::string_view keyword = tokens.next();
     if (keyword.empty() || keyword.front() == '#') return;

@@ -59,7 +59,7 @@ class Parser {
   XmlElement parse() {
     check_encoding();
     if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
-    if (text::is_lfs_pointer(text_)) fail(0, text::kLfsPointer);
+    if (const char* pointer = text::pointer_sentence(text_)) fail(0, pointer);
     skip_misc();
     if (end()) fail(at_, "the file holds no element; a scene starts with <scene>");
     XmlElement root = parse_element(0);
