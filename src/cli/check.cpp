@@ -5,6 +5,7 @@
 #include "cli/results.h"
 #include "core/json.h"
 #include "core/printable.h"
+#include "scene/coincident.h"
 #include "validate/scene_probe.h"
 
 namespace etendue::cli {
@@ -37,6 +38,7 @@ Result check_files(const Options& options) {
     read.strict = true;  // a check is strict by nature: an unknown property is a mistake until shown otherwise
     if (std::optional<SceneFile> content = read_scene_file(file, read, diagnostics)) {
       check_scene_file(*content, diagnostics);
+      check_coincident(*content, diagnostics);
       if (auto* scene = std::get_if<Scene>(&*content)) probe_scene(std::move(*scene), diagnostics);
     }
     for (const Diagnostic& d : diagnostics.list()) {

@@ -14,14 +14,11 @@
 
 #include "core/text.h"
 #include "scene/bounds.h"
-#include "scene/coincident.h"
 #include "scene/placed.h"
 #include "scene/precision.h"
 
 namespace etendue {
 namespace {
-
-using Box = Bounds;
 
 bool is_dark(const glm::dvec3& radiance) {
   return radiance == glm::dvec3(0.0);
@@ -39,7 +36,7 @@ void check_light(const Scene& scene, Diagnostics& diagnostics) {
 }
 
 /// True if some part of the box lies more than rounding in front of the triangle's plane.
-bool box_in_front(const Box& box, const glm::dvec3& p, const glm::dvec3& n, double tolerance) {
+bool box_in_front(const Bounds& box, const glm::dvec3& p, const glm::dvec3& n, double tolerance) {
   const glm::dvec3 farthest(n.x > 0 ? box.max.x : box.min.x, n.y > 0 ? box.max.y : box.min.y,
                             n.z > 0 ? box.max.z : box.min.z);
   return glm::dot(farthest - p, n) > tolerance;
@@ -47,7 +44,7 @@ bool box_in_front(const Box& box, const glm::dvec3& p, const glm::dvec3& n, doub
 
 /// An emitter mesh none of whose triangles has anything, or the camera, in front of it. Boxes make it a cautious test:
 /// it warns only when nothing can be lit.
-void check_facing(const Scene& scene, const Instance& instance, const Box& all, Diagnostics& diagnostics) {
+void check_facing(const Scene& scene, const Instance& instance, const Bounds& all, Diagnostics& diagnostics) {
   const auto* object = std::get_if<TriangleMesh>(&scene.shape_of(instance));
   if (object == nullptr || !instance.emitter) return;
   const PlacedMesh mesh(*object, instance);
@@ -80,7 +77,7 @@ double winding_number(const PlacedMesh& mesh, const glm::dvec3& p) {
   return sum / (4.0 * glm::pi<double>());
 }
 
-double volume_size(const Box& box) {
+double volume_size(const Bounds& box) {
   return glm::length(box.max - box.min);
 }
 
@@ -94,7 +91,7 @@ bool contains(const Shape& shape, const Instance& instance, const glm::dvec3& p)
 
 /// The medium around the camera is that of the smallest dielectric it is inside of; a hollow (inside index near 1) is
 /// air.
-void check_camera_medium(const Scene& scene, const std::vector<Box>& boxes, Diagnostics& diagnostics) {
+void check_camera_medium(const Scene& scene, const std::vector<Bounds>& boxes, Diagnostics& diagnostics) {
   const glm::dvec3 eye(scene.camera.world_from_camera[3]);
   const Instance* innermost = nullptr;
   double smallest = std::numeric_limits<double>::infinity();
@@ -116,7 +113,7 @@ void check_camera_medium(const Scene& scene, const std::vector<Box>& boxes, Diag
 }
 
 /// Devices compute in single precision, relative to the size of the whole scene.
-void check_scale(const Instance& instance, const Box& box, const Box& all, Diagnostics& diagnostics) {
+void check_scale(const Instance& instance, const Bounds& box, const Bounds& all, Diagnostics& diagnostics) {
   constexpr double kTooSmall = 1e-6;
   const double size = volume_size(box), whole = volume_size(all);
   if (!(size < kTooSmall * whole)) return;
@@ -202,14 +199,14 @@ void check_closed(const Scene& scene, const Instance& instance, Diagnostics& dia
 }  // namespace
 
 void check_scene(const Scene& scene, Diagnostics& diagnostics) {
-  std::vector<Box> boxes;
-  Box all;
+  std::vector<Bounds> boxes;
+  Bounds all;
   for (const Instance& instance : scene.instances) {
     boxes.push_back(bounds_of(scene, instance));
     all.add(boxes.back().min);
     all.add(boxes.back().max);
   }
-  Box seen = all;  // what light can shine on, or into
+  Bounds seen = all;  // what light can shine on, or into
   seen.add(glm::dvec3(scene.camera.world_from_camera[3]));
   if (gathers_light(scene.integrator)) check_light(scene, diagnostics);
   check_camera_medium(scene, boxes, diagnostics);
@@ -221,7 +218,6 @@ void check_scene(const Scene& scene, Diagnostics& diagnostics) {
     check_normals(scene, instance, diagnostics);
     check_closed(scene, instance, diagnostics);
   }
-  check_coincident(scene, diagnostics);
   if (const std::string sentence = precision_complaint(scene); !sentence.empty())
     diagnostics.warning(scene.camera.position, sentence);
 }

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "scene/bounds.h"
 #include "scene/placed.h"
 
 namespace etendue {
@@ -34,19 +35,9 @@ struct Face {
   std::uint32_t instance = 0, triangle = 0;
 };
 
-struct Bounds {
-  glm::dvec3 lower{std::numeric_limits<double>::infinity()};
-  glm::dvec3 upper{-std::numeric_limits<double>::infinity()};
-
-  void add(const glm::dvec3& p) {
-    lower = glm::min(lower, p);
-    upper = glm::max(upper, p);
-  }
-  bool meets(const Bounds& b, double margin) const {
-    return glm::all(glm::lessThanEqual(lower, b.upper + margin)) &&
-           glm::all(glm::lessThanEqual(b.lower, upper + margin));
-  }
-};
+bool meet(const Bounds& a, const Bounds& b, double margin) {
+  return glm::all(glm::lessThanEqual(a.min, b.max + margin)) && glm::all(glm::lessThanEqual(b.min, a.max + margin));
+}
 
 class Finder {
  public:
@@ -72,13 +63,11 @@ class Finder {
   /// The boxes of all meshes, and the largest coordinate, which offsets of planes are measured by.
   void measure() {
     for (const Instance& instance : scene_.instances) {
-      Bounds& box = boxes_.emplace_back();
-      const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
-      if (mesh == nullptr) continue;
-      const PlacedMesh placed(*mesh, instance);
-      for (std::uint32_t i = 0; i < mesh->positions.size(); ++i) box.add(placed.position(i));
-      const glm::dvec3 farthest = glm::max(glm::abs(box.lower), glm::abs(box.upper));
-      if (!mesh->positions.empty()) size_ = std::max({size_, farthest.x, farthest.y, farthest.z});
+      const bool is_mesh = std::holds_alternative<TriangleMesh>(scene_.shape_of(instance));
+      const Bounds& box = boxes_.emplace_back(is_mesh ? bounds_of(scene_, instance) : Bounds{});
+      if (box.empty()) continue;
+      const glm::dvec3 farthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+      size_ = std::max({size_, farthest.x, farthest.y, farthest.z});
     }
   }
 
@@ -86,7 +75,7 @@ class Finder {
   std::vector<Bounds> neighbours(std::uint32_t index) const {
     std::vector<Bounds> found;
     for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
-      if (i != index && boxes_[i].meets(boxes_[index], size_ * kOffsetStep)) found.push_back(boxes_[i]);
+      if (i != index && meet(boxes_[i], boxes_[index], size_ * kOffsetStep)) found.push_back(boxes_[i]);
     }
     return found;
   }
@@ -104,7 +93,7 @@ class Finder {
       const auto [a, b, c] = placed.triangle(t);
       Bounds box;
       for (const glm::dvec3& p : {a, b, c}) box.add(p);
-      const auto meets = [&](const Bounds& other) { return other.meets(box, size_ * kOffsetStep); };
+      const auto meets = [&](const Bounds& other) { return meet(other, box, size_ * kOffsetStep); };
       if (!many && std::none_of(others.begin(), others.end(), meets)) continue;
       glm::dvec3 n = glm::cross(b - a, c - a);
       const double length = glm::length(n);
@@ -195,6 +184,13 @@ class Finder {
 
 void check_coincident(const Scene& scene, Diagnostics& diagnostics) {
   if (scene.instances.size() > 1) Finder(scene, diagnostics).find();
+}
+
+void check_coincident(const SceneFile& file, Diagnostics& diagnostics) {
+  if (const auto* scene = std::get_if<Scene>(&file)) check_coincident(*scene, diagnostics);
+  if (const auto* test = std::get_if<TTest>(&file)) {
+    for (const Scene& scene : test->scenes) check_coincident(scene, diagnostics);
+  }
 }
 
 }  // namespace etendue

@@ -2,7 +2,7 @@
 /// Surfaces that lie in one another: which of them is seen is then a matter of convention.
 
 #include "scene/diagnostics.h"
-#include "scene/scene.h"
+#include "scene/scene_file.h"
 
 namespace etendue {
 
@@ -11,5 +11,7 @@ namespace etendue {
 /// reported: nobody sees the two faces. Bounded work: at most some millions of pairs of triangles are looked at, in the
 /// order of the scene.
 void check_coincident(const Scene& scene, Diagnostics& diagnostics);
+/// The same for every scene of a file. The command `check` asks; a render does not wait for it.
+void check_coincident(const SceneFile& file, Diagnostics& diagnostics);
 
 }  // namespace etendue

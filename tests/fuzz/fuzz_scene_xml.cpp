@@ -8,6 +8,7 @@
 #include "formats/nori/nori_reader.h"
 #include "formats/obj/obj_reader.h"
 #include "scene/check.h"
+#include "scene/coincident.h"
 
 namespace {
 
@@ -42,6 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (!file) return 0;
   etendue::check_scene_file(*file, diagnostics);
+  etendue::check_coincident(*file, diagnostics);
   if (const auto* scene = std::get_if<etendue::Scene>(&*file)) {
     etendue::scene_hash(*scene);
     const int exponent = etendue::film_exponent(*scene);

@@ -4,6 +4,7 @@
 
 #include "formats_testing.h"
 #include "scene/check.h"
+#include "scene/coincident.h"
 
 namespace etendue::testing {
 namespace {
@@ -38,7 +39,10 @@ std::string check(const std::string& content, const std::string& camera_at = "0.
   Diagnostics diagnostics;
   const auto scene = read_scene_file(file, {}, diagnostics);
   EXPECT_TRUE(scene.has_value()) << all_messages(diagnostics);
-  if (scene) check_scene_file(*scene, diagnostics);
+  if (scene) {
+    check_scene_file(*scene, diagnostics);
+    check_coincident(*scene, diagnostics);
+  }
   return all_messages(diagnostics);
 }
 
