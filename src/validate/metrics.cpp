@@ -1,6 +1,7 @@
 #include "validate/metrics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -166,27 +167,58 @@ namespace {
 
 constexpr int kSsimRadius = 5;
 
-/// Gaussian-weighted mean along one axis; positions [first, last) of `size`, windows cut at the border and
-/// renormalised.
+using SsimWindow = std::array<double, 2 * kSsimRadius + 1>;
+
+const SsimWindow& ssim_window() {
+  static const SsimWindow weights = [] {
+    SsimWindow w{};
+    for (int i = -kSsimRadius; i <= kSsimRadius; ++i)
+      w[static_cast<std::size_t>(i + kSsimRadius)] = std::exp(-i * i / (2.0 * 1.5 * 1.5));
+    return w;
+  }();
+  return weights;
+}
+
+/// Places i, i + k of a window's weight k within `size`: first and one past the last i.
+std::pair<int, int> reach(int k, int size) {
+  return {std::max(0, -k), size - std::max(0, k)};
+}
+
+/// Sums of the weights of windows that are cut at the borders, by place.
+std::vector<double> window_sums(int size) {
+  std::vector<double> sums(static_cast<std::size_t>(size), 0.0);
+  for (int k = -kSsimRadius; k <= kSsimRadius; ++k) {
+    const auto [begin, end] = reach(k, size);
+    for (int i = begin; i < end; ++i)
+      sums[static_cast<std::size_t>(i)] += ssim_window()[static_cast<std::size_t>(k + kSsimRadius)];
+  }
+  return sums;
+}
+
+/// Adds `weight` times a run of values: loops that compilers vectorise, because nothing in them depends on the place.
+void add_scaled(const double* in, double weight, std::size_t count, double* out) {
+  for (std::size_t i = 0; i < count; ++i) out[i] += weight * in[i];
+}
+
+/// Gaussian-weighted mean along one axis, windows cut at the border and renormalised.
 std::vector<double> window_mean(const std::vector<double>& in, std::uint32_t width, std::uint32_t height,
                                 bool along_x) {
-  double weights[2 * kSsimRadius + 1];
-  for (int i = -kSsimRadius; i <= kSsimRadius; ++i) weights[i + kSsimRadius] = std::exp(-i * i / (2.0 * 1.5 * 1.5));
-  std::vector<double> out(in.size());
-  const int size = static_cast<int>(along_x ? width : height);
-  const std::size_t stride = along_x ? 1 : width;
+  std::vector<double> out(in.size(), 0.0);
+  const std::vector<double> sums = window_sums(static_cast<int>(along_x ? width : height));
   for (std::uint32_t y = 0; y < height; ++y) {
-    for (std::uint32_t x = 0; x < width; ++x) {
-      const int here = static_cast<int>(along_x ? x : y);
-      const std::size_t base = along_x ? std::size_t{y} * width : x;
-      double sum = 0, norm = 0;
-      for (int k = std::max(-kSsimRadius, -here); k <= std::min(kSsimRadius, size - 1 - here); ++k) {
-        const double w = weights[k + kSsimRadius];
-        sum += w * in[base + static_cast<std::size_t>(here + k) * stride];
-        norm += w;
+    double* row = &out[std::size_t{y} * width];
+    for (int k = -kSsimRadius; k <= kSsimRadius; ++k) {
+      const double weight = ssim_window()[static_cast<std::size_t>(k + kSsimRadius)];
+      const auto [begin, end] = reach(k, static_cast<int>(along_x ? width : height));
+      if (along_x) {
+        if (begin < end)
+          add_scaled(&in[std::size_t{y} * width] + begin + k, weight, static_cast<std::size_t>(end - begin),
+                     row + begin);
+      } else if (static_cast<int>(y) >= begin && static_cast<int>(y) < end) {
+        add_scaled(&in[static_cast<std::size_t>(static_cast<int>(y) + k) * width], weight, width, row);
       }
-      out[std::size_t{y} * width + x] = sum / norm;
     }
+    for (std::uint32_t x = 0; x < width; ++x) row[x] /= sums[along_x ? x : y];
   }
   return out;
 }
@@ -208,6 +240,7 @@ namespace {
 /// Sum of the structural similarity over the windows around the rows [y0, y1) of two strips of `rows` rows.
 double ssim_sum(const std::vector<double>& a, const std::vector<double>& b, std::uint32_t width, std::uint32_t rows,
                 std::uint32_t y0, std::uint32_t y1, std::uint32_t border) {
+  if (a == b) return static_cast<double>(y1 - y0) * (width - 2 * border);  // each window gives exactly 1
   constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
   const std::vector<double> mean_a = window_mean(a, width, rows), mean_b = window_mean(b, width, rows);
   const std::vector<double> aa = window_mean(product(a, a), width, rows);
