@@ -72,6 +72,8 @@ const uint kConstantMaterialFlagsAll = 29u;
 const uint kConstantLightNormals = 30u;
 const uint kConstantCamera = 40u;
 const uint kConstantHideEmitters = 41u;
+const uint kConstantInstanced = 46u;  // some meshes are shared: the tree has two levels
+const uint kConstantPlacesAt = 47u;
 const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -172,14 +174,38 @@ struct Primitive {
 const uint kPrimitiveKindMask = 1u;
 const uint kPrimitiveOrderShift = 1u;
 
+// Shared meshes: a record of the tree may be an instance of one. Its a.w has kRecordInstance beside the number of the instance, b.w is the slot of the
+// root of the mesh's own tree, c.w the number of its Place; a, b and c hold the rows of object_from_world. The primitives of that tree lie in object
+// space, scaled into [−1, 1]; their a.w is 0, and they are numbered within the mesh.
+const uint kRecordInstance = 0x40000000u;
+
+// Where an instance puts a shared mesh. A point p of the mesh's space lies at origin + x p.x + y p.y + z p.z.
+struct Place {
+  vec3 origin;
+  float error;            // what rounding moves a ray that begins on the instance, against its surface, at most
+  vec3 x;
+  float relative_error;   // and one from elsewhere, as a share of its length
+  vec3 y;
+  float side;             // −1 where the instance turns the winding of the triangles around, else 1
+  vec3 z;
+  float root_determinant; // of the matrix of x, y and z, its magnitude
+  vec3 object_x;          // rows of object_from_world
+  uint pad0;
+  vec3 object_y;
+  uint pad1;
+  vec3 object_z;
+  uint pad2;
+};
+const uint kPlaceTexels = 7u;
+
 // What is known of a surface but its geometry.
 struct Instance {
   vec3 radiance;        // 0 when it does not emit
   float light_prob;     // discrete probability of choosing this instance as a light; 0 when it does not emit
   uint material;        // index into materials
   uint first_triangle;  // into the triangle indices; kNone when there are no vertex normals
-  float light_area;     // total area in normalised coordinates
-  uint pad0;
+  float light_area;     // total area in normalised coordinates; of a shared mesh in its own
+  uint place;           // of an instance of a shared mesh, into places; kNone: its primitives and normals lie in the world
 };
 const uint kInstanceTexels = 2u;
 
@@ -206,7 +232,7 @@ struct LightInstance {
 };
 const uint kLightInstanceTexels = 1u;
 
-// A primitive that emits, with its geometry: lights know nothing of the tree.
+// A primitive that emits, with its geometry: lights know nothing of the tree. Those of a shared mesh lie in its own space.
 struct LightPrimitive {
   Primitive primitive;
   uint threshold;
@@ -234,6 +260,7 @@ struct LightPair {
 };
 const uint kLightPairTexels = 5u;
 const uint kLightLeaf = 0x80000000u;
+const uint kLightLeafShared = 0x40000000u;  // beside it: the index is that of a light instance, whose mesh is shared
 const uint kMaxLightTreeDepth = 31u;
 
 // The way from the root of the light tree to a primitive.
@@ -383,6 +410,7 @@ struct TracedVertex {
 constexpr uint kTexelBytes = sizeof(uvec4);
 static_assert(sizeof(Record) == kRecordTexels * kTexelBytes);
 static_assert(sizeof(Primitive) == kRecordTexels * kTexelBytes);
+static_assert(sizeof(Place) == kPlaceTexels * kTexelBytes);
 static_assert(sizeof(Instance) == kInstanceTexels * kTexelBytes);
 static_assert(sizeof(MaterialRecord) == kMaterialTexels * kTexelBytes);
 static_assert(sizeof(LightInstance) == kLightInstanceTexels * kTexelBytes);

@@ -27,6 +27,7 @@ struct Nearest {
   float t;
   uint slot;   // of its record; kNone for none
   uint order;  // its Primitive::kind, which numbers the primitives of the scene; 0 for none, so that nothing at t itself precedes it
+  uint instance;  // its instance; used where meshes are shared, as their primitives are numbered within them
 };
 
 bool is_sphere(Primitive prim) { return kHasSpheres && (prim.kind & kPrimitiveKindMask) == kPrimitiveSphere; }
@@ -40,6 +41,23 @@ struct RayFrame {
 RayFrame make_ray_frame(Ray ray) {
   const ShadingFrame f = make_frame(ray.d);
   return RayFrame(ray, f.s, f.t);
+}
+
+// A ray whose direction is not of unit length. Distances are dot products with d / d², so that is what the ray of its frame carries. `unit` and `size`,
+// direction and length of d, are what the frame was made of: boxes must see the same direction as triangles, or rounding parts them.
+struct ScaledRay {
+  RayFrame rf;
+  vec3 unit;
+  float size;
+};
+ScaledRay make_scaled_ray(Ray ray) {
+  const float size = length(ray.d);
+  vec3 unit = ray.d / size;
+  unit *= 1.5 - 0.5 * dot(unit, unit);  // once more, where length() is not exact
+  const ShadingFrame f = make_frame(unit);
+  Ray scaled = Ray(ray.o, ray.t_min, unit / size, ray.t_max);
+  MUTATE(kMutantInstanceRayNormalised, scaled.d = unit);
+  return ScaledRay(RayFrame(scaled, f.s, f.t), unit, size);
 }
 
 // Barycentric weights of the point where the ray meets a triangle's plane; a, b, c are its vertices seen from the ray's origin. None of them is
@@ -85,14 +103,16 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
 
 // Tests a primitive record and takes it when it is nearer, or as near and earlier in the scene: which of two coincident surfaces is seen must not
 // depend on the order of the walk.
-bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Nearest nearest) {
+bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, inout Nearest nearest) {
   const Primitive prim = to_primitive(record);
+  bool earlier = prim.kind < nearest.order;
+  if (kInstanced) earlier = instance < nearest.instance || (instance == nearest.instance && earlier);
   // For one that comes earlier the next float after t, so that t itself lies below it.
-  const float reach = uintBitsToFloat(floatBitsToUint(nearest.t) + uint(prim.kind < nearest.order));
+  const float reach = uintBitsToFloat(floatBitsToUint(nearest.t) + uint(earlier));
   float t;
   bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, reach, t);
   if (is_sphere(prim)) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, reach, t);
-  nearest = Nearest(found ? t : nearest.t, found ? slot : nearest.slot, found ? prim.kind : nearest.order);
+  nearest = Nearest(found ? t : nearest.t, found ? slot : nearest.slot, found ? prim.kind : nearest.order, found ? instance : nearest.instance);
   return found;
 }
 
@@ -110,7 +130,7 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, inout Nearest ne
     nearest.slot = found ? i * kPrimitiveSlots : nearest.slot;                                                            \
   }
 Nearest intersect_few_primitives(RayFrame rf) {
-  Nearest nearest = Nearest(rf.ray.t_max, kNone, 0u);
+  Nearest nearest = Nearest(rf.ray.t_max, kNone, 0u, 0u);
   float t;
   FOR_EACH_FEW(TEST_FEW)
   return nearest;

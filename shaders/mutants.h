@@ -59,7 +59,12 @@ const uint kMutantSimpleCosineDropped = 43u;
 const uint kMutantOcclusionWarpsSwapped = 44u;
 const uint kMutantOcclusionEndless = 45u;
 const uint kMutantHiddenEmittersOpaque = 46u;
-const uint kMutantCount = 47u;
+const uint kMutantInstanceNormalMatrix = 47u;
+const uint kMutantInstanceAreaNotScaled = 48u;
+const uint kMutantInstanceRayNormalised = 49u;
+const uint kMutantInstanceSideLost = 50u;
+const uint kMutantInstanceNotLeft = 51u;
+const uint kMutantCount = 52u;
 #endif
 
 #ifdef __cplusplus

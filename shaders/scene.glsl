@@ -27,6 +27,8 @@ layout(constant_id = kConstantLightInstancesAt) const uint kLightInstancesAt = 0
 layout(constant_id = kConstantLightPrimitivesAt) const uint kLightPrimitivesAt = 0u;
 layout(constant_id = kConstantLightPairsAt) const uint kLightPairsAt = 0u;
 layout(constant_id = kConstantLightTrailsAt) const uint kLightTrailsAt = 0u;
+layout(constant_id = kConstantPlacesAt) const uint kPlacesAt = 0u;
+layout(constant_id = kConstantInstanced) const bool kInstanced = false;  // some meshes are shared, see kRecordInstance
 layout(set = kSetKernel, binding = kBindingFilter) uniform samplerBuffer filter_knots;
 
 // A primitive, or the first three texels of a node.
@@ -43,6 +45,15 @@ Instance fetch_instance(uint i) {
   const uvec4 b = load_table(first + 1u);
   return Instance(uintBitsToFloat(a.xyz), uintBitsToFloat(a.w), b.x, b.y, uintBitsToFloat(b.z), b.w);
 }
+uint fetch_instance_place(uint i) { return load_table(kInstanceTexels * i + 1u).w; }
+Place fetch_place(uint i) {
+  const uint first = kPlacesAt + kPlaceTexels * i;
+  const uvec4 o = load_table(first), x = load_table(first + 1u), y = load_table(first + 2u), z = load_table(first + 3u);
+  const uvec4 a = load_table(first + 4u), b = load_table(first + 5u), c = load_table(first + 6u);
+  return Place(uintBitsToFloat(o.xyz), uintBitsToFloat(o.w), uintBitsToFloat(x.xyz), uintBitsToFloat(x.w), uintBitsToFloat(y.xyz), uintBitsToFloat(y.w),
+               uintBitsToFloat(z.xyz), uintBitsToFloat(z.w), uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xyz), c.w);
+}
+vec3 fetch_place_origin(uint i) { return uintBitsToFloat(load_table(kPlacesAt + kPlaceTexels * i).xyz); }
 // Without its further parameters where the type has none.
 MaterialRecord fetch_material(uint i, bool whole) {
   const uint first = kMaterialsAt + kMaterialTexels * i;

@@ -3,6 +3,7 @@
 #define SURFACE_GLSL
 
 #include "intersect.glsl"
+#include "place.glsl"
 
 layout(constant_id = kConstantVertexNormals) const bool kVertexNormals = true;  // of any mesh
 
@@ -24,6 +25,21 @@ Hit make_hit(Ray ray, float t, bool found, Primitive prim) {
   hit.t = t;
   hit.weights = triangle_weights(make_ray_frame(ray), prim.p0 - ray.o, prim.p1 - ray.o, prim.p2 - ray.o);
   hit.geometry = prim;
+  return hit;
+}
+
+// The same on a primitive of a shared mesh: its weights are found in the mesh's space, as the walk found them; whoever asks for them later cannot tell
+// the hit from another. Weights and vertices keep the order that they have in the mesh, also where the instance turns the winding around.
+Hit make_shared_hit(Ray ray, float t, bool found, uint instance, Primitive prim) {
+  Hit hit = make_hit(ray, t, found, prim);
+  const uint place_index = found ? fetch_instance_place(instance) : kNone;
+  if (place_index == kNone) return hit;
+  const Place place = fetch_place(place_index);
+  const vec3 o = to_place(place.object_x, place.object_y, place.object_z, ray.o - place.origin);
+  const vec3 d = to_place(place.object_x, place.object_y, place.object_z, ray.d);
+  hit.instance = instance;
+  hit.weights = triangle_weights(make_scaled_ray(Ray(o, 0.0, d, t)).rf, prim.p0 - o, prim.p1 - o, prim.p2 - o);
+  hit.geometry = place_triangle(place, prim, instance);
   return hit;
 }
 
@@ -55,7 +71,14 @@ vec3 triangle_normal(Primitive tri) {
 vec3 shading_normal(Instance instance, uint primitive, vec3 weights, vec3 ng) {
   if (!kVertexNormals || instance.first_triangle == kNone) return ng;
   const uvec3 v = fetch_triangle(instance.first_triangle + primitive);
-  const vec3 n = weights.x * fetch_normal(v.x) + weights.y * fetch_normal(v.y) + weights.z * fetch_normal(v.z);
+  vec3 n0 = fetch_normal(v.x), n1 = fetch_normal(v.y), n2 = fetch_normal(v.z);
+  if (kInstanced && instance.place != kNone) {
+    const Place place = fetch_place(instance.place);
+    n0 = place_normal(place, n0);
+    n1 = place_normal(place, n1);
+    n2 = place_normal(place, n2);
+  }
+  const vec3 n = weights.x * n0 + weights.y * n1 + weights.z * n2;
   const float len = length(n);
   return len > 0.0 ? n * (1.0 / len) : ng;
 }
@@ -80,6 +103,11 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
     ns = s.ng;
   } else {
     s.ng = triangle_normal(prim);
+    if (kInstanced && instance.place != kNone) {
+      const Place place = fetch_place(instance.place);
+      s.ng *= place.side;
+      s.error += place.error;
+    }
     const vec3 b = inner_weights(hit.weights);
     s.p = b.x * prim.p0 + b.y * prim.p1 + b.z * prim.p2;
     ns = shading_normal(instance, hit.primitive, hit.weights, s.ng);

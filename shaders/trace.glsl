@@ -9,7 +9,8 @@
 #include "profile.glsl"
 #include "surface.glsl"
 
-layout(constant_id = kConstantStackSize) const uint kStackSize = 16u;  // levels of the tree, so that the stack cannot overflow
+// Levels of the tree, so that the stack cannot overflow; where meshes are shared, one for the way into a mesh's tree and those of the deepest besides.
+layout(constant_id = kConstantStackSize) const uint kStackSize = 16u;
 layout(constant_id = kConstantTreeRoot) const uint kTreeRoot = 0u;   // slot of the root; kNone for a scene without a tree
 
 const bool kHasFew = kFewCount > 0u;
@@ -23,6 +24,10 @@ struct Walk {
   Nearest nearest;
   uint current;
   bool any_hit;
+  // Where meshes are shared: the instance whose mesh's tree the walk is in, kNone in the world, and the ray in the world. In there rf and inv_d are
+  // those of the ray in the mesh's space, and one entry of the stack leads out again.
+  uint instance;
+  vec3 world_o, world_d;
 };
 
 // 1/d without infinities: a direction component of 0 becomes tiny, so that 0 · inf never makes a NaN in the slab test.
@@ -46,10 +51,13 @@ Walk begin_walk(Ray ray, bool any_hit) {
   Walk walk;
   walk.rf = make_ray_frame(ray);
   walk.inv_d = safe_inverse(ray.d);
-  walk.nearest = Nearest(ray.t_max, kNone, 0u);
+  walk.nearest = Nearest(ray.t_max, kNone, 0u, 0u);
   // A ray that is no ray would meet every box of the tree, or none, as the driver's min and max please: it misses.
   walk.current = is_finite(ray.o + ray.d) ? (kHasFew ? kBeforeTree : kTreeRoot) : kNone;
   walk.any_hit = any_hit;
+  walk.instance = kNone;
+  walk.world_o = ray.o;
+  walk.world_d = ray.d;
   walk_stack[0] = StackEntry(0u);  // an entry without children ends the walk; what lies below is never reached
   return walk;
 }
@@ -62,6 +70,7 @@ bool walk_found(Walk walk) { return walk.nearest.slot != kNone; }
 // What a walk for the closest hit found.
 Hit walk_hit(Walk walk) {
   const Primitive prim = to_primitive(fetch_record(walk_found(walk) ? walk.nearest.slot : 0u));
+  if (kInstanced) return make_shared_hit(walk.rf.ray, walk.nearest.t, walk_found(walk), walk.nearest.instance, prim);
   return make_hit(walk.rf.ray, walk.nearest.t, walk_found(walk), prim);
 }
 
@@ -71,7 +80,34 @@ void test_few_primitives(inout Walk walk) {
   PROFILE(profile_step(0u, kFewCount));
   walk.nearest = intersect_few_primitives(walk.rf);
   if (kTreeRoot != kNone && walk_found(walk)) walk.nearest.order = fetch_record(walk.nearest.slot).c.w;
+  if (kInstanced && walk_found(walk)) walk.nearest.instance = fetch_record(walk.nearest.slot).a.w;
   walk.current = walk.any_hit && walk_found(walk) ? kNone : kTreeRoot;
+}
+
+// Into the tree of the mesh that an instance's record names. The caller puts an entry without children onto the stack.
+void enter_instance(inout Walk walk, Record record) {
+  const vec3 r0 = uintBitsToFloat(record.a.xyz), r1 = uintBitsToFloat(record.b.xyz), r2 = uintBitsToFloat(record.c.xyz);
+  const vec3 o = to_place(r0, r1, r2, walk.world_o - fetch_place_origin(record.c.w));
+  const vec3 d = to_place(r0, r1, r2, walk.world_d);
+  const ScaledRay scaled = make_scaled_ray(Ray(o, walk.rf.ray.t_min, d, walk.rf.ray.t_max));
+  walk.rf = scaled.rf;
+  walk.inv_d = safe_inverse(scaled.unit) / scaled.size;
+  walk.instance = record.a.w & ~kRecordInstance;
+}
+
+// Back into the world, where the stack's top says so: takes that entry off.
+void leave_instance(inout Walk walk) {
+  RayFrame world = make_ray_frame(Ray(walk.world_o, walk.rf.ray.t_min, walk.world_d, walk.rf.ray.t_max));
+  MUTATE(kMutantInstanceNotLeft, world = walk.rf);
+  walk.rf = world;
+  walk.inv_d = safe_inverse(walk.world_d);
+  walk.instance = kNone;
+  StackEntry below = StackEntry(0u);
+  [[unroll]] for (int i = int(kStackSize) - 1; i >= 0; --i) {
+    const StackEntry here = walk_stack[i];
+    walk_stack[i] = below;
+    below = here;
+  }
 }
 
 // Visits one record: a node sends the walk to its nearest child and stacks the others, a primitive is intersected.
@@ -79,18 +115,24 @@ void walk_step(inout Walk walk) {
   if (kTreeRoot == kNone) return;
   const Record record = fetch_record(walk.current);
   const bool node = (record.a.w & kRecordNode) != 0u;
+  const bool enter = kInstanced && !node && (record.a.w & kRecordInstance) != 0u;
   PROFILE(profile_step(node ? 1u : 0u, node ? 0u : 1u));
 
   const NodeVisit visit = visit_node(walk, record);
   const uint hits = node ? visit.hits : 0u;
-  const bool found = !node && intersect_primitive(walk.rf, record, walk.current, walk.nearest);
+  const uint instance = kInstanced && walk.instance != kNone ? walk.instance : record.a.w;
+  const bool found = !node && !enter && intersect_primitive(walk.rf, record, walk.current, instance, walk.nearest);
 
-  const bool push = hits > 1u;
-  const bool pop = hits == 0u;
+  const bool push = hits > 1u || enter;
+  const bool pop = hits == 0u && !enter;
+  if (kInstanced) {
+    // Within a mesh's tree an entry without children is the way out, not the end.
+    if (pop && walk.instance != kNone && children_left(walk_stack[0]) == 0u) leave_instance(walk);
+  }
   const StackEntry top = walk_stack[0];
   const uint left = children_left(top);
   const bool drop = pop && left <= 1u;
-  const uint next = pop ? next_child(top) : visit.nearest;
+  const uint next = pop ? next_child(top) : enter ? record.b.w : visit.nearest;
   // The entry below the new top: the rest of the node's children, or the top without the child that is taken now.
   const StackEntry taken = without_next(top);
   StackEntry below = StackEntry(0u);
@@ -100,8 +142,11 @@ void walk_step(inout Walk walk) {
     walk_stack[i] = push ? walk_stack[i - 1] : drop ? below : here;
     below = here;
   }
-  walk_stack[0] = push ? visit.others : drop ? below : pop ? taken : top;
+  walk_stack[0] = enter ? StackEntry(0u) : push ? visit.others : drop ? below : pop ? taken : top;
   walk.current = (pop && left == 0u) || (found && walk.any_hit) ? kNone : next;
+  if (kInstanced) {
+    if (enter) enter_instance(walk, record);
+  }
 }
 
 // Takes up to `steps` records, after the few primitives if they have not been tested.

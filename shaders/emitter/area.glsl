@@ -33,6 +33,7 @@ LightSample area_sample_triangle(vec3 p, Primitive tri, Instance instance, Light
   const float scaled_length = length(scaled);
   const float twice_area = largest * scaled_length;
   ls.ng = scaled * (1.0 / scaled_length);
+  if (kInstanced && instance.place != kNone) ls.ng *= fetch_place(instance.place).side;
   const vec3 v = ls.p - p;
   const float d2 = dot(v, v);
   ls.wi = v * inversesqrt(d2);

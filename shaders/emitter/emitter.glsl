@@ -52,10 +52,20 @@ uint choose_light_primitive(LightInstance light, uint word) {
 }
 
 #include "light_tree.glsl"
+#include "shared_light.glsl"
 
 LightSample sample_light_of_tree(vec3 p, vec3 n, uvec4 words) {
   float prob;
-  const Primitive prim = fetch_light_primitive(choose_light(p, n, words.xy, prob)).primitive;
+  const uint leaf = choose_light(p, n, words.xy, prob);
+  if (kInstanced) {
+    if ((leaf & kLightLeafShared) != 0u) {
+      const LightInstance light = fetch_light_instance(leaf & ~kLightLeafShared);
+      LightSample ls = sample_shared_light(p, light, prob, light_word(kTriangleLevel, words.y), to_unit(words.zw));
+      ls.instance = prob > 0.0 ? ls.instance : kNone;
+      return ls;
+    }
+  }
+  const Primitive prim = fetch_light_primitive(leaf).primitive;
   // The tree chooses primitives, each as the only one of its instance.
   LightSample ls = area_sample(p, prim, fetch_instance(prim.instance), LightChoice(prob, 1.0, 1.0), to_unit(words.zw));
   ls.mis_pdf = ls.pdf_w;
@@ -68,6 +78,10 @@ LightSample sample_light_of_tree(vec3 p, vec3 n, uvec4 words) {
 LightSample sample_light(vec3 p, vec3 n, uvec4 words) {
   if (kLightTree) return sample_light_of_tree(p, n, words);
   const LightInstance light = fetch_light_instance(choose_light_instance(words.x));
+  if (kInstanced) {
+    const Instance owner = fetch_instance(light.instance);
+    if (owner.place != kNone) return sample_shared_light(p, light, owner.light_prob, words.y, to_unit(words.zw));
+  }
   const LightPrimitive choice = fetch_light_primitive(choose_light_primitive(light, words.y));
   const Instance instance = fetch_instance(light.instance);
   return area_sample(p, choice.primitive, instance, LightChoice(instance.light_prob, choice.prob, instance.light_area), to_unit(words.zw));
@@ -79,10 +93,11 @@ float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, Instance instance, Primitive
   float area = instance.light_area;
   if (kLightTree) {
     // No walk for what does not emit: the loop ends at once when that holds for all lanes.
-    const LightTrail trail = instance.light_prob > 0.0 ? fetch_light_trail(s.instance, s.primitive) : LightTrail(0u, 1.0, 0u, 0u);
+    const LightTrail trail = instance.light_prob > 0.0 ? fetch_light_trail(s.instance, kInstanced && instance.place != kNone ? 0u : s.primitive) : LightTrail(0u, 1.0, 0u, 0u);
     prob = light_choice_prob(p, n, trail.turns);
     area = trail.area;
   }
+  if (kInstanced && instance.place != kNone) area *= place_area_factor(fetch_place(instance.place), s.ng);
   MUTATE(kMutantMisChoiceForgotten, return area_pdf(p, wi, s, prim, prob, area) / prob);
   return area_pdf(p, wi, s, prim, prob, area);
 }

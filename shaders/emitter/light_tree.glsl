@@ -36,12 +36,14 @@ float left_share(LightPair pair, vec3 p, vec3 n) {
 // The number that decides at a level: a fresh one after every sixth, because stretching what is left of a number magnifies its rounding, and
 // other devices would then choose other lights.
 const uint kLevelsPerWord = 6u;
-float fresh_number(uint level, uvec2 words) {
-  uint x = words.y + level * 0x9e3779b9u;
+uint light_word(uint level, uint word) {
+  uint x = word + level * 0x9e3779b9u;
   x = (x ^ (x >> 16u)) * 0x7feb352du;
   x = (x ^ (x >> 15u)) * 0x846ca68bu;
-  x ^= x >> 16u;
-  return to_unit(level == 0u ? words.x : level == kLevelsPerWord ? words.y : x);
+  return x ^ (x >> 16u);
+}
+float fresh_number(uint level, uvec2 words) {
+  return to_unit(level == 0u ? words.x : level == kLevelsPerWord ? words.y : light_word(level, words.y));
 }
 
 // Chooses a primitive and returns its index among the light primitives; `prob` is 0 when nothing can contribute.

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <fmt/core.h>
@@ -15,12 +18,15 @@
 #include "compile/light_tree.h"
 #include "compile/normalization.h"
 #include "compile/reinsertion.h"
+#include "compile/shared_mesh.h"
 #include "compile/twins.h"
 #include "compile/wide_bvh.h"
 #include "core/errors.h"
+#include "core/memory.h"
 #include "scene/film_unit.h"
 #include "scene/invariants.h"
 #include "scene/placed.h"
+#include "scene/sharing.h"
 
 namespace etendue {
 namespace {
@@ -137,7 +143,8 @@ Box primitive_box(const gpu::Primitive& p) {
 
 class Compiler {
  public:
-  explicit Compiler(const Scene& scene) : scene_(scene), normalization_(find_normalization(scene)) {}
+  explicit Compiler(const Scene& scene)
+      : scene_(scene), sharing_(scene), normalization_(find_normalization(scene)), meshes_(scene.shapes.size()) {}
 
   CompiledScene compile() {
     check_size();
@@ -157,7 +164,10 @@ class Compiler {
   // The tree refuses what it cannot address; here it costs neither time nor memory.
   void check_size() const {
     std::size_t primitives = 0;
-    for (const Instance& instance : scene_.instances) primitives += primitive_count(scene_.shape_of(instance));
+    for (std::size_t i = 0; i < scene_.instances.size(); ++i)
+      primitives += sharing_.has_instance(i) ? 1 : primitive_count(scene_.shape_of(scene_.instances[i]));
+    for (std::size_t s = 0; s < scene_.shapes.size(); ++s)
+      primitives += sharing_.has_shape(s) ? primitive_count(scene_.shapes[s]) : 0;
     if (primitives < kMaxPrimitives) return;
     throw Error(ErrorKind::scene,
                 fmt::format("The scene {} has {} primitives; kernels address fewer than {}. Use coarser meshes or "
@@ -178,13 +188,90 @@ class Compiler {
       flat.radiance = emitter != nullptr ? glm::vec3(emitter->radiance) : glm::vec3(0.0f);
       flat.material = instance.material;
       flat.first_triangle = gpu::kNone;
+      flat.place = gpu::kNone;
       first_primitive_.push_back(flat_primitives_.size());
-      flatten_shape(Placed(scene_, instance), static_cast<gpu::uint>(out_.instances.size()), flat);
+      if (sharing_.has_instance(out_.instances.size())) {
+        place_shared(instance, static_cast<gpu::uint>(out_.instances.size()), flat);
+      } else {
+        flatten_shape(Placed(scene_, instance), static_cast<gpu::uint>(out_.instances.size()), flat);
+      }
       out_.instances.push_back(flat);
     }
     if (flat_primitives_.empty())
       flat_primitives_.push_back({});  // a point-sized triangle: bindings are never empty, nothing is hit
-    if (out_.instances.empty()) out_.instances.push_back({});
+    if (out_.instances.empty()) out_.instances.push_back({.place = gpu::kNone});
+  }
+
+  const SharedMesh& shared_mesh(std::uint32_t shape) {
+    std::unique_ptr<SharedMesh>& mesh = meshes_[shape];
+    if (mesh) return *mesh;
+    const auto& object = std::get<TriangleMesh>(scene_.shapes[shape]);
+    mesh = std::make_unique<SharedMesh>(prepare_shared_mesh(scene_.shapes[shape]));
+    if (!object.normals.empty()) {
+      mesh->first_triangle = static_cast<gpu::uint>(out_.triangles.size());
+      const auto first_normal = static_cast<gpu::uint>(out_.normals.size());
+      for (const glm::uvec3& t : object.triangles) out_.triangles.emplace_back(t + first_normal, 0u);
+      for (const glm::dvec3& n : object.normals) out_.normals.emplace_back(glm::vec3(n), 0.0f);
+    }
+    return *mesh;
+  }
+
+  // An instance of a shared mesh: a record whose place and, later, whose mesh's root it names.
+  void place_shared(const Instance& instance, gpu::uint index, gpu::Instance& flat) {
+    const SharedMesh& mesh = shared_mesh(instance.shape);
+    flat.first_triangle = mesh.first_triangle;
+    flat.place = static_cast<gpu::uint>(out_.places.size());
+    const gpu::Place place = make_place(mesh, instance, normalization_);
+    out_.places.push_back(place);
+    if (mesh.bvh.nodes.empty() || !can_be_met(place)) return;
+    gpu::Primitive record{};
+    record.p0 = place.object_x;
+    record.p1 = place.object_y;
+    record.p2 = place.object_z;
+    record.instance = index | gpu::kRecordInstance;
+    record.primitive = instance.shape;  // until its tree has a root
+    record.kind = flat.place;
+    shared_records_.push_back(record);
+    shared_boxes_.push_back(placed_box(mesh, place));
+  }
+
+  // Not what is so small that single precision takes it for a point.
+  static bool can_be_met(const gpu::Place& place) {
+    constexpr float kLeast = 0x1p-60f, kMost = 0x1p55f;
+    float most = 0.0f, inverse = 0.0f;
+    for (const glm::vec3& v : {glm::vec3(place.x), glm::vec3(place.y), glm::vec3(place.z)})
+      most = std::max({most, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    for (const glm::vec3& v : {glm::vec3(place.object_x), glm::vec3(place.object_y), glm::vec3(place.object_z)})
+      inverse = std::max({inverse, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    return most >= kLeast && inverse <= kMost;
+  }
+
+  // Instances that show the same mesh at the same place are met together: the first one stands for all.
+  void drop_shared_twins() {
+    const auto same = [&](const gpu::Primitive& a, const gpu::Primitive& b) {
+      return a.primitive == b.primitive && a.p0 == b.p0 && a.p1 == b.p1 && a.p2 == b.p2 &&
+             out_.places[a.kind].origin == out_.places[b.kind].origin;
+    };
+    const auto key = [&](const gpu::Primitive& r) {
+      const glm::vec3 o = out_.places[r.kind].origin;
+      return std::tuple(r.primitive, o.x, o.y, o.z, r.p0.x, r.p0.y, r.p0.z, r.p1.x, r.p1.y, r.p1.z, r.p2.x, r.p2.y,
+                        r.p2.z);
+    };
+    std::vector<std::uint32_t> order(shared_records_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(
+        order, [&](std::uint32_t a, std::uint32_t b) { return key(shared_records_[a]) < key(shared_records_[b]); });
+    std::vector<bool> twin(order.size(), false);
+    for (std::size_t i = 1; i < order.size(); ++i)
+      twin[order[i]] = same(shared_records_[order[i - 1]], shared_records_[order[i]]);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < twin.size(); ++i) {
+      if (twin[i]) continue;
+      shared_records_[kept] = shared_records_[i];
+      shared_boxes_[kept++] = shared_boxes_[i];
+    }
+    shared_records_.resize(kept);
+    shared_boxes_.resize(kept);
   }
 
   void add_primitive(gpu::Primitive p) {
@@ -225,7 +312,7 @@ class Compiler {
 
   // The primitives outside the tree, in the order of the scene.
   std::vector<std::uint32_t> take_few_primitives(const std::vector<Box>& boxes) {
-    std::vector<std::uint32_t> few = choose_few_primitives(boxes);
+    std::vector<std::uint32_t> few = choose_few_primitives(boxes, boxes.size() - shared_records_.size());
     out_.few_count = static_cast<std::uint32_t>(few.size());
     for (std::size_t i = 0; i < few.size(); ++i) {
       const bool sphere = (flat_primitives_[few[i]].kind & gpu::kPrimitiveKindMask) == gpu::kPrimitiveSphere;
@@ -240,6 +327,10 @@ class Compiler {
     for (const gpu::Primitive& p : flat_primitives_) boxes.push_back(primitive_box(p));
     const std::vector<Twin> twins = find_twins(flat_primitives_);
     for (const Twin& twin : twins) boxes[twin.primitive] = {};
+    drop_shared_twins();
+    const std::size_t first_shared = flat_primitives_.size();
+    flat_primitives_.insert(flat_primitives_.end(), shared_records_.begin(), shared_records_.end());
+    boxes.insert(boxes.end(), shared_boxes_.begin(), shared_boxes_.end());
     const std::vector<std::uint32_t> few = take_few_primitives(boxes);
     std::vector<std::uint32_t> outside = few;
     for (const Twin& twin : twins) outside.push_back(twin.primitive);
@@ -254,6 +345,26 @@ class Compiler {
     out_.records = std::move(tree.texels);
     out_.tree_root = tree.root;
     out_.tree_depth = tree.depth;
+    if (!shared_records_.empty()) add_shared_trees(tree.slot_of, first_shared);
+  }
+
+  // The trees of the shared meshes, behind the tree of the scene, whose instances learn where their roots lie.
+  void add_shared_trees(const std::vector<std::uint32_t>& slot_of, std::size_t first_shared) {
+    std::vector<std::uint32_t> roots(meshes_.size(), gpu::kNone);
+    std::uint32_t deepest = 0;
+    for (std::size_t i = first_shared; i < flat_primitives_.size(); ++i) {
+      const std::uint32_t shape = flat_primitives_[i].primitive;
+      if (roots[shape] == gpu::kNone) {
+        SharedMesh& mesh = *meshes_[shape];
+        WideBvh tree = make_wide_bvh<gpu::kBvhWidth>(mesh.bvh, mesh.primitives, {}, std::move(out_.records));
+        out_.records = std::move(tree.texels);
+        roots[shape] = tree.root;
+        deepest = std::max(deepest, tree.depth);
+        release(mesh.bvh.nodes);
+      }
+      out_.records[std::size_t{slot_of[i]} * gpu::kSlotTexels + 1].w = roots[shape];
+    }
+    out_.tree_depth += 1 + deepest;
   }
 
   void make_lights() {
@@ -262,7 +373,9 @@ class Compiler {
     for (const Instance& instance : scene_.instances) {
       const AreaEmitter* emitter = scene_.emitter_of(instance);
       double area = 0.0;
-      if (emitter != nullptr) {
+      if (emitter != nullptr && sharing_.has_instance(areas.size())) {
+        area = placed_area(shared_light(instance.shape).light, instance);
+      } else if (emitter != nullptr) {
         const Placed placed(scene_, instance);
         for (std::size_t i = 0; i < placed.primitive_count(); ++i) area += placed.area(i);
       }
@@ -275,6 +388,14 @@ class Compiler {
       gpu::Instance& flat = out_.instances[i];
       flat.light_prob = static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
       flat.light_area = static_cast<float>(areas[i] * normalization_.scale * normalization_.scale);
+      if (sharing_.has_instance(i)) {
+        const SharedMesh& mesh = shared_light(scene_.instances[i].shape);
+        const double scale = mesh.normalization.scale;
+        flat.light_area = static_cast<float>(mesh.light.area * scale * scale);
+        out_.light_instances.push_back({static_cast<gpu::uint>(thresholds[i]), static_cast<gpu::uint>(i),
+                                        mesh.first_light_primitive, mesh.light_primitive_count});
+        continue;
+      }
       add_light(Placed(scene_, scene_.instances[i]), static_cast<gpu::uint>(i), static_cast<gpu::uint>(thresholds[i]));
     }
   }
@@ -283,25 +404,49 @@ class Compiler {
     gpu::LightInstance light{threshold, index, static_cast<gpu::uint>(out_.light_primitives.size()), 0};
     std::vector<double> areas;
     for (std::size_t i = 0; i < placed.primitive_count(); ++i) areas.push_back(placed.area(i));
+    light.primitive_count = add_light_primitives(areas, &flat_primitives_[first_primitive_[index]]);
+    out_.light_instances.push_back(light);
+  }
+
+  // Returns how many there are.
+  gpu::uint add_light_primitives(const std::vector<double>& areas, const gpu::Primitive* primitives) {
     const std::vector<std::uint64_t> thresholds = integer_thresholds(areas);
+    gpu::uint count = 0;
     for (std::size_t i = 0; i < areas.size(); ++i) {
       if (!(areas[i] > 0.0))
         continue;  // entries of zero weight are left out, so the last one with T <= word is the one chosen
       const auto prob = static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
-      out_.light_primitives.push_back(
-          {flat_primitives_[first_primitive_[index] + i], static_cast<gpu::uint>(thresholds[i]), prob, 0, 0});
-      ++light.primitive_count;
+      out_.light_primitives.push_back({primitives[i], static_cast<gpu::uint>(thresholds[i]), prob, 0, 0});
+      ++count;
     }
-    out_.light_instances.push_back(light);
+    return count;
+  }
+
+  // A shared mesh with its light primitives, which all of its instances share.
+  const SharedMesh& shared_light(std::uint32_t shape) {
+    SharedMesh& mesh = *meshes_[shape];
+    if (mesh.first_light_primitive != gpu::kNone) return mesh;
+    mesh.light = measure_mesh_light(std::get<TriangleMesh>(scene_.shapes[shape]));
+    mesh.first_light_primitive = static_cast<gpu::uint>(out_.light_primitives.size());
+    mesh.light_primitive_count = add_light_primitives(mesh.light.areas, mesh.primitives.data());
+    return mesh;
   }
 
   // The primitives that emit, in the order of the scene: light primitives of positive power.
   std::vector<LightLeaf> light_leaves() const {
     std::vector<LightLeaf> leaves;
-    for (const gpu::LightInstance& light : out_.light_instances) {
+    for (std::size_t l = 0; l < out_.light_instances.size(); ++l) {
+      const gpu::LightInstance& light = out_.light_instances[l];
       const Instance& instance = scene_.instances[light.instance];
-      const Placed placed(scene_, instance);
       const double radiance = luminance(scene_.emitter_of(instance)->radiance);
+      if (sharing_.has_instance(light.instance)) {
+        leaves.push_back(placed_light_leaf(*meshes_[instance.shape], instance));
+        leaves.back().power *= radiance;
+        leaves.back().light_primitive = gpu::kLightLeafShared | static_cast<gpu::uint>(l);
+        if (!(leaves.back().power > 0.0)) leaves.pop_back();
+        continue;
+      }
+      const Placed placed(scene_, instance);
       for (gpu::uint i = light.first_primitive; i < light.first_primitive + light.primitive_count; ++i) {
         LightLeaf leaf = light_leaf(placed, out_.light_primitives[i].primitive.primitive);
         leaf.power *= radiance;
@@ -322,10 +467,17 @@ class Compiler {
     for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
       if (!scene_.instances[i].emitter) continue;
       trails[i].turns = static_cast<gpu::uint>(trails.size());
-      trails.resize(trails.size() + primitive_count(scene_.shape_of(scene_.instances[i])),
-                    gpu::LightTrail{0, 1.0f, 0, 0});
+      // One of a shared mesh.
+      trails.resize(
+          trails.size() + (sharing_.has_instance(i) ? 1 : primitive_count(scene_.shape_of(scene_.instances[i]))),
+          gpu::LightTrail{0, 1.0f, 0, 0});
     }
     for (std::size_t i = 0; i < leaves.size(); ++i) {
+      if ((leaves[i].light_primitive & gpu::kLightLeafShared) != 0) {
+        const gpu::uint instance = out_.light_instances[leaves[i].light_primitive & ~gpu::kLightLeafShared].instance;
+        trails[trails[instance].turns] = {tree.trails[i].turns, out_.instances[instance].light_area, 0, 0};
+        continue;
+      }
       const gpu::Primitive& at = out_.light_primitives[leaves[i].light_primitive].primitive;
       trails[trails[at.instance].turns + at.primitive] = tree.trails[i];
     }
@@ -334,7 +486,11 @@ class Compiler {
   }
 
   const Scene& scene_;
+  Sharing sharing_;
   Normalization normalization_;
+  std::vector<std::unique_ptr<SharedMesh>> meshes_;  // by shape; none where it is not shared
+  std::vector<gpu::Primitive> shared_records_;       // instances of these
+  std::vector<Box> shared_boxes_;
   CompiledScene out_;
   std::vector<gpu::Primitive> flat_primitives_;  // instance by instance, before the tree orders them
   std::vector<std::size_t> first_primitive_;     // of each instance, into flat_primitives_

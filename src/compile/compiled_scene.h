@@ -20,6 +20,7 @@ struct CompiledScene {
   Bounds bounds;                    ///< of all instances, world space
   std::vector<gpu::uvec4> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives
   std::vector<gpu::Instance> instances;
+  std::vector<gpu::Place> places;  ///< of the instances of shared meshes; empty in flattened scenes
   std::vector<gpu::MaterialRecord> materials;
   std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
   std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
@@ -30,7 +31,7 @@ struct CompiledScene {
   std::vector<gpu::LightTrail> light_trails;
   std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 where there is no tree
   std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone when all primitives stand outside the tree
-  std::uint32_t tree_depth = 0;          ///< levels of nodes
+  std::uint32_t tree_depth = 0;  ///< levels of nodes, those of the deepest shared mesh and a step into it included
   bool has_spheres = false;
   std::uint32_t few_count = 0;    ///< the first primitives stand outside the tree, see kFewPrimitives
   std::uint32_t few_spheres = 0;  ///< bit i: the i-th of them is a sphere

@@ -20,14 +20,14 @@ constexpr double kTestInside = 2.0;
 constexpr double kStepsPerDoubling = 1.2;
 
 // The largest boxes, largest first.
-std::vector<std::uint32_t> largest(const std::vector<Box>& boxes, std::size_t count) {
+std::vector<std::uint32_t> largest(const std::vector<Box>& boxes, std::size_t eligible, std::size_t count) {
   const auto before = [&](std::uint32_t a, std::uint32_t b) {
     const float area_a = boxes[a].half_area(), area_b = boxes[b].half_area();
     return area_a != area_b ? area_a > area_b : a < b;
   };
   std::vector<std::uint32_t> largest;
   largest.reserve(count + 1);
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+  for (std::uint32_t i = 0; i < eligible; ++i) {
     if (largest.size() == count && !before(i, largest.back())) continue;
     largest.insert(std::upper_bound(largest.begin(), largest.end(), i, before), i);
     if (largest.size() > count) largest.pop_back();
@@ -37,9 +37,9 @@ std::vector<std::uint32_t> largest(const std::vector<Box>& boxes, std::size_t co
 
 }  // namespace
 
-std::vector<std::uint32_t> choose_few_primitives(const std::vector<Box>& boxes) {
-  std::vector<std::uint32_t> candidates = largest(boxes, gpu::kFewPrimitives);
-  if (boxes.size() > gpu::kFewPrimitives) {
+std::vector<std::uint32_t> choose_few_primitives(const std::vector<Box>& boxes, std::size_t eligible) {
+  std::vector<std::uint32_t> candidates = largest(boxes, std::min(eligible, boxes.size()), gpu::kFewPrimitives);
+  if (boxes.size() > candidates.size()) {
     Box rest;
     std::vector<bool> is_candidate(boxes.size(), false);
     for (const std::uint32_t i : candidates) is_candidate[i] = true;

@@ -40,6 +40,15 @@ std::vector<Corner> quantise(const std::vector<LightLeaf>& leaves) {
   return corners;
 }
 
+// Cosine of the largest angle between the axis and the leaf's normals.
+double farthest_cosine(const glm::dvec3& axis, const LightLeaf& leaf) {
+  const double c = glm::dot(axis, leaf.normal);
+  if (leaf.cos_cone == 1.0) return c;
+  if (c + leaf.cos_cone <= 0.0) return -1.0;
+  const double across = std::max(0.0, 1.0 - c * c) * std::max(0.0, 1.0 - leaf.cos_cone * leaf.cos_cone);
+  return c * leaf.cos_cone - std::sqrt(across);
+}
+
 class Builder {
  public:
   Builder(const std::vector<LightLeaf>& leaves, const Normalization& normalization)
@@ -118,7 +127,7 @@ class Builder {
     double cosine = directed ? 1.0 : -1.0;
     for (Index i = first; i < first + count; ++i) {
       const LightLeaf& leaf = leaves_[order_[i]];
-      cosine = std::min(cosine, leaf.normal == glm::dvec3(0.0) ? -1.0 : glm::dot(axis, leaf.normal));
+      cosine = std::min(cosine, leaf.normal == glm::dvec3(0.0) ? -1.0 : farthest_cosine(axis, leaf));
       for (const glm::dvec3& normal : leaf.corner_normals) {
         const double c = glm::dot(axis, normal);
         cosine = std::min(cosine, c < 0.0 ? -1.0 : c);  // beyond a right angle a cone does not hold what lies between

@@ -20,7 +20,9 @@ struct LightLeaf {
   glm::dvec3 normal{0.0};  ///< unit; 0 where it shines to all sides, as a sphere does
   /// Of a triangle with vertex normals: it shines where any of them, or one in between, does. Else empty.
   std::vector<glm::dvec3> corner_normals;
-  std::uint32_t light_primitive = 0;  ///< its index among the compiled light primitives
+  /// Of a leaf that is a whole mesh: cosine of the half angle of the cone of normals around `normal`.
+  double cos_cone = 1.0;
+  std::uint32_t light_primitive = 0;  ///< what a pair holds beside kLightLeaf
 };
 
 struct FlatLightTree {

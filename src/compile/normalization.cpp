@@ -4,7 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "scene/bounds.h"
 #include "scene/placed.h"
+#include "scene/sharing.h"
 
 namespace etendue {
 namespace {
@@ -16,10 +18,22 @@ double median(std::vector<double>& values) {
 }
 
 // Calls visit(lower corner, upper corner, centroid) for every primitive.
+// An instance of a shared mesh counts as one, by the box around its transformed box.
 template <typename Visit>
 void for_each_primitive(const Scene& scene, const Visit& visit) {
-  for (const Instance& instance : scene.instances) {
+  const Sharing sharing(scene);
+  std::vector<Bounds> boxes(sharing.any() ? scene.shapes.size() : 0);
+  for (std::size_t s = 0; s < boxes.size(); ++s) {
+    if (sharing.has_shape(s)) boxes[s] = bounds_of(scene.shapes[s]);
+  }
+  for (std::size_t n = 0; n < scene.instances.size(); ++n) {
+    const Instance& instance = scene.instances[n];
     const Shape& shape = scene.shape_of(instance);
+    if (sharing.has_instance(n)) {
+      const Bounds box = transformed(boxes[instance.shape], instance.world_from_object);
+      visit(box.min, box.max, 0.5 * box.min + 0.5 * box.max);
+      continue;
+    }
     if (const auto* local = std::get_if<Sphere>(&shape)) {
       const Sphere sphere = placed_sphere(*local, instance);
       visit(sphere.center - sphere.radius, sphere.center + sphere.radius, sphere.center);

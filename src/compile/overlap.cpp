@@ -6,6 +6,7 @@
 
 #include "compile/twins.h"
 #include "core/parallel.h"
+#include "scene/bounds.h"
 #include "scene/placed.h"
 
 namespace etendue {
@@ -14,10 +15,20 @@ namespace {
 /// Those of the device, in normalised coordinates, instance by instance.
 std::vector<gpu::Primitive> collect(const Scene& scene, const Normalization& normalization) {
   std::vector<gpu::Primitive> primitives;
+  const Sharing sharing(scene);
+  const std::vector<Bounds> boxes = sharing.any() ? instance_bounds(scene, sharing) : std::vector<Bounds>();
   for (std::uint32_t n = 0; n < scene.instances.size(); ++n) {
     const Instance& instance = scene.instances[n];
     gpu::Primitive p{};
     p.instance = n;
+    if (sharing.has_instance(n)) {  // as one, by its box: three of the corners stand for it
+      p.p0 = normalization.point(boxes[n].min);
+      p.p1 = normalization.point(boxes[n].max);
+      p.p2 = {p.p0.x, p.p1.y, p.p0.z};
+      p.kind = gpu::kPrimitiveTriangle;
+      primitives.push_back(p);
+      continue;
+    }
     if (const auto* shape = std::get_if<Sphere>(&scene.shape_of(instance))) {
       const Sphere sphere = placed_sphere(*shape, instance);
       p.kind = gpu::kPrimitiveSphere;

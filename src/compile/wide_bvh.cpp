@@ -151,14 +151,16 @@ class WideBuilder {
 
   WideBuilder(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives) : bvh_(bvh), primitives_(primitives) {}
 
-  WideBvh build(const std::vector<std::uint32_t>& outside) {
-    const std::size_t root = round_up(kPrimitiveTexels * outside.size(), Layout::kNodeTexels);
+  WideBvh build(const std::vector<std::uint32_t>& outside, std::vector<Texel> before) {
+    wide_.texels = std::move(before);
+    const std::size_t first = round_up(wide_.texels.size(), Layout::kNodeTexels);
+    const std::size_t root = round_up(first + kPrimitiveTexels * outside.size(), Layout::kNodeTexels);
     wide_.slot_of.resize(primitives_.size());
     // Growing by doubling would need the memory twice.
     wide_.texels.reserve(
         root + static_cast<std::size_t>(1.05 * Layout::kTexelsPerPrimitive * static_cast<double>(leaf_count())));
     wide_.texels.resize(root);
-    for (std::size_t i = 0; i < outside.size(); ++i) place(outside[i], kPrimitiveTexels * i);
+    for (std::size_t i = 0; i < outside.size(); ++i) place(outside[i], first + kPrimitiveTexels * i);
     if (!bvh_.nodes.empty()) {
       wide_.root = slot(root);
       lay_out(root);
@@ -257,10 +259,12 @@ class WideBuilder {
 
 template <std::uint32_t width>
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives,
-                      const std::vector<std::uint32_t>& outside) {
-  return WideBuilder<width>(bvh, primitives).build(outside);
+                      const std::vector<std::uint32_t>& outside, std::vector<Texel> before) {
+  return WideBuilder<width>(bvh, primitives).build(outside, std::move(before));
 }
-template WideBvh make_wide_bvh<4>(const Bvh&, const std::vector<gpu::Primitive>&, const std::vector<std::uint32_t>&);
-template WideBvh make_wide_bvh<8>(const Bvh&, const std::vector<gpu::Primitive>&, const std::vector<std::uint32_t>&);
+template WideBvh make_wide_bvh<4>(const Bvh&, const std::vector<gpu::Primitive>&, const std::vector<std::uint32_t>&,
+                                  std::vector<Texel>);
+template WideBvh make_wide_bvh<8>(const Bvh&, const std::vector<gpu::Primitive>&, const std::vector<std::uint32_t>&,
+                                  std::vector<Texel>);
 
 }  // namespace etendue

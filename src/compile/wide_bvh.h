@@ -23,12 +23,13 @@ struct WideBvh {
 /// `primitives` are in their original order. The children of a node are neighbours. The same bytes for any number of
 /// threads. Throws Error(scene) beyond the texels that the layout addresses.
 /// `outside`, primitives that stand outside the tree, come first, one after the other.
+/// `before`, texels of other trees, stay where they are; all of this comes behind them.
 template <std::uint32_t width>
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives,
-                      const std::vector<std::uint32_t>& outside = {});
+                      const std::vector<std::uint32_t>& outside = {}, std::vector<Texel> before = {});
 extern template WideBvh make_wide_bvh<4>(const Bvh&, const std::vector<gpu::Primitive>&,
-                                         const std::vector<std::uint32_t>&);
+                                         const std::vector<std::uint32_t>&, std::vector<Texel>);
 extern template WideBvh make_wide_bvh<8>(const Bvh&, const std::vector<gpu::Primitive>&,
-                                         const std::vector<std::uint32_t>&);
+                                         const std::vector<std::uint32_t>&, std::vector<Texel>);
 
 }  // namespace etendue

@@ -9,6 +9,7 @@
 
 #include "compile/node_layout.h"
 #include "core/errors.h"
+#include "scene/sharing.h"
 
 namespace etendue {
 namespace {
@@ -50,6 +51,7 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
        {gpu::kBindingTables,
         "instances, materials and lights",
         {table("instances", kFirst, s.instances), table("materials", gpu::kConstantMaterialsAt, s.materials),
+         table("places of instances", gpu::kConstantPlacesAt, s.places),
          table("emitters", gpu::kConstantLightInstancesAt, s.light_instances),
          table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
          table("light tree", gpu::kConstantLightPairsAt, s.light_pairs),
@@ -119,8 +121,15 @@ std::vector<DeviceNeed> scene_needs(const CompiledScene& scene) {
 
 DeviceNeed least_scene_need(const Scene& scene) {
   std::uint64_t texels = 0;
-  for (const Instance& instance : scene.instances) {
+  const Sharing sharing(scene);
+  std::vector<bool> counted(scene.shapes.size(), false);  // shared meshes count once
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
     const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
+    if (sharing.has_instance(i)) {
+      if (counted[instance.shape]) continue;
+      counted[instance.shape] = true;
+    }
     if (mesh != nullptr && !mesh->normals.empty()) texels += mesh->triangles.size() + mesh->normals.size();
   }
   return {"vertex normals", texels * sizeof(gpu::uvec4), DeviceNeed::Kind::memory};
@@ -154,6 +163,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
                                      {gpu::kConstantSphereLights, has_sphere_lights(scene) ? 1u : 0u},
                                      {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},
+                                     {gpu::kConstantInstanced, scene.places.empty() ? 0u : 1u},
                                      {gpu::kConstantTreeRoot, scene.tree_root}});
   for (std::uint32_t i = 0; i < scene.few_count; ++i) {
     for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {

@@ -8,6 +8,7 @@
 #include "reference/intersect.h"
 #include "reference/lights.h"
 #include "reference/sampling.h"
+#include "scene/sharing.h"
 
 namespace etendue::reference {
 namespace {
@@ -44,7 +45,24 @@ double primitive_area(const Scene& scene, const AreaLight& light, std::uint32_t 
   return triangle_area(p0, p1, p2);
 }
 
+/// What the density of a choice by area in object space spreads the probability of the instance over, at a triangle of
+/// it: the area of the mesh, stretched as the triangle is.
+double stretched_area(const Scene& scene, const AreaLight& light, std::uint32_t primitive) {
+  const auto& mesh = std::get<TriangleMesh>(scene.shape_of(scene.instances[light.instance]));
+  const glm::uvec3 t = mesh.triangles[primitive];
+  const double object = triangle_area(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+  return light.shared->area() * (primitive_area(scene, light, primitive) / object);
+}
+
 }  // namespace
+
+Lights::Chosen Lights::choose_shared(const Scene& scene, const AreaLight& light, double prob, std::uint32_t word) {
+  const std::size_t triangle = light.shared->triangles().choose(word);
+  Chosen chosen{.light = &light, .primitive = static_cast<std::uint32_t>(triangle), .prob = prob};
+  chosen.pdf_a = prob * light.shared->triangles().prob(triangle) / primitive_area(scene, light, chosen.primitive);
+  chosen.pdf_a_mis = prob / stretched_area(scene, light, chosen.primitive);
+  return chosen;
+}
 
 std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& from, const Vec3& ns,
                                              const SampleRandom::Light& random) const {
@@ -52,11 +70,14 @@ std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& fro
     const LightTree::Choice choice = tree_.choose(from, ns, random.emitter, random.primitive);
     if (choice.leaf == nullptr) return std::nullopt;
     const AreaLight& light = lights_[choice.leaf->light];
+    constexpr std::uint32_t kTriangleLevel = 36;
+    if (light.shared) return choose_shared(scene, light, choice.prob, hashed_word(kTriangleLevel, random.primitive));
     const double pdf_a = choice.prob / primitive_area(scene, light, choice.leaf->primitive);
     return Chosen{&light, choice.leaf->primitive, choice.prob, pdf_a, pdf_a};
   }
   const std::size_t index = choice_.choose(random.emitter);
   const AreaLight& light = lights_[index];
+  if (light.shared) return choose_shared(scene, light, choice_.prob(index), random.primitive);
   Chosen chosen{.light = &light, .prob = choice_.prob(index)};
   if (light.triangles.empty()) return chosen;
   const std::size_t triangle = light.triangles.choose(random.primitive);
@@ -69,7 +90,10 @@ std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& fro
 void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, const Vec3& from,
                              const SampleRandom::Light& random, LightSample& sample) const {
   const std::array<Vec3, 3> p = chosen.light->placement.triangle(mesh, chosen.primitive);
-  const Vec3 b = square_to_triangle({random.u, random.v});
+  Vec3 b = square_to_triangle({random.u, random.v});
+  // Weights are those of the vertices as they stand in the mesh, where it is shared.
+  const bool shared = chosen.light->shared != nullptr;
+  if (shared && chosen.light->placement.turned()) std::swap(b.y, b.z);
   sample.surface.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
   sample.surface.ng = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
   sample.surface.ns = chosen.light->placement.shading_normal(mesh, chosen.primitive, b, sample.surface.ng);
@@ -78,6 +102,7 @@ void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, con
 
   const Vec3 to_light = sample.surface.p - from;
   const double distance = glm::length(to_light);
+  if (shared) sample.surface.magnitude = kMostCondition * (sample.surface.magnitude + distance);
   if (distance == 0.0) return;
   sample.wi = to_light / distance;
   if (glm::dot(sample.wi, sample.surface.ns) >= 0.0) return;  // seen from behind
@@ -110,8 +135,12 @@ double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, c
   const AreaLight& light = lights_[*index];
   // By power, the weights see all triangles of an instance as one; its probability and its area stand for them.
   const bool by_tree = !tree_.empty();
-  const double prob_light = by_tree ? prob(from, ns, at.instance, at.primitive) : choice_.prob(*index);
-  const double area = by_tree ? primitive_area(scene, light, at.primitive) : light.area;
+  const double prob_light = by_tree && light.shared ? tree_.prob(from, ns, static_cast<std::uint32_t>(*index), 0)
+                            : by_tree               ? prob(from, ns, at.instance, at.primitive)
+                                                    : choice_.prob(*index);
+  const double area = light.shared ? stretched_area(scene, light, at.primitive)
+                      : by_tree    ? primitive_area(scene, light, at.primitive)
+                                   : light.area;
   if (const auto* object = std::get_if<Sphere>(&scene.shape_of(scene.instances[at.instance]))) {
     const Sphere sphere = light.placement.sphere(*object);
     const double distance = glm::length(sphere.center - from);

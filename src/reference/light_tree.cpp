@@ -18,13 +18,17 @@ constexpr std::uint32_t kLevelsPerWord = 6;
 double fresh_number(std::uint32_t level, std::uint32_t word_a, std::uint32_t word_b) {
   if (level == 0) return unit_float(word_a);
   if (level == kLevelsPerWord) return unit_float(word_b);
-  std::uint32_t x = word_b + level * 0x9e3779b9u;
-  x = (x ^ x >> 16) * 0x7feb352du;
-  x = (x ^ x >> 15) * 0x846ca68bu;
-  return unit_float(x ^ x >> 16);
+  return unit_float(hashed_word(level, word_b));
 }
 
 }  // namespace
+
+std::uint32_t hashed_word(std::uint32_t level, std::uint32_t word_b) {
+  std::uint32_t x = word_b + level * 0x9e3779b9u;
+  x = (x ^ x >> 16) * 0x7feb352du;
+  x = (x ^ x >> 15) * 0x846ca68bu;
+  return x ^ x >> 16;
+}
 
 /// Where a leaf lies in the space that is split: the centre of its box and its normal, as integers so that the tree is
 /// the same everywhere.
@@ -117,7 +121,11 @@ LightTree::Node LightTree::bound(std::uint32_t first, std::uint32_t count) const
   node.cos_cone = directed ? 1.0 : -1.0;
   for (std::uint32_t i = first; i < first + count; ++i) {
     const bool all_sides = leaves_[i].normal == Vec3(0.0);
-    node.cos_cone = std::min(node.cos_cone, all_sides ? -1.0 : glm::dot(node.axis, leaves_[i].normal));
+    const double to_axis = glm::dot(node.axis, leaves_[i].normal);
+    // A leaf with a cone of its own reaches further away from the axis.
+    const double angle = std::acos(std::clamp(to_axis, -1.0, 1.0)) + std::acos(leaves_[i].cos_cone);
+    const double farthest = leaves_[i].cos_cone == 1.0 ? to_axis : angle >= kPi ? -1.0 : std::cos(angle);
+    node.cos_cone = std::min(node.cos_cone, all_sides ? -1.0 : farthest);
     // A cap wider than a half sphere is not convex: it may miss normals between the corners'.
     for (const Vec3& corner : leaves_[i].corner_normals)
       node.cos_cone = std::min(node.cos_cone, glm::dot(node.axis, corner) < 0.0 ? -1.0 : glm::dot(node.axis, corner));

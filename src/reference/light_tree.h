@@ -17,9 +17,13 @@ struct LightLeaf {
   double power = 0.0;           ///< luminance times area, of a sphere times π r²; > 0
   Vec3 lower{0.0}, upper{0.0};  ///< box
   Vec3 normal{0.0};             ///< it emits mostly to this side; 0: to all sides
+  double cos_cone = 1.0;        ///< of the half angle of a cone around `normal`, where it is a whole mesh
   /// Of a triangle with vertex normals: it emits to their sides and those in between. Else empty.
   std::vector<Vec3> corner_normals;
 };
+
+/// The word that decides at a level of the tree beyond those of the light block.
+std::uint32_t hashed_word(std::uint32_t level, std::uint32_t word_b);
 
 class LightTree {
  public:

@@ -2,54 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "reference/intersect.h"
+#include "scene/sharing.h"
 
 namespace etendue::reference {
 
-DiscreteChoice::DiscreteChoice(const std::vector<double>& weights) {
-  double sum = 0.0;
-  for (const double weight : weights) sum += weight;
-  if (!(sum > 0.0)) return;
-  const std::size_t n = weights.size();
-  thresholds_.assign(n + 1, 0);
-  double prefix = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    prefix += weights[i];
-    thresholds_[i + 1] = static_cast<std::uint64_t>(std::floor(0x1p32 * prefix / sum));
-  }
-  // Whatever has weight must have a chance: at least one unit each, upward, then downward to end at 2^32 again.
-  for (std::size_t i = 0; i < n; ++i)
-    thresholds_[i + 1] = std::max(thresholds_[i + 1], thresholds_[i] + (weights[i] > 0.0 ? 1 : 0));
-  thresholds_[n] = std::uint64_t{1} << 32;
-  for (std::size_t i = n; i-- > 0;)
-    thresholds_[i] = std::min(thresholds_[i], thresholds_[i + 1] - (weights[i] > 0.0 ? 1 : 0));
-}
-
-std::size_t DiscreteChoice::choose(std::uint32_t word) const {
-  const auto above = std::upper_bound(thresholds_.begin(), thresholds_.end(), std::uint64_t{word});
-  return static_cast<std::size_t>(above - thresholds_.begin()) - 1;
-}
-
-double DiscreteChoice::prob(std::size_t index) const {
-  return empty() ? 0.0 : static_cast<double>(thresholds_[index + 1] - thresholds_[index]) * 0x1p-32;
-}
-
 namespace {
 
-AreaLight make_light(const Scene& scene, std::uint32_t index) {
+/// Meshes as lights, by shape: made when the first instance asks.
+using SharedLights = std::map<std::uint32_t, std::shared_ptr<const MeshLight>>;
+
+AreaLight make_light(const Scene& scene, std::uint32_t index, bool shared, SharedLights& shared_lights) {
   const Instance& instance = scene.instances[index];
   AreaLight light{.instance = index,
                   .placement = Placement(instance),
                   .radiance = scene.emitter_of(instance)->radiance,
                   .area = 0.0,
-                  .triangles = {}};
+                  .triangles = {},
+                  .shared = {}};
   if (const auto* object = std::get_if<Sphere>(&scene.shape_of(instance))) {
     const Sphere sphere = light.placement.sphere(*object);
     light.area = 4.0 * kPi * sphere.radius * sphere.radius;
     return light;
   }
   const auto& mesh = std::get<TriangleMesh>(scene.shape_of(instance));
+  if (shared) {
+    std::shared_ptr<const MeshLight>& of_shape = shared_lights[instance.shape];
+    if (!of_shape) of_shape = std::make_shared<const MeshLight>(mesh);
+    light.shared = of_shape;
+    light.area = of_shape->placed_area(light.placement);
+    return light;
+  }
   std::vector<double> areas;
   areas.reserve(mesh.triangles.size());
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -92,6 +77,13 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
                         .upper = sphere.center + sphere.radius});
       continue;
     }
+    if (lights[l].shared) {
+      LightLeaf leaf = lights[l].shared->leaf(lights[l].placement);
+      leaf.light = l;
+      leaf.power *= radiance;
+      if (leaf.power > 0.0) leaves.push_back(leaf);
+      continue;
+    }
     const auto& mesh = std::get<TriangleMesh>(shape);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       const auto [p0, p1, p2] = lights[l].placement.triangle(mesh, i);
@@ -113,17 +105,23 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
 double Lights::prob(const Vec3& from, const Vec3& ns, std::uint32_t instance, std::uint32_t primitive) const {
   const std::optional<std::size_t> index = of_instance_[instance];
   if (!index) return 0.0;
-  if (!tree_.empty()) return tree_.prob(from, ns, static_cast<std::uint32_t>(*index), primitive);
-  const DiscreteChoice& triangles = lights_[*index].triangles;
+  const DiscreteChoice& triangles = lights_[*index].choice();
+  if (!tree_.empty()) {
+    const auto light = static_cast<std::uint32_t>(*index);
+    if (lights_[*index].shared) return tree_.prob(from, ns, light, 0) * triangles.prob(primitive);
+    return tree_.prob(from, ns, light, primitive);
+  }
   return choice_.prob(*index) * (triangles.empty() ? 1.0 : triangles.prob(primitive));
 }
 
 Lights::Lights(const Scene& scene) : of_instance_(scene.instances.size()) {
+  const Sharing sharing(scene);
+  SharedLights shared;
   std::vector<double> weights;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     if (!scene.instances[i].emitter) continue;
     of_instance_[i] = lights_.size();
-    lights_.push_back(make_light(scene, i));
+    lights_.push_back(make_light(scene, i, sharing.has_instance(i), shared));
     weights.push_back(luminance(lights_.back().radiance) * lights_.back().area);
   }
   choice_ = DiscreteChoice(weights);

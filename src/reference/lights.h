@@ -3,10 +3,13 @@
 /// "Emitters".
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "reference/discrete_choice.h"
 #include "reference/light_tree.h"
+#include "reference/mesh_light.h"
 #include "reference/placement.h"
 #include "reference/ray.h"
 #include "reference/rng.h"
@@ -14,31 +17,16 @@
 
 namespace etendue::reference {
 
-/// Chooses an index in proportion to weights by comparing a whole 32-bit word with integer thresholds, so that every
-/// renderer chooses the same.
-class DiscreteChoice {
- public:
-  /// Weights are finite and >= 0, fewer than 2^32. Empty when all of them are 0.
-  explicit DiscreteChoice(const std::vector<double>& weights);
-  DiscreteChoice() = default;
-
-  bool empty() const { return thresholds_.empty(); }
-  std::size_t choose(std::uint32_t word) const;  ///< not when empty
-  double prob(std::size_t index) const;          ///< 0 when empty
-  /// T(0) … T(n); empty when there is nothing to choose.
-  const std::vector<std::uint64_t>& thresholds() const { return thresholds_; }
-
- private:
-  std::vector<std::uint64_t> thresholds_;
-};
-
 /// An instance with an emitter.
 struct AreaLight {
   std::uint32_t instance = 0;
   Placement placement;
   Vec3 radiance{0.0};
-  double area = 0.0;         ///< of the whole instance, in world space
-  DiscreteChoice triangles;  ///< empty for a sphere
+  double area = 0.0;                        ///< of the whole instance, in world space
+  DiscreteChoice triangles;                 ///< empty for a sphere
+  std::shared_ptr<const MeshLight> shared;  ///< of an instance of a shared mesh, instead of `triangles`
+
+  const DiscreteChoice& choice() const { return shared ? shared->triangles() : triangles; }
 };
 
 /// A point on a light, as seen from a point `from`.
@@ -78,6 +66,7 @@ class Lights {
   };
   std::optional<Chosen> choose(const Scene& scene, const Vec3& from, const Vec3& ns,
                                const SampleRandom::Light& random) const;
+  static Chosen choose_shared(const Scene& scene, const AreaLight& light, double prob, std::uint32_t word);
   void sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, const Vec3& from,
                        const SampleRandom::Light& random, LightSample& sample) const;
 

@@ -5,7 +5,8 @@
 
 namespace etendue::reference {
 
-Placement::Placement(const Instance& instance) : matrix_(instance.world_from_object) {
+Placement::Placement(const Instance& instance)
+    : matrix_(instance.world_from_object), object_from_world_(glm::inverse(glm::dmat3(instance.world_from_object))) {
   // The cross product of two transformed edges is the cofactor matrix times the cross product of the edges.
   const Vec3 x(matrix_[0]), y(matrix_[1]), z(matrix_[2]);
   cofactors_ = glm::dmat3(glm::cross(y, z), glm::cross(z, x), glm::cross(x, y));
@@ -35,6 +36,13 @@ glm::uvec3 Placement::ordered(const glm::uvec3& triangle) const {
 std::array<Vec3, 3> Placement::triangle(const TriangleMesh& mesh, std::uint32_t i) const {
   const glm::uvec3 t = ordered(mesh.triangles[i]);
   return {point(mesh.positions[t.x]), point(mesh.positions[t.y]), point(mesh.positions[t.z])};
+}
+
+Ray Placement::to_object(const Ray& ray) const {
+  Ray local = ray;
+  local.origin = object_from_world_ * (ray.origin - Vec3(matrix_[3]));
+  local.direction = object_from_world_ * ray.direction;
+  return local;
 }
 
 Sphere Placement::sphere(const Sphere& object) const {

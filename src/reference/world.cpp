@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "reference/intersect.h"
+#include "scene/bounds.h"
 
 namespace etendue::reference {
 namespace {
@@ -19,20 +19,49 @@ double largest_coordinate(const Vec3& v) {
 
 World::World(const Scene& scene) : scene_(scene), lights_(scene), filter_(scene.camera.filter) {
   for (const Instance& instance : scene_.instances) placements_.emplace_back(instance);
-  const std::vector<Primitive> unordered = collect();
-  std::vector<Box> boxes(unordered.size());
-  for (std::size_t i = 0; i < unordered.size(); ++i) {
-    const Primitive& p = unordered[i];
+  sharing_.emplace(scene_);
+  add_meshes(*sharing_);
+  primitives_ = collect(*sharing_);
+  bvh_ = build(primitives_);
+}
+
+/// A hierarchy over primitives, which are brought into the order of its leaves.
+Bvh World::build(std::vector<Primitive>& primitives) {
+  std::vector<Box> boxes(primitives.size());
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const Primitive& p = primitives[i];
     if (p.radius > 0.0) {
       boxes[i].include(p.p0 - Vec3(p.radius));
       boxes[i].include(p.p0 + Vec3(p.radius));
+    } else if (p.whole_mesh) {
+      boxes[i].include(p.p0);
+      boxes[i].include(p.p1);
     } else {
       for (const Vec3& vertex : {p.p0, p.p1, p.p2}) boxes[i].include(vertex);
     }
   }
-  bvh_ = Bvh(boxes);
-  primitives_.reserve(unordered.size());
-  for (const std::uint32_t i : bvh_.order()) primitives_.push_back(unordered[i]);
+  Bvh bvh(boxes);
+  std::vector<Primitive> ordered;
+  ordered.reserve(primitives.size());
+  for (const std::uint32_t i : bvh.order()) ordered.push_back(primitives[i]);
+  primitives = std::move(ordered);
+  return bvh;
+}
+
+void World::add_meshes(const Sharing& sharing) {
+  meshes_.resize(scene_.shapes.size());
+  for (std::size_t s = 0; s < meshes_.size(); ++s) {
+    if (!sharing.has_shape(s)) continue;
+    const auto& mesh = std::get<TriangleMesh>(scene_.shapes[s]);
+    std::vector<Primitive> primitives;
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      const glm::uvec3 t = mesh.triangles[i];
+      const Vec3 &p0 = mesh.positions[t.x], &p1 = mesh.positions[t.y], &p2 = mesh.positions[t.z];
+      if (!is_degenerate(p0, p1, p2)) primitives.push_back({.p0 = p0, .p1 = p1, .p2 = p2, .index = i});
+    }
+    meshes_[s].primitives = without_twins(std::move(primitives));
+    meshes_[s].bvh = build(meshes_[s].primitives);
+  }
 }
 
 void World::set_view(const View& view) {
@@ -44,11 +73,21 @@ void World::set_view(const View& view) {
   filter_ = FilterSampler(view.camera.filter);
 }
 
-std::vector<World::Primitive> World::collect() const {
+std::vector<World::Primitive> World::collect(const Sharing& sharing) const {
   std::vector<Primitive> primitives;
+  const std::vector<Bounds> bounds = sharing.any() ? instance_bounds(scene_, sharing) : std::vector<Bounds>();
   for (std::uint32_t n = 0; n < scene_.instances.size(); ++n) {
     const Placement& placement = placements_[n];
     const Shape& shape = scene_.shape_of(scene_.instances[n]);
+    if (sharing.has_instance(n)) {
+      const Bounds& box = bounds[n];
+      // Rays are rounded on their way into object space: a little more than what double precision does to them.
+      const Vec3 slack =
+          Vec3(kMostCondition * 0x1p-48 * largest_coordinate(glm::max(glm::abs(box.min), glm::abs(box.max))));
+      if (!meshes_[scene_.instances[n].shape].primitives.empty())
+        primitives.push_back({.p0 = box.min - slack, .p1 = box.max + slack, .instance = n, .whole_mesh = true});
+      continue;
+    }
     if (const auto* object = std::get_if<Sphere>(&shape)) {
       const Sphere sphere = placement.sphere(*object);
       primitives.push_back({.p0 = sphere.center, .radius = sphere.radius, .instance = n, .index = 0});
@@ -86,34 +125,47 @@ std::vector<World::Primitive> World::without_twins(std::vector<Primitive> primit
   return primitives;
 }
 
+void World::meet(const Primitive& p, std::uint32_t instance, const Ray& ray, const TriangleTest& test, double& t_max,
+                 Found& found) {
+  // Among equally near surfaces the first of the scene is the one that is met, whatever the order of the tree.
+  const bool precedes = found.any && std::pair(instance, p.index) < std::pair(found.instance, found.index);
+  const double reach = precedes ? std::nextafter(t_max, INFINITY) : t_max;
+  std::optional<TriangleHit> hit;
+  if (p.radius > 0.0) {
+    if (const auto t = intersect_sphere(ray, p.p0, p.radius, reach)) hit = TriangleHit{.t = *t};
+  } else {
+    hit = test(p.p0, p.p1, p.p2, reach);
+  }
+  if (!hit) return;
+  t_max = hit->t;
+  found = {.any = true, .instance = instance, .index = p.index, .radius = p.radius, .center = p.p0, .hit = *hit};
+}
+
 std::optional<Surface> World::closest_hit(const Ray& ray) const {
   // A ray that is none would meet every box of the tree; it misses, and the sample becomes not a number.
   if (!is_finite(ray.origin + ray.direction)) return std::nullopt;
   const TriangleTest triangle_test(ray);
-  const Primitive* nearest = nullptr;
-  TriangleHit hit;
-  // Among equally near surfaces the first of the scene is the one that is met, whatever the order of the tree.
-  const auto precedes = [](const Primitive& a, const Primitive& b) {
-    return std::pair(a.instance, a.index) < std::pair(b.instance, b.index);
-  };
+  Found found;
   bvh_.traverse(ray, [&](std::uint32_t position, double& t_max) {
     const Primitive& p = primitives_[position];
-    const double reach = nearest != nullptr ? std::nextafter(t_max, INFINITY) : t_max;
-    std::optional<TriangleHit> found;
-    if (p.radius > 0.0) {
-      if (const auto t = intersect_sphere(ray, p.p0, p.radius, reach)) found = TriangleHit{.t = *t};
-    } else {
-      found = triangle_test(p.p0, p.p1, p.p2, reach);
+    if (!p.whole_mesh) {
+      meet(p, p.instance, ray, triangle_test, t_max, found);
+      return false;
     }
-    if (!found || (found->t == t_max && nearest != nullptr && precedes(*nearest, p))) return false;
-    hit = *found;
-    t_max = hit.t;
-    nearest = &p;
+    Ray local = placements_[p.instance].to_object(ray);
+    local.t_max = t_max;
+    const TriangleTest local_test(local);
+    const Mesh& mesh = meshes_[scene_.instances[p.instance].shape];
+    mesh.bvh.traverse(local, [&](std::uint32_t at, double& t) {
+      meet(mesh.primitives[at], p.instance, local, local_test, t, found);
+      t_max = t;
+      return false;
+    });
     return false;
   });
-  if (nearest == nullptr) return std::nullopt;
-  if (nearest->radius > 0.0) return sphere_surface(*nearest, ray.origin + hit.t * ray.direction);
-  return triangle_surface(*nearest, hit.barycentric);
+  if (!found.any) return std::nullopt;
+  if (found.radius > 0.0) return sphere_surface(found, ray.origin + found.hit.t * ray.direction);
+  return triangle_surface(found);
 }
 
 bool World::occluded(const Vec3& from, const Vec3& to) const {
@@ -124,30 +176,42 @@ bool World::occluded(const Vec3& from, const Vec3& to) const {
   return bvh_.traverse(ray, [&](std::uint32_t position, double& t_max) {
     const Primitive& p = primitives_[position];
     if (p.radius > 0.0) return intersect_sphere(ray, p.p0, p.radius, t_max).has_value();
-    return triangle_test(p.p0, p.p1, p.p2, t_max).has_value();
+    if (!p.whole_mesh) return triangle_test(p.p0, p.p1, p.p2, t_max).has_value();
+    const Ray local = placements_[p.instance].to_object(ray);
+    const TriangleTest local_test(local);
+    const Mesh& mesh = meshes_[scene_.instances[p.instance].shape];
+    return mesh.bvh.traverse(local, [&](std::uint32_t at, double& t) {
+      const Primitive& q = mesh.primitives[at];
+      return local_test(q.p0, q.p1, q.p2, t).has_value();
+    });
   });
 }
 
-Surface World::triangle_surface(const Primitive& primitive, const Vec3& b) const {
+Surface World::triangle_surface(const Found& found) const {
+  const auto& mesh = std::get<TriangleMesh>(scene_.shape_of(scene_.instances[found.instance]));
+  const Placement& placement = placements_[found.instance];
+  const bool shared = sharing_->has_instance(found.instance);
+  Vec3 b = found.hit.barycentric;
+  if (shared && placement.turned()) std::swap(b.y, b.z);
+  const std::array<Vec3, 3> p = placement.triangle(mesh, found.index);
   // From the vertices, not along the ray: this point's error depends on the triangle alone, however far the ray came.
-  Surface surface{.p = b.x * primitive.p0 + b.y * primitive.p1 + b.z * primitive.p2,
-                  .ng = glm::normalize(glm::cross(primitive.p1 - primitive.p0, primitive.p2 - primitive.p0)),
-                  .instance = primitive.instance,
-                  .primitive = primitive.index};
-  for (const Vec3& vertex : {primitive.p0, primitive.p1, primitive.p2})
-    surface.magnitude = std::max(surface.magnitude, largest_coordinate(vertex));
-  const auto& mesh = std::get<TriangleMesh>(scene_.shape_of(scene_.instances[primitive.instance]));
-  surface.ns = placements_[primitive.instance].shading_normal(mesh, primitive.index, b, surface.ng);
+  Surface surface{.p = b.x * p[0] + b.y * p[1] + b.z * p[2],
+                  .ng = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0])),
+                  .instance = found.instance,
+                  .primitive = found.index};
+  for (const Vec3& vertex : p) surface.magnitude = std::max(surface.magnitude, largest_coordinate(vertex));
+  if (shared) surface.magnitude *= kMostCondition;
+  surface.ns = placement.shading_normal(mesh, found.index, b, surface.ng);
   return surface;
 }
 
-Surface World::sphere_surface(const Primitive& primitive, const Vec3& near_point) const {
-  const Vec3 normal = glm::normalize(near_point - primitive.p0);
-  return {.p = primitive.p0 + primitive.radius * normal,
+Surface World::sphere_surface(const Found& found, const Vec3& near_point) {
+  const Vec3 normal = glm::normalize(near_point - found.center);
+  return {.p = found.center + found.radius * normal,
           .ng = normal,
           .ns = normal,
-          .magnitude = largest_coordinate(primitive.p0) + primitive.radius,
-          .instance = primitive.instance,
+          .magnitude = largest_coordinate(found.center) + found.radius,
+          .instance = found.instance,
           .primitive = 0};
 }
 

@@ -6,9 +6,11 @@
 
 #include "reference/bvh.h"
 #include "reference/filter.h"
+#include "reference/intersect.h"
 #include "reference/lights.h"
 #include "reference/placement.h"
 #include "reference/ray.h"
+#include "scene/sharing.h"
 #include "scene/view.h"
 
 namespace etendue::reference {
@@ -32,17 +34,36 @@ class World {
   Vec3 sky(const Vec3& w) const;
 
  private:
-  /// A triangle, or a sphere when `radius` > 0 (its centre is p0).
+  /// A triangle, or a sphere when `radius` > 0 (its centre is p0); or an instance of a shared mesh, all of it.
   struct Primitive {
     Vec3 p0{0.0}, p1{0.0}, p2{0.0};
     double radius = 0.0;
     std::uint32_t instance = 0;
     std::uint32_t index = 0;  ///< triangle in its mesh, 0 for a sphere
+    bool whole_mesh = false;  ///< then p0 and p1 are the corners of a box around it
   };
-  std::vector<Primitive> collect() const;
+  /// A shared mesh in its own space; `instance` of its primitives means nothing.
+  struct Mesh {
+    Bvh bvh;
+    std::vector<Primitive> primitives;  ///< in the order of the hierarchy's leaves
+  };
+  /// What a ray has met so far.
+  struct Found {
+    bool any = false;
+    std::uint32_t instance = 0, index = 0;
+    double radius = 0.0;  ///< of a sphere, around `center`
+    Vec3 center{0.0};
+    TriangleHit hit;
+  };
+  static Bvh build(std::vector<Primitive>& primitives);
+  void add_meshes(const Sharing& sharing);
+  std::vector<Primitive> collect(const Sharing& sharing) const;
+  /// Tests one primitive, that of `instance`, against a ray in its space; takes it when it is the nearest.
+  static void meet(const Primitive& primitive, std::uint32_t instance, const Ray& ray, const TriangleTest& test,
+                   double& t_max, Found& found);
   static std::vector<Primitive> without_twins(std::vector<Primitive> primitives);
-  Surface triangle_surface(const Primitive& primitive, const Vec3& barycentric) const;
-  Surface sphere_surface(const Primitive& primitive, const Vec3& near_point) const;
+  Surface triangle_surface(const Found& found) const;
+  static Surface sphere_surface(const Found& found, const Vec3& near_point);
 
   Scene scene_;
   Lights lights_;
@@ -50,6 +71,8 @@ class World {
   Bvh bvh_;
   std::vector<Primitive> primitives_;  ///< in the order of the hierarchy's leaves
   std::vector<Placement> placements_;  ///< of the instances
+  std::optional<Sharing> sharing_;
+  std::vector<Mesh> meshes_;  ///< by shape; empty where it is not shared
 };
 
 }  // namespace etendue::reference

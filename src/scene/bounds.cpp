@@ -4,6 +4,29 @@
 
 namespace etendue {
 
+Bounds bounds_of(const Shape& shape) {
+  Bounds box;
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+    box.add(sphere->center - sphere->radius);
+    box.add(sphere->center + sphere->radius);
+  } else {
+    for (const glm::dvec3& p : std::get<TriangleMesh>(shape).positions) box.add(p);
+  }
+  return box;
+}
+
+Bounds transformed(const Bounds& box, const glm::dmat4& world_from_object) {
+  if (box.empty()) return box;
+  const glm::dvec3 center(world_from_object * glm::dvec4(0.5 * box.min + 0.5 * box.max, 1.0));
+  const glm::dvec3 half = 0.5 * box.max - 0.5 * box.min;
+  glm::dvec3 reach(0.0);
+  for (int i = 0; i < 3; ++i) reach += glm::abs(glm::dvec3(world_from_object[i])) * half[i];
+  Bounds out;
+  out.add(center - reach);
+  out.add(center + reach);
+  return out;
+}
+
 Bounds bounds_of(const Scene& scene, const Instance& instance) {
   Bounds box;
   const Shape& shape = scene.shape_of(instance);
@@ -18,10 +41,25 @@ Bounds bounds_of(const Scene& scene, const Instance& instance) {
   return box;
 }
 
+std::vector<Bounds> instance_bounds(const Scene& scene, const Sharing& sharing) {
+  std::vector<Bounds> objects(scene.shapes.size());
+  for (std::size_t s = 0; s < objects.size(); ++s) {
+    if (sharing.has_shape(s)) objects[s] = bounds_of(scene.shapes[s]);
+  }
+  std::vector<Bounds> boxes;
+  boxes.reserve(scene.instances.size());
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    boxes.push_back(sharing.has_instance(i) ? transformed(objects[instance.shape], instance.world_from_object)
+                                            : bounds_of(scene, instance));
+  }
+  return boxes;
+}
+
 Bounds bounds_of(const Scene& scene) {
   Bounds all;
-  for (const Instance& instance : scene.instances) {
-    const Bounds box = bounds_of(scene, instance);
+  for (const Bounds& box : instance_bounds(scene, Sharing(scene))) {
+    if (box.empty()) continue;
     all.add(box.min);
     all.add(box.max);
   }

@@ -2,8 +2,10 @@
 /// Boxes around what a scene holds.
 
 #include <limits>
+#include <vector>
 
 #include "scene/scene.h"
+#include "scene/sharing.h"
 
 namespace etendue {
 
@@ -19,8 +21,17 @@ struct Bounds {
   bool empty() const { return !(min.x <= max.x); }
 };
 
+/// In object space.
+Bounds bounds_of(const Shape& shape);
+/// The box around the transformed box, corners included.
+Bounds transformed(const Bounds& box, const glm::dmat4& world_from_object);
+
 Bounds bounds_of(const Scene& scene, const Instance& instance);
-/// Of all instances; empty where there are none.
+/// Of all instances; empty where there are none. Instances of shared meshes count by their transformed boxes.
 Bounds bounds_of(const Scene& scene);
+
+/// Of each instance: as exact as `bounds_of(scene, instance)` but where its mesh is shared, then around the transformed
+/// box of the mesh, which costs nothing however many instances there are.
+std::vector<Bounds> instance_bounds(const Scene& scene, const Sharing& sharing);
 
 }  // namespace etendue

@@ -199,24 +199,30 @@ void check_closed(const Scene& scene, const Instance& instance, Diagnostics& dia
 }  // namespace
 
 void check_scene(const Scene& scene, Diagnostics& diagnostics) {
-  std::vector<Bounds> boxes;
+  const Sharing sharing(scene);
+  const std::vector<Bounds> boxes = instance_bounds(scene, sharing);
   Bounds all;
-  for (const Instance& instance : scene.instances) {
-    boxes.push_back(bounds_of(scene, instance));
-    all.add(boxes.back().min);
-    all.add(boxes.back().max);
+  for (const Bounds& box : boxes) {
+    all.add(box.min);
+    all.add(box.max);
   }
   Bounds seen = all;  // what light can shine on, or into
   seen.add(glm::dvec3(scene.camera.world_from_camera[3]));
   if (gathers_light(scene.integrator)) check_light(scene, diagnostics);
   check_camera_medium(scene, boxes, diagnostics);
+  // Of a mesh that is shared the first instance tells: a forest has thousands.
+  std::vector<bool> told(scene.shapes.size(), false), told_as_glass(scene.shapes.size(), false);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
+    const bool shared = sharing.has_instance(i);
+    const bool glass = std::holds_alternative<DielectricBsdf>(scene.bsdf_of(instance));
     check_scale(instance, boxes[i], all, diagnostics);
-    check_facing(scene, instance, seen, diagnostics);
+    if (!shared) check_facing(scene, instance, seen, diagnostics);
     check_effect(scene, instance, diagnostics);
-    check_normals(scene, instance, diagnostics);
-    check_closed(scene, instance, diagnostics);
+    if (!shared || !told[instance.shape]) check_normals(scene, instance, diagnostics);
+    if (glass && (!shared || !told_as_glass[instance.shape])) check_closed(scene, instance, diagnostics);
+    told[instance.shape] = true;
+    told_as_glass[instance.shape] = told_as_glass[instance.shape] || glass;
   }
   if (const std::string sentence = precision_complaint(scene); !sentence.empty())
     diagnostics.warning(scene.camera.position, sentence);

@@ -15,6 +15,7 @@
 #include "core/text.h"
 #include "scene/bounds.h"
 #include "scene/placed.h"
+#include "scene/sharing.h"
 
 namespace etendue {
 namespace {
@@ -41,7 +42,7 @@ bool meet(const Bounds& a, const Bounds& b, double margin) {
 
 class Finder {
  public:
-  Finder(const Scene& scene, Diagnostics& sink) : scene_(scene), sink_(sink) {}
+  Finder(const Scene& scene, Diagnostics& sink) : scene_(scene), sharing_(scene), sink_(sink) {}
 
   void find() {
     measure();
@@ -62,9 +63,11 @@ class Finder {
  private:
   /// The boxes of all meshes, and the largest coordinate, which offsets of planes are measured by.
   void measure() {
-    for (const Instance& instance : scene_.instances) {
-      const bool is_mesh = std::holds_alternative<TriangleMesh>(scene_.shape_of(instance));
-      const Bounds& box = boxes_.emplace_back(is_mesh ? bounds_of(scene_, instance) : Bounds{});
+    for (std::size_t n = 0; n < scene_.instances.size(); ++n) {
+      const Instance& instance = scene_.instances[n];
+      const bool looked_at =
+          std::holds_alternative<TriangleMesh>(scene_.shape_of(instance)) && !sharing_.has_instance(n);
+      const Bounds& box = boxes_.emplace_back(looked_at ? bounds_of(scene_, instance) : Bounds{});
       if (box.empty()) continue;
       const glm::dvec3 farthest = glm::max(glm::abs(box.min), glm::abs(box.max));
       size_ = std::max({size_, farthest.x, farthest.y, farthest.z});
@@ -83,7 +86,7 @@ class Finder {
   void add_faces(std::uint32_t index) {
     const Instance& instance = scene_.instances[index];
     const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
-    if (mesh == nullptr) return;
+    if (mesh == nullptr || sharing_.has_instance(index)) return;
     // Most meshes meet few others, and of a large one few triangles can lie in one of theirs.
     const bool many = boxes_.size() > kManyInstances;
     const std::vector<Bounds> others = many ? std::vector<Bounds>() : neighbours(index);
@@ -172,6 +175,7 @@ class Finder {
   }
 
   const Scene& scene_;
+  Sharing sharing_;
   Diagnostics& sink_;
   double size_ = 1e-300;
   std::vector<Bounds> boxes_;  ///< of the instances; empty boxes for what is no mesh

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "scene/bounds.h"
 #include "scene/limits.h"
 #include "scene/placed.h"
 
@@ -65,6 +69,7 @@ class Checker {
       std::visit([&](const auto& bsdf) { check_bsdf(bsdf, material); }, material.bsdf);
     check_totals();
     if (tables_fit()) {
+      shapes_.resize(scene_.shapes.size());
       for (const Instance& instance : scene_.instances) check_instance(instance);
     }
   }
@@ -277,7 +282,28 @@ class Checker {
     }
   }
 
-  void check_mesh(const TriangleMesh& mesh, const Instance& instance) {
+  /// What is found out about a mesh once, for all instances that show it.
+  struct MeshChecks {
+    bool checked = false, usable = false;
+    Bounds box;
+  };
+
+  /// Attributes and indices of a mesh, reported for the first instance that shows it.
+  const MeshChecks& check_shape(const TriangleMesh& mesh, const Instance& instance) {
+    MeshChecks& checks = shapes_[instance.shape];
+    if (std::exchange(checks.checked, true)) return checks;
+    checks.usable = check_tables(mesh, instance);
+    // A box does not tell of what is no number: then every instance is looked at vertex by vertex.
+    if (std::ranges::all_of(mesh.positions, is_finite)) {
+      checks.box = bounds_of(scene_.shape_of(instance));
+    } else {
+      checks.box.add(glm::dvec3(std::numeric_limits<double>::infinity()));
+    }
+    return checks;
+  }
+
+  /// False where a triangle cannot be looked at.
+  bool check_tables(const TriangleMesh& mesh, const Instance& instance) {
     const std::size_t vertices = mesh.positions.size();
     const bool lengths_fit =
         (mesh.normals.empty() || mesh.normals.size() == vertices) &&
@@ -292,12 +318,31 @@ class Checker {
     }
     for (const glm::uvec3& t : mesh.triangles) {
       if (std::max({t.x, t.y, t.z}) < vertices) continue;
-      return sink_.error(instance.position,
-                         fmt::format("a triangle of the mesh {} refers to vertex {}; it has {}",
-                                     text::quoted(instance.name), std::max({t.x, t.y, t.z}), vertices));
+      sink_.error(instance.position, fmt::format("a triangle of the mesh {} refers to vertex {}; it has {}",
+                                                 text::quoted(instance.name), std::max({t.x, t.y, t.z}), vertices));
+      return false;
     }
+    return true;
+  }
+
+  /// Half of what is allowed: a box around all vertices that lies within needs no look at them.
+  static bool lies_within(const Bounds& box) {
+    constexpr double kRoom = 0.5;
+    const double largest = std::max(largest_coordinate(box.min), largest_coordinate(box.max));
+    return box.empty() || (is_finite(box.min) && is_finite(box.max) && largest <= kRoom * kMaxCoordinate);
+  }
+
+  void check_mesh(const TriangleMesh& mesh, const Instance& instance) {
+    const MeshChecks& checks = check_shape(mesh, instance);
+    if (!checks.usable) return;
+    check_vertices(mesh, checks, instance);
+    if (instance.emitter) check_area(mesh, instance);
+  }
+
+  void check_vertices(const TriangleMesh& mesh, const MeshChecks& checks, const Instance& instance) {
+    if (lies_within(transformed(checks.box, instance.world_from_object))) return;
     const PlacedMesh placed(mesh, instance);
-    for (std::uint32_t i = 0; i < vertices; ++i) {
+    for (std::uint32_t i = 0; i < mesh.positions.size(); ++i) {
       const glm::dvec3 p = placed.position(i);
       if (largest_coordinate(p) <= kMaxCoordinate) continue;
       error(instance.position, "world_from_object",
@@ -305,12 +350,12 @@ class Checker {
                         text::quoted(instance.name), p.x, p.y, p.z, kMaxCoordinate));
       return;
     }
-    if (instance.emitter) check_area(placed, instance);
   }
 
-  void check_area(const PlacedMesh& mesh, const Instance& instance) {
-    for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
-      if (triangle_area(mesh.triangle(i)) > 0.0) return;
+  void check_area(const TriangleMesh& mesh, const Instance& instance) {
+    const PlacedMesh placed(mesh, instance);
+    for (std::size_t i = 0; i < placed.triangle_count(); ++i) {
+      if (triangle_area(placed.triangle(i)) > 0.0) return;
     }
     sink_.error(scene_.emitter_of(instance)->position,
                 fmt::format("the emitter's mesh {} has no area; it cannot send light", text::quoted(instance.name)));
@@ -319,6 +364,7 @@ class Checker {
   const Scene& scene_;
   Diagnostics& sink_;
   const LocateField& locate_;
+  std::vector<MeshChecks> shapes_;
 };
 
 }  // namespace

@@ -7,6 +7,8 @@
 
 #include <xxhash.h>
 
+#include "scene/sharing.h"
+
 namespace etendue {
 namespace {
 
@@ -139,6 +141,8 @@ std::uint64_t scene_hash(const Scene& scene) {
   h.value(scene.sky.horizon);
   h.value(scene.shapes.size());
   for (const Shape& shape : scene.shapes) hash(h, shape);
+  // Lights of shared meshes are chosen otherwise: other samples.
+  if (Sharing(scene).any()) h.value(scene.instancing);
   h.value(scene.instances.size());
   for (const Instance& instance : scene.instances) {
     h.value(instance.shape);

@@ -163,6 +163,10 @@ struct Sky {
   glm::dvec3 horizon{0.0};
 };
 
+/// How meshes that several instances show are laid out: `automatic` keeps them once where that pays, `never` copies
+/// them into the world, `always` keeps every mesh in object space, for tests. See sharing.h.
+enum class Instancing : std::uint32_t { automatic, never, always };
+
 /// Tables that refer to each other by index, and one of everything else. `invariants.h` says what must hold.
 struct Scene {
   std::string name;  ///< file name without folder and extension
@@ -175,7 +179,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<AreaEmitter> emitters;
   std::vector<Instance> instances;  ///< in file order; area lights follow from those with an emitter
-  SourcePosition position;          ///< the <scene> tag
+  Instancing instancing = Instancing::automatic;
+  SourcePosition position;  ///< the <scene> tag
 
   const Shape& shape_of(const Instance& instance) const { return shapes[instance.shape]; }
   const Bsdf& bsdf_of(const Instance& instance) const { return materials[instance.material].bsdf; }

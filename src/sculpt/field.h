@@ -68,5 +68,6 @@ double noise(Vec3 p);
 /// The built-in solids, about one unit high, y up, facing +z.
 Solid bust();          ///< a head with curls on a socle, standing on y = 0
 Solid bumpy_sphere();  ///< around the origin, radius about 0.5
+Solid fir();           ///< the crown of a tree above y = 0.1, its tip at y = 1.1
 
 }  // namespace etendue::sculpt

@@ -22,7 +22,8 @@ sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
   if (kind == "grid") return sculpt::grid(triangles);
   if (kind == "soup") return sculpt::soup(triangles);
   if (kind == "lamps") return sculpt::lamps(triangles);
-  sculpt::Mesh mesh = sculpt::polygonise(kind == "bust" ? sculpt::bust() : sculpt::bumpy_sphere(), triangles);
+  const sculpt::Solid solid = kind == "bust" ? sculpt::bust() : kind == "fir" ? sculpt::fir() : sculpt::bumpy_sphere();
+  sculpt::Mesh mesh = sculpt::polygonise(solid, triangles);
   sculpt::check_closed(mesh);
   return mesh;
 }
@@ -34,10 +35,11 @@ int run(int argc, char** argv) {
   app.add_option(
          "--kind", kind,
          "bust: a head with curls, 1 high, standing on y = 0, facing +z; bumpy-sphere: around the origin, radius "
-         "about 0.5 (both closed, with normals); grid: a wavy square; soup: loose random triangles; lamps: triangles "
+         "about 0.5; fir: the crown of a tree, about 1 high (all closed, with normals); grid: a wavy square; soup: "
+         "loose random triangles; lamps: triangles "
          "that hover over a square and look down")
       ->required()
-      ->check(one_of({"bust", "bumpy-sphere", "grid", "soup", "lamps"}));
+      ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps"}));
   app.add_option("--triangles", triangles,
                  "at least so many; all but lamps need 100; solids get usually up to 5 per cent more")
       ->capture_default_str()

@@ -4,10 +4,12 @@
 #include <array>
 #include <chrono>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
 
 #include "core/errors.h"
 #include "gpu/bsdf_probe.h"
@@ -112,6 +114,17 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
     {gpu::kMutantOcclusionEndless, "occlusion without end", "rays of ao and av have no end", "av under"},
     {gpu::kMutantHiddenEmittersOpaque, "hidden emitters opaque", "emitters hidden from the camera are black",
      "floor seen"},
+    {gpu::kMutantInstanceNormalMatrix, "instance normals as points",
+     "vertex normals of instances go by the matrix that positions go by", "picture of instances"},
+    {gpu::kMutantInstanceAreaNotScaled, "instance areas not scaled",
+     "the density of lights on instances is that of the mesh in its own space", "picture of instances"},
+    {gpu::kMutantInstanceRayNormalised, "instance rays normalised",
+     "the direction is normalised in object space, so that distances are those of another space",
+     "picture of instances"},
+    {gpu::kMutantInstanceSideLost, "mirrored instance inside out",
+     "vertex normals of mirrored instances lie on the other side", "picture of instances"},
+    {gpu::kMutantInstanceNotLeft, "instance not left",
+     "behind an instance a ray meets the world as it is seen from object space", "picture of instances"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -237,6 +250,50 @@ Scene room() {
   return scene;
 }
 
+/// A latitude-longitude ball of radius 1 with vertex normals.
+TriangleMesh smooth_ball() {
+  constexpr std::uint32_t kRows = 5, kColumns = 8;
+  TriangleMesh mesh;
+  for (std::uint32_t row = 0; row <= kRows; ++row) {
+    for (std::uint32_t column = 0; column < kColumns; ++column) {
+      const double theta = glm::pi<double>() * row / kRows, phi = 2.0 * glm::pi<double>() * column / kColumns;
+      const double y = row == 0 ? 1.0 : row == kRows ? -1.0 : std::cos(theta);
+      const double around = row == 0 || row == kRows ? 0.0 : std::sin(theta);
+      mesh.positions.emplace_back(around * std::cos(phi), y, around * std::sin(phi));
+    }
+  }
+  mesh.normals = mesh.positions;
+  for (std::uint32_t row = 0; row < kRows; ++row) {
+    for (std::uint32_t column = 0; column < kColumns; ++column) {
+      const std::uint32_t a = row * kColumns + column, b = row * kColumns + (column + 1) % kColumns;
+      if (row + 1 < kRows) mesh.triangles.emplace_back(a, b + kColumns, a + kColumns);
+      if (row > 0) mesh.triangles.emplace_back(a, b, b + kColumns);
+    }
+  }
+  return mesh;
+}
+
+/// The room with instances of one mesh in it: a lamp of three unequal axes, a mirrored and a sheared body.
+Scene room_of_instances() {
+  Scene scene = room();
+  scene.name = scene.file = "room of instances";
+  scene.instances.resize(scene.instances.size() - 3);  // the lamp and the spheres
+  scene.instancing = Instancing::always;
+  const auto shape = static_cast<std::uint32_t>(scene.shapes.size());
+  const auto material = static_cast<std::uint32_t>(scene.materials.size());
+  scene.shapes.emplace_back(smooth_ball());
+  scene.materials.push_back({.bsdf = DiffuseBsdf{glm::dvec3(0.8)}});
+  const auto put = [&](glm::dvec4 x, glm::dvec4 y, glm::dvec4 z, glm::dvec4 at) -> Instance& {
+    return scene.instances.emplace_back(
+        Instance{.shape = shape, .material = material, .world_from_object = glm::dmat4(x, y, z, at)});
+  };
+  put({0.35, 0, 0.1, 0}, {0.1, 0.1, 0, 0}, {0, 0, 0.2, 0}, {0.1, 0.6, 0.1, 1}).emitter = 0;
+  put({-0.5, 0, 0.1, 0}, {0, 0.2, 0.1, 0}, {0, 0.1, 0.3, 0}, {-0.35, -0.5, 0.2, 1});
+  put({0.2, 0, 0, 0}, {0.3, 0.4, 0, 0}, {0, 0, 0.2, 0}, {0.5, -0.5, -0.2, 1});
+  scene.integrator.max_depth = 4;
+  return scene;
+}
+
 Image render_room(Renderer& renderer, const Scene& scene, std::uint32_t spp) {
   Film film(scene.camera.width, scene.camera.height, film_exponent(scene));
   std::vector<RejectedSample> rejected;
@@ -247,8 +304,9 @@ Image render_room(Renderer& renderer, const Scene& scene, std::uint32_t spp) {
 /// Pictures of the room by device and reference, with independent random numbers.
 class PictureTrial final : public Trial {
  public:
-  explicit PictureTrial(const GpuOptions& gpu)
-      : scene_(room()), renderer_(make_gpu_renderer(scene_, {.seed = 1, .quantity = FilmQuantity::color}, gpu)) {}
+  PictureTrial(Scene scene, const GpuOptions& gpu)
+      : scene_(std::move(scene)),
+        renderer_(make_gpu_renderer(scene_, {.seed = 1, .quantity = FilmQuantity::color}, gpu)) {}
 
   double p_value(std::uint32_t samples) override {
     const std::uint32_t spp = samples / (scene_.camera.width * scene_.camera.height) + 1;
@@ -263,11 +321,13 @@ class PictureTrial final : public Trial {
  private:
   /// Rendered once: it is the same for every mutant.
   static const Image& reference(const Scene& scene) {
-    static const Image image = [&] {
+    static std::map<std::string, Image> images;
+    const auto [image, is_new] = images.try_emplace(scene.name);
+    if (is_new) {
       const auto renderer = make_reference_renderer(scene, {.seed = 2, .quantity = FilmQuantity::color});
-      return render_room(*renderer, scene, 2048);
-    }();
-    return image;
+      image->second = render_room(*renderer, scene, 2048);
+    }
+    return image->second;
   }
 
   Scene scene_;
@@ -333,7 +393,10 @@ std::vector<SuiteTest> make_suite() {
       material_test("chi2, microfacet", kCoated, kSlanted),
       albedo_test("albedo, roughconductor", kRoughGold, kSlanted),
       albedo_test("albedo, microfacet", kCoated, kSlanted),
-      {"picture against the reference", [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(gpu); }},
+      {"picture against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room(), gpu); }},
+      {"picture of instances against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_instances(), gpu); }},
   };
 }
 

@@ -13,6 +13,7 @@
 #include "core/text.h"
 #include "reference/ray_caster.h"
 #include "reference/reference_renderer.h"
+#include "scene/sharing.h"
 
 namespace etendue {
 namespace {
@@ -32,8 +33,10 @@ struct Counts {
 };
 
 std::size_t placed_primitives(const Scene& scene) {
+  const Sharing sharing(scene);
   std::size_t count = 0;
-  for (const Instance& instance : scene.instances) count += primitive_count(scene.shape_of(instance));
+  for (std::size_t i = 0; i < scene.instances.size(); ++i)
+    count += sharing.has_instance(i) ? 1 : primitive_count(scene.shape_of(scene.instances[i]));
   return count;
 }
 

@@ -218,7 +218,7 @@ TEST(BadMesh, AGigabyteOfHoles) {
                   render_scene(),
                   3,
                   R"(scene\.xml: )",
-                  "at most 16777216",
+                  "at most 33554432",
                   sparse("scene.xml", off_t{1} << 34)});
 }
 

@@ -411,12 +411,12 @@ TEST(BadScene, FilesMadeToExhaustTheReader) {
   std::string many;
   for (int i = 0; i < 100'000; ++i) many += "<mesh type=\"obj\"><string name=\"filename\" value=\"no.obj\"/></mesh>";
   expect_bad_scene("100 000 missing meshes", scene_with(many), "cannot open");
-  expect_refused({"more than 16 MiB",
-                  {"scene.xml", ten_megabytes(' ') + ten_megabytes(' ')},
+  expect_refused({"more than 32 MiB",
+                  {"scene.xml", ten_megabytes(' ') + ten_megabytes(' ') + ten_megabytes(' ') + ten_megabytes(' ')},
                   render_scene(),
                   3,
                   R"(scene\.xml: )",
-                  "at most 16777216",
+                  "at most 33554432",
                   {}});
 }
 

@@ -2,6 +2,7 @@
 /// through storage buffers.
 
 #include <array>
+#include <bit>
 #include <fstream>
 #include <regex>
 #include <sstream>
@@ -48,6 +49,7 @@ CompiledScene numbered_scene() {
   }
   scene.triangles = numbered<gpu::uvec4>(7);
   scene.normals = numbered<gpu::vec4>(8);
+  scene.places = numbered<gpu::Place>(10);
   return scene;
 }
 
@@ -66,6 +68,8 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   a.triangle = gpu::uvec4(glm::uvec3(scene.triangles[i]), 0u);
   a.normal = gpu::vec4(glm::vec3(scene.normals[i]), 0.0f);
   a.filter_knot.x = knots[i];
+  a.place = scene.places[i];
+  a.place_again = gpu::vec4(scene.places[i].origin, std::bit_cast<float>(scene.instances[i].place));
   return a;
 }
 

@@ -378,9 +378,9 @@ TEST(SceneErrors, MillionsOfAttributesStayLinear) {
 }
 
 TEST(SceneErrors, SizeLimitOfTheFile) {
-  const Parsed parsed = parse(std::string((16u << 20) + 1, ' '));
+  const Parsed parsed = parse(std::string((32u << 20) + 1, ' '));
   ASSERT_TRUE(parsed.diagnostics.has_errors());
-  EXPECT_NE(parsed.diagnostics.list()[0].message.find("16777216 bytes"), std::string::npos);
+  EXPECT_NE(parsed.diagnostics.list()[0].message.find("33554432 bytes"), std::string::npos);
 }
 
 struct BadFile {

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxErrorsBeforeMeshes = 100;
 /// What materials and emitters use of meshes, beside their surface.
 constexpr MeshContent kContent = {.uv = false, .colors = false};
-/// Bytes of all mesh files together, one that is named twice counting twice: some minutes of reading.
+/// Bytes of all mesh files together: some minutes of reading.
 constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{1} << 34;
 
 std::uint32_t to_uint32(std::int64_t value) {
@@ -70,10 +70,12 @@ class SceneReader {
       scene.integrator = read_integrator(*integrator, object);
     if (const auto camera = read_only_child(object, "camera")) scene.camera = read_camera(*camera);
     scene.sampler = read_sampler(object);
+    scene.instancing = read_instancing(object);
     materials_.clear();
-    for (const XmlElement* mesh : object.children("mesh")) {
-      if (const auto child = Object::read(*mesh, context_)) read_instance(*child, scene);
-    }
+    meshes_.clear();
+    groups_.clear();
+    for (const XmlElement* mesh : object.children("mesh")) read_placed(*mesh, scene);
+    check_unused_groups(object, scene);
     report_empty_meshes(scene);
     check_unused_definitions(object);
     remember_fields(object, {"sky_top", "sky_horizon"});
@@ -253,7 +255,101 @@ class SceneReader {
     return {Sampler::Type::sobol, count, static_cast<std::uint32_t>(std::bit_width(size)) - 1};
   }
 
-  void read_instance(const Object& object, Scene& scene) {
+  Instancing read_instancing(const Object& object) {
+    const auto text = object.get<std::string>("instancing");
+    if (text == "never") return Instancing::never;
+    if (text == "always") return Instancing::always;
+    if (text != "auto") {
+      const std::vector<std::string> known = {"auto", "never", "always"};
+      sink_.error(object.position_of("instancing"),
+                  fmt::format("{} is no way to lay out meshes{}; known are auto, never and always", text::quoted(text),
+                              text::did_you_mean(text, known)));
+    }
+    return Instancing::automatic;
+  }
+
+  bool is_of_type(const XmlElement& element, std::string_view type) const {
+    const XmlAttribute* given = element.find("type");
+    return given != nullptr && given->value == type;
+  }
+
+  /// What stands directly in the scene: a shape, the definition of a group, or an instance of one.
+  void read_placed(const XmlElement& element, Scene& scene) {
+    if (is_of_type(element, "shapegroup")) {
+      if (element.find("id") == nullptr)
+        sink_.error(
+            context_.document.position(element.offset),
+            fmt::format("the shape group needs an id, or no instance can show it; write <{} type=\"shapegroup\" "
+                        "id=\"…\">",
+                        element.name));
+      return;
+    }
+    const auto object = Object::read(element, context_);
+    if (!object) return;
+    if (is_of_type(element, "instance")) return read_group_instance(*object, scene);
+    if (std::optional<Instance> instance = read_instance(*object, scene))
+      scene.instances.push_back(std::move(*instance));
+  }
+
+  /// An instance of a group is one of each of its shapes.
+  void read_group_instance(const Object& object, Scene& scene) {
+    const std::vector<const XmlElement*> children = object.children("mesh");
+    if (children.empty()) {
+      sink_.error(object.position(),
+                  "the instance shows nothing; add <ref id=\"…\"/> with the id of a <shape type=\"shapegroup\">");
+      return;
+    }
+    const XmlElement& group = *children.front();
+    if (!is_of_type(group, "shapegroup")) {
+      sink_.error(object.position(),
+                  fmt::format("an instance shows a <shape type=\"shapegroup\">, but this refers to a <{}> of another "
+                              "type; put that into a group",
+                              group.name));
+      return;
+    }
+    const glm::dmat4 placed = object.matrix("toWorld");
+    remember_field(object, "toWorld", "world_from_object");
+    for (const Instance& member : read_group(group, scene)) {
+      Instance& instance = scene.instances.emplace_back(member);
+      instance.world_from_object = placed * member.world_from_object;
+      instance.position = object.position();
+    }
+  }
+
+  /// The shapes of a group, placed in its space. Read once.
+  const std::vector<Instance>& read_group(const XmlElement& element, Scene& scene) {
+    const auto [found, is_new] = groups_.try_emplace(&element);
+    if (!is_new) return found->second;
+    std::vector<Instance> members;
+    if (const auto group = Object::read(element, context_)) {
+      for (const XmlElement* mesh : group->children("mesh")) {
+        if (is_of_type(*mesh, "instance") || is_of_type(*mesh, "shapegroup")) {
+          sink_.error(context_.document.position(mesh->offset),
+                      "a shape group holds shapes, no instances or other groups: instances are one level deep");
+          continue;
+        }
+        const auto object = Object::read(*mesh, context_);
+        if (!object) continue;
+        if (std::optional<Instance> member = read_instance(*object, scene)) members.push_back(std::move(*member));
+      }
+    }
+    return groups_[&element] = std::move(members);
+  }
+
+  void check_unused_groups(const Object& object, Scene& scene) {
+    for (const XmlElement* element : object.children("mesh")) {
+      const XmlAttribute* id = element->find("id");
+      if (!is_of_type(*element, "shapegroup") || id == nullptr || context_.references.is_used(id->value)) continue;
+      sink_.warning(
+          context_.document.position(element->offset),
+          fmt::format("no instance shows the shape group {}; add <shape type=\"instance\"><ref id={}/></shape>, "
+                      "or remove it",
+                      text::quoted(id->value), text::quoted(id->value)));
+      read_group(*element, scene);  // for its mistakes
+    }
+  }
+
+  std::optional<Instance> read_instance(const Object& object, Scene& scene) {
     const std::vector<const XmlElement*> bsdfs = object.children("bsdf");
     const auto shared = bsdfs.empty() ? materials_.end() : materials_.find(bsdfs.front());
     std::optional<Material> material;
@@ -263,8 +359,8 @@ class SceneReader {
     const auto emitter = read_only_child(object, "emitter");
     if (emitter) area_emitter = read_emitter(*emitter);
     std::string name = object.plugin().type;
-    std::optional<Shape> shape = read_shape(object, name);
-    if (!shape) return;
+    const std::optional<std::uint32_t> shape = read_shape(object, name, scene);
+    if (!shape) return std::nullopt;
     Instance instance;
     if (shared != materials_.end()) {
       instance.material = shared->second;
@@ -277,16 +373,37 @@ class SceneReader {
       instance.emitter = static_cast<std::uint32_t>(scene.emitters.size());
       scene.emitters.push_back(*area_emitter);
     }
-    instance.shape = static_cast<std::uint32_t>(scene.shapes.size());
-    scene.shapes.push_back(std::move(*shape));
+    instance.shape = *shape;
     instance.name = std::move(name);
     instance.position = object.position();
     if (object.plugin().find("toWorld") != nullptr) instance.world_from_object = object.matrix("toWorld");
     remember_field(object, "toWorld", "world_from_object");
-    scene.instances.push_back(std::move(instance));
+    return instance;
   }
 
-  std::optional<Shape> read_shape(const Object& object, std::string& name) {
+  /// The row of the scene's shapes: a new one, or that of a mesh file which was read before.
+  std::optional<std::uint32_t> read_shape(const Object& object, std::string& name, Scene& scene) {
+    const std::string file = mesh_file_key(object);
+    if (const auto known = meshes_.find(file); known != meshes_.end()) {
+      name = known->second.name;
+      return known->second.shape;
+    }
+    std::optional<Shape> shape = make_shape(object, name);
+    if (!shape) return std::nullopt;
+    const auto row = static_cast<std::uint32_t>(scene.shapes.size());
+    scene.shapes.push_back(std::move(*shape));
+    if (!file.empty()) meshes_.emplace(file, LoadedMesh{row, name});
+    return row;
+  }
+
+  /// What tells whether two objects show the same mesh: the file and how it is read. "" for what is no mesh file.
+  std::string mesh_file_key(const Object& object) {
+    const std::string_view type = object.plugin().type;
+    if (find_mesh_format(type) == nullptr || !object.given("filename")) return "";
+    return fmt::format("{}:{}", type, text::trim(object.get<std::string>("filename")));
+  }
+
+  std::optional<Shape> make_shape(const Object& object, std::string& name) {
     const std::string_view type = object.plugin().type;
     if (const MeshFormat* format = find_mesh_format(type)) {
       std::optional<TriangleMesh> mesh = read_mesh(object, *format, name);
@@ -579,6 +696,10 @@ class SceneReader {
     std::string name;  ///< in scene.h
     auto operator<=>(const Field&) const = default;
   };
+  struct LoadedMesh {
+    std::uint32_t shape;
+    std::string name;
+  };
   struct EmptyMesh {
     SourcePosition position;
     std::string name;
@@ -588,7 +709,9 @@ class SceneReader {
   Diagnostics& sink_;
   std::map<Field, SourcePosition> fields_;
   std::map<const XmlElement*, std::uint32_t>
-      materials_;  ///< rows of the <bsdf> elements of the scene that is being read
+      materials_;                             ///< rows of the <bsdf> elements of the scene that is being read
+  std::map<std::string, LoadedMesh> meshes_;  ///< of the scene that is being read, by file and how it is read
+  std::map<const XmlElement*, std::vector<Instance>> groups_;  ///< of that scene, in their own space
   const MeshLoader& load_mesh_;
   std::string path_;
   std::size_t triangles_ = 0, vertices_ = 0;

@@ -59,7 +59,11 @@ std::vector<Plugin> scene_plugins() {
        "The root of a rendered file.",
        {{"sky_top", color, "0 0 0", between(0, kMaxRadiance), "radiance from straight above"},
         {"sky_horizon", color, "0 0 0", between(0, kMaxRadiance), "radiance from the horizon and below"},
-        {"nee", boolean, "true", any(), "next-event estimation, unless the integrator says"}},
+        {"nee", boolean, "true", any(), "next-event estimation, unless the integrator says"},
+        {"instancing", string, "auto", any(),
+         "how meshes that several shapes show are laid out: auto, once, where the copies would be large; never; "
+         "always, "
+         "also those that are shown once"}},
        {{"integrator", 1, 1, ChildUse::element},
         {"camera", 1, 1, ChildUse::element},
         {"sampler", 0, 1, ChildUse::element},
@@ -266,11 +270,30 @@ std::vector<Plugin> object_plugins() {
   };
 }
 
+std::vector<Plugin> instance_plugins() {
+  return {
+      {"mesh",
+       "shapegroup",
+       "Shapes that are seen only where an instance shows them; the group needs an id. Its meshes are kept once, "
+       "however "
+       "many instances there are.",
+       {},
+       {{"mesh", 1, kAnyNumber, ChildUse::element}}},
+      {"mesh",
+       "instance",
+       "Shows a shape group, by a <ref> to it: all of its shapes, with their materials and emitters. Light that an "
+       "emitter of the group sends comes from every instance.",
+       {world_transform()},
+       {{"mesh", 1, 1}}},
+  };
+}
+
 std::vector<Plugin> make_plugins() {
   std::vector<Plugin> rows = scene_plugins();
   for (Plugin& row : integrator_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : view_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : mesh_file_plugins()) rows.push_back(std::move(row));
+  for (Plugin& row : instance_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : object_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : bsdf_plugins()) rows.push_back(std::move(row));
   return rows;
@@ -282,7 +305,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"camera", {"thinlens", "orthographic", "environment", "fisheye"}},
       {"sampler", {"stratified", "halton", "ldsampler", "multijitter"}},
       {"rfilter", {"lanczos", "catmullrom"}},
-      {"mesh", {"serialized", "instance", "cube", "rectangle", "disk", "cylinder", "heightfield"}},
+      {"mesh", {"serialized", "cube", "rectangle", "disk", "cylinder", "heightfield"}},
       {"bsdf",
        {"roughdielectric", "plastic", "roughplastic", "phong", "disney", "principled", "twosided", "normalmap",
         "bumpmap", "blend", "mask", "null", "thindielectric"}},

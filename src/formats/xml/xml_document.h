@@ -35,7 +35,7 @@ struct XmlElement {
 
 class XmlDocument {
  public:
-  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+  static constexpr std::size_t kMaxBytes = std::size_t{32} << 20;
   static constexpr std::size_t kMaxDepth = 32;
   static constexpr std::size_t kMaxElements = 1'000'000;
   static constexpr std::size_t kMaxAttributes = 16;  ///< of one element

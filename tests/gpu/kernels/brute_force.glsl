@@ -13,12 +13,12 @@ uint listed_count() { return uint(textureSize(geometry_texels)); }
 bool intersect_listed(RayFrame rf, uint i, inout Nearest nearest) {
   const uvec4 entry = load_geometry(i);
   if (entry.w != kListed) return false;  // a triangle's vertices, a normal, or the one texel of an empty buffer
-  return intersect_primitive(rf, fetch_record(entry.x), entry.x, nearest);
+  return intersect_primitive(rf, fetch_record(entry.x), entry.x, fetch_record(entry.x).a.w, nearest);
 }
 
 Hit trace_brute_force(Ray ray) {
   const RayFrame rf = make_ray_frame(ray);
-  Nearest nearest = Nearest(ray.t_max, kNone, 0u);
+  Nearest nearest = Nearest(ray.t_max, kNone, 0u, 0u);
   for (uint i = 0u; i < listed_count(); ++i) intersect_listed(rf, i, nearest);
   const bool found = nearest.slot != kNone;
   return make_hit(ray, nearest.t, found, to_primitive(fetch_record(found ? nearest.slot : 0u)));
@@ -29,7 +29,7 @@ uint count_ties(Ray ray, float t) {
   const RayFrame rf = make_ray_frame(ray);
   uint ties = 0u;
   for (uint i = 0u; i < listed_count(); ++i) {
-    Nearest nearest = Nearest(ray.t_max, kNone, 0u);
+    Nearest nearest = Nearest(ray.t_max, kNone, 0u, 0u);
     if (intersect_listed(rf, i, nearest) && nearest.t == t) ++ties;
   }
   return ties;

@@ -208,10 +208,12 @@ struct TablesAnswer {
   uvec4 triangle;
   vec4 normal;
   vec4 filter_knot;  // x
+  Place place;
+  vec4 place_again;  // xyz: its origin, w: that of the instance, each fetched alone
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 416);
+static_assert(sizeof(TablesAnswer) == 544);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);
 static_assert(sizeof(FrameCase) == 32 && sizeof(FrameAnswer) == 64);

@@ -25,6 +25,8 @@ layout(set = 0, binding = 16, std430) buffer LightBoundsBuffer { LightBounds lig
 layout(set = 0, binding = 17, std430) buffer LightTrailBuffer { LightTrail light_trails[]; };
 layout(set = 0, binding = 19, std430) buffer MaterialBuffer { MaterialRecord materials[]; };
 
+layout(set = 0, binding = 20, std430) buffer PlaceBuffer { Place places[]; };
+
 layout(set = 0, binding = 18, std430) buffer SlotProfileBuffer { SlotProfile slot_profiles[]; };
 
 void main() {
@@ -32,6 +34,7 @@ void main() {
   records[0].a.x = pass.pad0 + frame.seed + requests[0].pixel + floatBitsToUint(ray_requests[0].t_min);
   primitives[0].kind = 0u;
   instances[0].material = 0u;
+  places[0].side = 0.0;
   materials[0].header = 0u;
   light_instances[0].threshold = 0u;
   light_primitives[0].threshold = 0u;

@@ -1,0 +1,54 @@
+#pragma once
+/// A mesh that several instances show: its tree in a space of its own, and where an instance puts that space.
+
+#include <cstdint>
+#include <vector>
+
+#include "compile/bvh.h"
+#include "compile/light_tree.h"
+#include "compile/normalization.h"
+#include "gpu_types.h"
+#include "scene/bounds.h"
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// Of a mesh as a light, in object space: docs/conventions.md, "Shared meshes".
+struct MeshLight {
+  std::vector<double> areas;  ///< of the triangles; 0 for degenerate ones
+  double area = 0.0;          ///< their sum
+  glm::dmat3 spread{0.0};     ///< sum over triangles of area times n nᵀ, n the unit geometric normal
+  glm::dvec3 axis{0.0};       ///< of the cone of normals; 0 where the mesh shines to all sides
+  double cos_cone = -1.0;
+};
+
+/// A mesh prepared for the device: coordinates of object space scaled into [−1, 1].
+struct SharedMesh {
+  Normalization normalization;                ///< object space → [−1, 1]³
+  std::vector<gpu::Primitive> primitives;     ///< triangles in the order of the mesh
+  Bvh bvh;                                    ///< empty where no ray can hit any of them
+  Bounds bounds;                              ///< in object space
+  std::vector<Box> parts;                     ///< boxes that together hold the primitives
+  std::uint32_t first_triangle = gpu::kNone;  ///< into the compiled triangle indices
+  std::uint32_t first_light_primitive = gpu::kNone, light_primitive_count = 0;
+  MeshLight light;  ///< filled in for meshes that emit somewhere
+};
+
+/// `shape` is a mesh.
+SharedMesh prepare_shared_mesh(const Shape& shape);
+MeshLight measure_mesh_light(const TriangleMesh& mesh);
+
+/// What a mesh with an area and normals like these sends as a light where an instance puts it: leaf of the light tree
+/// with power for radiance 1. `area` is not set.
+LightLeaf placed_light_leaf(const SharedMesh& mesh, const Instance& instance);
+/// The area by which instances are weighed: that of the transformed mesh, or a little more where axes are scaled
+/// unevenly.
+double placed_area(const MeshLight& light, const Instance& instance);
+
+/// Object space of the mesh (normalised) → normalised world, with bounds on what rounding does to rays.
+gpu::Place make_place(const SharedMesh& mesh, const Instance& instance, const Normalization& world);
+/// Bounds of the instance in normalised world coordinates, widened by what rounding can do to a ray within the mesh's
+/// space.
+Box placed_box(const SharedMesh& mesh, const gpu::Place& place);
+
+}  // namespace etendue
