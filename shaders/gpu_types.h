@@ -72,6 +72,7 @@ const uint kConstantMaterialFlagsAll = 29u;
 const uint kConstantLightNormals = 30u;
 const uint kConstantCamera = 40u;
 const uint kConstantHideEmitters = 41u;
+const uint kConstantCameraWindow = 42u;
 const uint kConstantInstanced = 46u;  // some meshes are shared: the tree has two levels
 const uint kConstantPlacesAt = 47u;
 const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
@@ -113,7 +114,10 @@ const uint kIntegratorDepth = 8u;
 
 // How a film position becomes a ray, see camera.glsl.
 const uint kCameraPinhole = 0u;
-const uint kCameraPlane = 1u;  // rays begin on a plane that moves with the film position: far cameras
+const uint kCameraPlane = 1u;       // rays begin on a plane, each at the place of its film position: far and orthographic cameras
+const uint kCameraLens = 2u;        // and move with a point of the lens
+const uint kCameraSpherical = 3u;   // film positions are longitude and latitude
+const uint kCameraIrradiance = 4u;  // from that plane into the hemisphere before it
 
 const uint kFilterBox = 0u;
 const uint kFilterTable = 1u;
@@ -300,6 +304,13 @@ struct Frame {
   float plane_x;
   float plane_y;
   float plane_depth;      // of that plane; camera units, like the clipping distances
+  // A point of the lens, in units of its radius, moves a ray's start by lens_offset and its direction at depth 1 by lens_slope.
+  float lens_offset;
+  float lens_slope;
+  float lens_rotation;    // of the aperture's first corner from camera +X toward +Y, in turns
+  uint lens_blades;       // corners of the aperture; 0: a disk
+  vec2 window_offset;     // with kConstantCameraWindow: film position p lies at window_offset − window_scale · p
+  vec2 window_scale;
   // What some integrators are told.
   vec3 light_position;
   float ray_length;       // of an occlusion ray; infinite when it has no end
@@ -418,7 +429,7 @@ static_assert(sizeof(LightPrimitive) == kLightPrimitiveTexels * kTexelBytes);
 static_assert(sizeof(LightBounds) == kLightBoundsTexels * kTexelBytes);
 static_assert(sizeof(LightPair) == kLightPairTexels * kTexelBytes);
 static_assert(sizeof(LightTrail) == kLightTrailTexels * kTexelBytes);
-static_assert(sizeof(Frame) == 192);
+static_assert(sizeof(Frame) == 224);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);
 static_assert(sizeof(SampleResult) == 32);

@@ -64,7 +64,10 @@ const uint kMutantInstanceAreaNotScaled = 48u;
 const uint kMutantInstanceRayNormalised = 49u;
 const uint kMutantInstanceSideLost = 50u;
 const uint kMutantInstanceNotLeft = 51u;
-const uint kMutantCount = 52u;
+const uint kMutantLensTooWide = 52u;
+const uint kMutantBladesIgnored = 53u;
+const uint kMutantPanoramaEven = 54u;
+const uint kMutantCount = 55u;
 #endif
 
 #ifdef __cplusplus

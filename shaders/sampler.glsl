@@ -10,6 +10,7 @@ layout(constant_id = kConstantSetBits) const uint kSetBits = 0u;
 const uint kMaxSetBits = 12u;
 
 const uint kBlockCamera = 0u;
+const uint kBlockLens = 0x81000000u;
 // Blocks of surface vertex k = 0, 1, …
 uint block_light(uint k) { return 1u + 2u * k; }
 uint block_bsdf(uint k) {

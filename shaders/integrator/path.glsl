@@ -47,7 +47,12 @@ struct Decisions {
 Ray camera_ray(uint pixel, uint sample_index, out float weight) {
   const uvec4 words = random_words(frame.seed, pixel, sample_index, kBlockCamera);
   const uvec2 xy = uvec2(pixel % frame.width, pixel / frame.width);
-  return sample_camera_ray(xy, to_unit(words.xy), weight);
+  vec3 lens = vec3(0.0);
+  if (kCamera == kCameraLens || kCamera == kCameraIrradiance) {
+    const uvec4 more = random_words(frame.seed, pixel, sample_index, kBlockLens);
+    lens = vec3(to_unit(more.x), to_unit(more.yz));
+  }
+  return sample_camera_ray(xy, to_unit(words.xy), lens, weight);
 }
 
 Path begin_path(uint pixel, uint sample_index) {

@@ -151,6 +151,10 @@ void export_scene(const Scene& scene, const std::string& folder) {
         ErrorKind::usage,
         fmt::format("{}: the integrator is neither path nor normals, which is all that other renderers are asked for",
                     scene.file));
+  if (scene.camera.type != Camera::Type::perspective || scene.camera.fov_axis != Camera::FovAxis::x ||
+      !scene.camera.window.whole())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: other renderers are asked for plain perspective cameras only", scene.file));
   make_folder(folder);
   const bool mirror = is_mirrored(scene.camera);
   const Integrator& i = scene.integrator;

@@ -80,36 +80,88 @@ void set_integrator(const SceneFacts& scene, const Integrator& integrator, Compi
   f.bsdf_samples = integrator.bsdf_samples;
 }
 
-}  // namespace
+/// Half of the film's width and height at depth 1; 0 where all rays have one direction.
+glm::dvec2 slopes(const Camera& camera) {
+  if (camera.type != Camera::Type::perspective && camera.type != Camera::Type::thin_lens) return glm::dvec2(0.0);
+  const double half = std::tan(0.5 * camera.fov * kPi / 180.0), aspect = film_aspect(camera);
+  using Axis = Camera::FovAxis;
+  double tan_x = half;
+  if (camera.fov_axis == Axis::y || (camera.fov_axis == Axis::smaller && aspect < 1.0) ||
+      (camera.fov_axis == Axis::larger && aspect > 1.0))
+    tan_x = half / aspect;
+  if (camera.fov_axis == Axis::diagonal) tan_x = half / std::sqrt(1.0 + aspect * aspect);
+  return {tan_x, camera.window.whole() ? tan_x * camera.height / camera.width : tan_x * aspect};
+}
 
-CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32_t seed) {
+gpu::uint camera_kind(const Camera& camera, bool far) {
+  switch (camera.type) {
+    case Camera::Type::perspective:
+      return far ? gpu::kCameraPlane : gpu::kCameraPinhole;
+    case Camera::Type::thin_lens:
+      return gpu::kCameraLens;
+    case Camera::Type::orthographic:
+    case Camera::Type::radiance_meter:
+      return gpu::kCameraPlane;
+    case Camera::Type::spherical:
+      return gpu::kCameraSpherical;
+    case Camera::Type::irradiance_meter:
+      return gpu::kCameraIrradiance;
+  }
+  throw std::logic_error("a camera without a kernel");
+}
+
+void set_window(const Camera& camera, CompiledView& out) {
+  const FilmWindow& w = camera.window;
+  out.window = !w.whole();
+  out.frame.window_offset = glm::vec2(1.0 - 2.0 * (w.origin + w.principal_offset));
+  out.frame.window_scale = glm::vec2(2.0 * w.size / glm::dvec2(camera.width, camera.height));
+}
+
+void set_camera(const SceneFacts& scene, const Camera& camera, CompiledView& out) {
   const Normalization& n = scene.normalization;
-  const Camera& camera = view.camera;
   const glm::dmat4& m = camera.world_from_camera;
-  CompiledView out;
   gpu::Frame& f = out.frame;
-  f.seed = seed;
-  const double tan_x = std::tan(0.5 * camera.fov * kPi / 180.0);
-  const double tan_y = tan_x * camera.height / camera.width;
+  const glm::dvec2 tan = slopes(camera);
+  const bool from_plane = camera.type == Camera::Type::orthographic || camera.type == Camera::Type::irradiance_meter;
   // Beyond this a scene of size 1 is far below what single precision can see, and squares would overflow.
   const glm::dvec3 farthest(0x1p60);
-  const double before_scene = depth_before_scene(n, m);
+  const bool has_depth = camera.type != Camera::Type::spherical && camera.type != Camera::Type::irradiance_meter;
+  const double before_scene = has_depth ? depth_before_scene(n, m) : 0.0;
   const bool far = before_scene * glm::length(glm::dvec3(m[2])) * n.scale > kFarCamera;
   const double plane = far ? before_scene : 0.0;
-  out.camera = far ? gpu::kCameraPlane : gpu::kCameraPinhole;
+  out.camera = camera_kind(camera, far);
   const glm::dvec3 origin = (glm::dvec3(m[3]) + plane * glm::dvec3(m[2]) - n.center) * n.scale;
   f.camera_origin = glm::vec3(glm::clamp(origin, -farthest, farthest));
-  const double unit = camera_unit(m, tan_x, tan_y);
+  const double unit = camera_unit(m, tan.x, tan.y);
   f.camera_x = glm::vec3(m[0] / unit);
   f.camera_y = glm::vec3(m[1] / unit);
   f.camera_z = glm::vec3(m[2] / unit);
   f.near_clip = static_cast<float>(std::max(camera.near_clip - plane, 0.0) * n.scale * unit);
   f.far_clip = static_cast<float>(std::max(camera.far_clip - plane, 0.0) * n.scale * unit);
-  f.plane_x = static_cast<float>(plane * tan_x * n.scale * unit);
+  f.tan_x = static_cast<float>(tan.x);
+  f.tan_y = static_cast<float>(tan.y);
+  const double aspect = camera.type == Camera::Type::irradiance_meter ? 1.0 : film_aspect(camera);
+  const glm::dvec2 half = from_plane ? glm::dvec2(1.0, aspect) : plane * tan;
+  f.plane_x = static_cast<float>(half.x * n.scale * unit);
+  f.plane_y = static_cast<float>(half.y * n.scale * unit);
   f.plane_depth = static_cast<float>(plane * n.scale * unit);
-  f.plane_y = static_cast<float>(plane * tan_y * n.scale * unit);
-  f.tan_x = static_cast<float>(tan_x);
-  f.tan_y = static_cast<float>(tan_y);
+  const Aperture& lens = camera.aperture;
+  f.lens_offset = static_cast<float>(lens.radius * (1.0 - plane / lens.focus_distance) * n.scale * unit);
+  f.lens_slope = static_cast<float>(-lens.radius / lens.focus_distance);
+  f.lens_rotation = static_cast<float>(lens.rotation / 360.0 - std::floor(lens.rotation / 360.0));
+  f.lens_blades = lens.blades;
+  set_window(camera, out);
+}
+
+}  // namespace
+
+CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32_t seed) {
+  const Normalization& n = scene.normalization;
+  const Camera& camera = view.camera;
+  CompiledView out;
+  gpu::Frame& f = out.frame;
+  f.seed = seed;
+  set_camera(scene, camera, out);
   f.sky_top = glm::vec3(scene.sky.top);
   f.sky_horizon = glm::vec3(scene.sky.horizon);
   f.distance_scale = static_cast<float>(n.scale);

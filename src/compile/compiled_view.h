@@ -28,6 +28,7 @@ struct SceneFacts {
 struct CompiledView {
   gpu::Frame frame{};
   std::uint32_t camera = gpu::kCameraPinhole;       ///< kCamera*
+  bool window = false;                              ///< see kConstantCameraWindow
   std::uint32_t integrator = gpu::kIntegratorPath;  ///< kIntegrator*
   std::vector<float> filter_knots;                  ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
 };

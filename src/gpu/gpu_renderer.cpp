@@ -247,6 +247,7 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
   const LightRounds& rounds = scene_->light_rounds();
   return {{gpu::kConstantFilterKind, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
           {gpu::kConstantCamera, compiled.camera},
+          {gpu::kConstantCameraWindow, compiled.window ? 1u : 0u},
           {gpu::kConstantIntegrator, compiled.integrator},
           {gpu::kConstantNee, nee ? 1u : 0u},
           {gpu::kConstantMis, weighs_strategies(view.integrator) ? 1u : 0u},

@@ -135,7 +135,7 @@ CameraSample ReferenceRenderer::camera_sample(SampleId id, const SampleRandom& r
   const auto y = world_.filter().sample(u.y);
   const std::uint32_t column = id.pixel % camera.width, row = id.pixel / camera.width;
   const Vec2 film(column + 0.5 + x.offset, row + 0.5 + y.offset);
-  return {camera_ray(camera, film), x.weight * y.weight};
+  return {camera_ray(camera, film, random.lens()), x.weight * y.weight * camera_weight(camera)};
 }
 
 Vec3 ReferenceRenderer::radiance(const Ray& ray, const SampleRandom& random, DecisionLog& log) const {

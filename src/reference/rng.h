@@ -44,6 +44,9 @@ class SampleRandom {
   struct Filter {
     double x, y;  ///< [0,1)
   };
+  struct Lens {
+    double blade, u, v;  ///< [0,1)
+  };
   struct Light {
     std::uint32_t emitter, primitive;  ///< whole words, for integer thresholds
     double u, v;                       ///< [0,1)
@@ -55,6 +58,11 @@ class SampleRandom {
   Filter filter() const {
     const auto words = block(0);
     return {unit_float(words[0]), unit_float(words[1])};
+  }
+  /// Numbers for a point of the aperture, or a direction of the meter's hemisphere.
+  Lens lens() const {
+    const auto words = block((1u << 31) + (1u << 24));
+    return {unit_float(words[0]), unit_float(words[1]), unit_float(words[2])};
   }
   /// Numbers for next-event estimation at surface vertex `k` (0 is the first hit).
   Light light(std::uint32_t k) const {

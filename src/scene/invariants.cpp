@@ -111,6 +111,7 @@ class Checker {
             fmt::format("the camera stands at {} {} {}; coordinates up to {} are supported", origin.x, origin.y,
                         origin.z, kMaxCoordinate));
     }
+    check_window_and_aperture(camera);
     const ReconstructionFilter& filter = camera.filter;
     const bool usable = filter.radius > 0.0 && std::isfinite(filter.radius) && filter.stddev > 0.0 &&
                         std::isfinite(filter.stddev) && std::isfinite(filter.b) && std::isfinite(filter.c);
@@ -119,6 +120,27 @@ class Checker {
             fmt::format("the pixel filter has radius {}, standard deviation {}, B {} and C {}; they must be finite, "
                         "radius and deviation above 0",
                         filter.radius, filter.stddev, filter.b, filter.c));
+  }
+
+  void check_window_and_aperture(const Camera& camera) {
+    const FilmWindow& w = camera.window;
+    const bool finite = std::isfinite(w.origin.x) && std::isfinite(w.origin.y) && std::isfinite(w.principal_offset.x) &&
+                        std::isfinite(w.principal_offset.y);
+    if (!finite || !(w.size.x > 0.0 && w.size.y > 0.0 && w.size.x <= 1.0 && w.size.y <= 1.0))
+      error(camera.position, "window",
+            fmt::format("the part of the film that is rendered is {} by {} of it; both must be above 0 and at most 1",
+                        w.size.x, w.size.y));
+    const Aperture& a = camera.aperture;
+    if (!(a.radius >= 0.0 && std::isfinite(a.radius)) || !(a.focus_distance > 0.0 && std::isfinite(a.focus_distance)))
+      error(camera.position, "aperture",
+            fmt::format("a lens of radius {} is focused at distance {}; the radius must not be negative, the distance "
+                        "must be above 0",
+                        a.radius, a.focus_distance));
+    constexpr std::uint32_t kMaxBlades = 1000;
+    if (a.blades == 1 || a.blades == 2 || a.blades > kMaxBlades || !std::isfinite(a.rotation))
+      error(camera.position, "aperture",
+            fmt::format("an aperture has {} corners, turned by {} degrees; use 3 to {}, or 0 for a disk", a.blades,
+                        a.rotation, kMaxBlades));
   }
 
   void check_sampler_and_integrator() {

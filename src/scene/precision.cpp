@@ -29,6 +29,24 @@ Depths depths_of(const Bounds& box, const glm::dmat4& camera_from_world) {
   return depths;
 }
 
+/// How wide the pixels of a camera are at a depth, camera units.
+double widest_pixel(const Camera& camera, double depth) {
+  const double share = camera.window.size.x / camera.width;  // of the film's width
+  switch (camera.type) {
+    case Camera::Type::perspective:
+    case Camera::Type::thin_lens:
+      return 2.0 * std::tan(glm::radians(camera.fov) / 2.0) * depth * share;
+    case Camera::Type::orthographic:
+    case Camera::Type::irradiance_meter:
+      return 2.0 * share;
+    case Camera::Type::spherical:
+      return 2.0 * glm::pi<double>() * std::abs(depth) * share;
+    case Camera::Type::radiance_meter:
+      break;  // all pixels are the same
+  }
+  return 0.0;
+}
+
 }  // namespace
 
 std::string precision_complaint(const Scene& scene) {
@@ -39,8 +57,7 @@ std::string precision_complaint(const Scene& scene) {
   const double depth = std::min(depths_of(box, glm::inverse(m)).most, camera.far_clip);
   const double size = glm::length(box.max - box.min);
   // Of a pixel as far away as anything is. Where it is too small there, it is everywhere.
-  const double pixel =
-      2.0 * std::tan(glm::radians(camera.fov) / 2.0) / camera.width * depth * glm::length(glm::dvec3(m[0]));
+  const double pixel = widest_pixel(camera, depth) * glm::length(glm::dvec3(m[0]));
   if (!(pixel > 0.0) || !(size > 0.0)) return "";
   // Positions are rounded, relative to the scene's size in single precision; in double precision to the coordinates.
   const glm::dvec3 eye(m[3]);

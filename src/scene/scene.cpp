@@ -101,6 +101,23 @@ void hash(Hasher& h, const glm::dmat4& matrix) {
   for (int column = 0; column < 4; ++column) h.bytes(&matrix[column], 4 * sizeof(double));
 }
 
+/// What plain cameras do not have, so that they keep their hash.
+void hash_rest(Hasher& h, const Camera& camera) {
+  const FilmWindow& window = camera.window;
+  if (camera.type == Camera::Type::perspective && camera.fov_axis == Camera::FovAxis::x && window.whole()) return;
+  h.value(camera.type);
+  h.value(camera.fov_axis);
+  for (const glm::dvec2& v : {window.origin, window.size, window.principal_offset}) {
+    h.value(v.x);
+    h.value(v.y);
+  }
+  if (camera.type != Camera::Type::thin_lens) return;
+  h.value(camera.aperture.radius);
+  h.value(camera.aperture.focus_distance);
+  h.value(camera.aperture.blades);
+  h.value(camera.aperture.rotation);
+}
+
 void hash(Hasher& h, const Camera& camera) {
   h.value(camera.fov);
   h.value(camera.near_clip);
@@ -111,6 +128,7 @@ void hash(Hasher& h, const Camera& camera) {
   h.value(camera.filter.stddev);
   h.value(camera.filter.b);
   h.value(camera.filter.c);
+  hash_rest(h, camera);
 }
 
 }  // namespace

@@ -89,16 +89,55 @@ struct ReconstructionFilter {
   double c = 1.0 / 3.0;  ///< mitchell
 };
 
+/// The part of a film that is rendered, and where the camera's axis meets it; fractions of the whole film's width and
+/// height, from its upper left corner.
+struct FilmWindow {
+  glm::dvec2 origin{0.0};
+  glm::dvec2 size{1.0};
+  glm::dvec2 principal_offset{0.0};  ///< the axis meets the film at 1/2 minus this
+
+  bool whole() const {
+    return origin == glm::dvec2(0.0) && size == glm::dvec2(1.0) && principal_offset == glm::dvec2(0.0);
+  }
+};
+
+/// The opening of a thin lens.
+struct Aperture {
+  double radius = 0.0;          ///< camera units; of the circle around a polygon
+  double focus_distance = 1.0;  ///< of the plane in focus along camera +Z, camera units
+  std::uint32_t blades = 0;     ///< corners of a regular polygon, 0: a disk
+  double rotation = 0.0;        ///< of its first corner, degrees from camera +X toward +Y
+};
+
 struct Camera {
+  enum class Type : std::uint32_t {
+    perspective,
+    thin_lens,
+    orthographic,      ///< the film is 2 camera units wide
+    spherical,         ///< all directions: longitude across, polar angle down
+    radiance_meter,    ///< every ray starts at the camera's place along +Z
+    irradiance_meter,  ///< the film is a plane of 2 by 2 camera units that light falls on from +Z
+  };
+  /// What `fov` measures: the film's width, its height, its diagonal, its shorter or its longer side.
+  enum class FovAxis : std::uint32_t { x, y, diagonal, smaller, larger };
+  Type type = Type::perspective;
   std::uint32_t width = 1280;  ///< pixels
   std::uint32_t height = 720;  ///< pixels
-  double fov = 30.0;           ///< horizontal, degrees, in (0, 180)
-  double near_clip = 1e-4;     ///< along camera +Z, in camera units
+  double fov = 30.0;           ///< degrees, in (0, 180); perspective and thin lens
+  FovAxis fov_axis = FovAxis::x;
+  FilmWindow window;
+  Aperture aperture;        ///< thin lens
+  double near_clip = 1e-4;  ///< along camera +Z, in camera units
   double far_clip = 1e4;
   glm::dmat4 world_from_camera{1.0};  ///< affine; column-major (GLM)
   ReconstructionFilter filter;
   SourcePosition position;  ///< the <camera> tag
 };
+
+/// Height of the whole film over its width, pixels being square.
+inline double film_aspect(const Camera& camera) {
+  return (camera.height / camera.window.size.y) / (camera.width / camera.window.size.x);
+}
 
 /// Where random numbers come from; docs/conventions.md, "Random numbers" and "Sobol sets".
 struct Sampler {

@@ -125,6 +125,11 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "vertex normals of mirrored instances lie on the other side", "picture of instances"},
     {gpu::kMutantInstanceNotLeft, "instance not left",
      "behind an instance a ray meets the world as it is seen from object space", "picture of instances"},
+    {gpu::kMutantLensTooWide, "lens too wide", "points of the lens lie 2 % too far from its centre",
+     "circle of confusion, 0"},
+    {gpu::kMutantBladesIgnored, "blades ignored", "a polygonal aperture is a disk", "circle of confusion, 3"},
+    {gpu::kMutantPanoramaEven, "panorama by the square", "the rows of a panorama crowd toward its upper edge",
+     "panorama"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -378,7 +383,10 @@ std::vector<SuiteTest> make_suite() {
       scene_test(SceneFamily::sky, naive, "mirroring square"),
       scene_test(SceneFamily::coverage, naive, "box"),
       scene_test(SceneFamily::coverage, naive, "mitchell"),
-      scene_test(SceneFamily::camera, naive, "far rectangle"),
+      scene_test(SceneFamily::camera, naive, "far rectangle, gaussian"),
+      scene_test(SceneFamily::camera, naive, "circle of confusion, 0"),
+      scene_test(SceneFamily::camera, naive, "circle of confusion, 3"),
+      scene_test(SceneFamily::camera, naive, "panorama"),
       scene_test(SceneFamily::integrator, mis, "as direct, 3 and 2"),
       scene_test(SceneFamily::integrator, nee, "as whitted"),
       scene_test(SceneFamily::integrator, mis, "floor lit by a point"),

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+
+#include <fmt/format.h>
 
 #include "device_test.h"
 #include "reference_scenes.h"
@@ -21,7 +24,8 @@ class DeviceCamera : public DeviceTest {
     const bool box = scene.camera.filter.type == Filter::Type::box;
     KernelRun kernel{kernels::camera_rays, "camera_rays", &compiled};
     kernel.constants = {{gpu::kConstantFilterKind, box ? gpu::kFilterBox : gpu::kFilterTable},
-                        {gpu::kConstantCamera, view.camera}};
+                        {gpu::kConstantCamera, view.camera},
+                        {gpu::kConstantCameraWindow, view.window ? 1u : 0u}};
     kernel.view = view_of(scene);
     return run<gpu::CameraAnswer>(kernel, cases);
   }
@@ -37,8 +41,9 @@ std::vector<gpu::CameraCase> random_cases(const Camera& camera, std::size_t n, s
   Random random(seed);
   std::vector<gpu::CameraCase> cases;
   for (std::size_t i = 0; i < n; ++i) {
-    gpu::CameraCase c{random.below(camera.width), random.below(camera.height), {random.unit(), 0.0f}};
+    gpu::CameraCase c{random.below(camera.width), random.below(camera.height), {random.unit(), 0.0f}, {}, 0};
     c.u.y = random.unit();
+    c.lens = {random.unit(), random.unit(), random.unit()};
     cases.push_back(c);
   }
   return cases;
@@ -76,6 +81,91 @@ TEST_F(DeviceCamera, RaysPointWhereTheFormatSays) {
       EXPECT_EQ(answers[i].weight, 1.0f);
     }
   }
+}
+
+// A camera with a shifted axis that renders a part of its film.
+Camera cropped_camera(Camera::Type type) {
+  Camera camera;
+  camera.type = type;
+  camera.width = 40;
+  camera.height = 30;
+  camera.window = {.origin = {0.25, 0.1}, .size = {0.5, 0.75}, .principal_offset = {0.03, -0.02}};
+  camera.fov = 50.0;
+  camera.near_clip = 0.25;
+  camera.far_clip = 80.0;
+  camera.world_from_camera = reference::test::look_at({1, 2, 3}, {-4, 1, 0.5}, {0.1, 1, 0});
+  for (int a = 0; a < 3; ++a) camera.world_from_camera[a] *= 1.5;
+  return camera;
+}
+
+// Every kind of camera against the definitions of docs/conventions.md; the whole film is 80 by 40 pixels.
+TEST_F(DeviceCamera, RaysOfOtherCameras) {
+  using Type = Camera::Type;
+  using Axis = Camera::FovAxis;
+  const double half = std::tan(25.0 * std::numbers::pi / 180.0);
+  for (const auto& [type, axis, tan_x] : {std::tuple(Type::perspective, Axis::x, half),
+                                          {Type::perspective, Axis::y, 2.0 * half},
+                                          {Type::perspective, Axis::diagonal, half / std::sqrt(1.25)},
+                                          {Type::perspective, Axis::smaller, 2.0 * half},
+                                          {Type::perspective, Axis::larger, half},
+                                          {Type::thin_lens, Axis::x, half},
+                                          {Type::orthographic, Axis::x, 0.0},
+                                          {Type::spherical, Axis::x, 0.0},
+                                          {Type::radiance_meter, Axis::x, 0.0}}) {
+    Camera camera = cropped_camera(type);
+    camera.fov_axis = axis;
+    camera.aperture = {.radius = 0.3, .focus_distance = 2.5, .blades = 5, .rotation = 20.0};
+    const auto cases = random_cases(camera, 1000, 7);
+    const auto answers = rays(scene_with(camera), cases);
+    const glm::dmat4& m = camera.world_from_camera;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const double x = 0.28 + 0.5 * (double{cases[i].u.x} + cases[i].x) / 40.0;
+      const double y = 0.08 + 0.75 * (double{cases[i].u.y} + cases[i].y) / 30.0;
+      const glm::dvec2 ndc(1.0 - 2.0 * x, 1.0 - 2.0 * y);
+      glm::dvec3 start(0.0), v(0.0, 0.0, 1.0);
+      if (tan_x > 0.0) v = {tan_x * ndc.x, tan_x * ndc.y / 2.0, 1.0};
+      if (type == Type::orthographic) start = {ndc.x, ndc.y / 2.0, 0.0};
+      if (type == Type::spherical) {
+        const double longitude = std::numbers::pi * ndc.x, polar = std::numbers::pi * y;
+        v = {std::sin(longitude) * std::sin(polar), std::cos(polar), std::cos(longitude) * std::sin(polar)};
+      }
+      if (type == Type::thin_lens) {
+        const double blade = std::floor(5.0 * double{cases[i].lens.x}), root = std::sqrt(double{cases[i].lens.y});
+        const auto corner = [](double k) {
+          const double angle = (20.0 + 72.0 * k) * std::numbers::pi / 180.0;
+          return 0.3 * glm::dvec3(std::cos(angle), std::sin(angle), 0.0);
+        };
+        const double b = cases[i].lens.z * root;
+        start = b * corner(blade) + (root - b) * corner(blade + 1.0);
+        v = (2.5 * v - start) / 2.5;
+      }
+      const glm::dvec3 world = glm::dmat3(m) * v;
+      const auto at = fmt::format("{} {} {}", static_cast<int>(type), static_cast<int>(axis), i);
+      EXPECT_LT(glm::length(glm::dvec3(answers[i].d) - glm::normalize(world)), 2e-6) << at;
+      EXPECT_LT(glm::length(glm::dvec3(answers[i].o) - glm::dvec3(m * glm::dvec4(start, 1.0))), 2e-6) << at;
+      EXPECT_NEAR(answers[i].t_min, 0.25 * glm::length(world), 1e-5) << at;
+      EXPECT_NEAR(answers[i].t_max, 80.0 * glm::length(world), 1e-3) << at;
+    }
+  }
+}
+
+// Rays of a meter of irradiance: from all of its square, into the hemisphere before it, most along the normal.
+TEST_F(DeviceCamera, MetersOfIrradianceLookAround) {
+  Camera camera;
+  camera.type = Camera::Type::irradiance_meter;
+  camera.width = camera.height = 2;
+  const auto cases = random_cases(camera, 20000, 8);
+  const auto answers = rays(scene_with(camera), cases);
+  RunningMoments cosine, x;
+  for (const gpu::CameraAnswer& a : answers) {
+    EXPECT_FLOAT_EQ(a.weight, std::numbers::pi_v<float>);
+    EXPECT_GT(a.d.z, 0.0f);
+    EXPECT_LE(std::max(std::abs(a.o.x), std::abs(a.o.y)), 1.0f);
+    cosine.add(a.d.z);
+    x.add(a.o.x * a.o.x);
+  }
+  EXPECT_NEAR(cosine.mean(), 2.0 / 3.0, 5.0 * cosine.standard_error());
+  EXPECT_NEAR(x.mean(), 1.0 / 3.0, 5.0 * x.standard_error());
 }
 
 // Where rays of cameras up to a billion units away pass the scene, and how long they are: as exact as a point of the

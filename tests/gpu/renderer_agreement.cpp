@@ -100,6 +100,56 @@ TEST_F(RendererAgreement, IntegratorsOfTheCourses) {
   }
 }
 
+// Smooth normals, a hollow glass sphere, several lamps of different shape, sky.
+Scene everything() {
+  Scene scene;
+  scene.camera.width = 64;
+  scene.camera.height = 48;
+  scene.camera.fov = 50.0;
+  scene.camera.world_from_camera = reference::test::look_at({0, 1.5, 5}, {0, 0.6, 0}, {0, 1, 0});
+  scene.integrator.max_depth = 10;
+  scene.sky = {.top = {0.2, 0.4, 0.9}, .horizon = {0.8, 0.7, 0.6}};
+  add(scene, quad({-20, 0, -20}, {0, 0, 40}, {40, 0, 0}), DiffuseBsdf{{0.6, 0.5, 0.4}});
+  add(scene, Sphere{{-1.2, 0.6, 0}, 0.6}, DielectricBsdf{});
+  add(scene, Sphere{{-1.2, 0.6, 0}, 0.55}, DielectricBsdf{.int_ior = 1.000277, .ext_ior = 1.5046});
+  add(scene, Sphere{{1.2, 0.6, 0.3}, 0.6}, MirrorBsdf{});
+  add(scene, Sphere{{0.1, 2.5, -0.5}, 0.3}, diffuse(0.3), glm::dvec3(9, 8, 6));
+  add(scene, quad({-3, 0.5, -3}, {2, 0, 0}, {0, 2, 0}), diffuse(0.5), glm::dvec3(1, 2, 3));
+  // A tetrahedron with the normals of its circumsphere.
+  TriangleMesh smooth;
+  for (const glm::dvec3& d :
+       {glm::dvec3(1, 1, 1), glm::dvec3(-1, -1, 1), glm::dvec3(-1, 1, -1), glm::dvec3(1, -1, -1)}) {
+    smooth.positions.push_back(glm::dvec3(0.1, 0.7, 0.9) + 0.4 * d);
+    smooth.normals.push_back(glm::normalize(d));
+  }
+  smooth.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  add(scene, smooth, DiffuseBsdf{{0.2, 0.7, 0.3}});
+  return scene;
+}
+
+TEST_F(RendererAgreement, Cameras) {
+  using Type = Camera::Type;
+  for (const Type type :
+       {Type::thin_lens, Type::orthographic, Type::spherical, Type::radiance_meter, Type::irradiance_meter}) {
+    Scene scene = cornell({});
+    scene.camera.type = type;
+    scene.camera.aperture = {.radius = 0.1, .focus_distance = 3.5, .blades = type == Type::thin_lens ? 6u : 0u};
+    scene.camera.window.origin = {0.1, 0.2};
+    scene.camera.window.size = {0.6, 0.7};
+    if (type == Type::irradiance_meter) scene.camera.near_clip = 0.05;
+    compare(fmt::format("camera {}", static_cast<int>(type)), scene, 20000, 800, 500);
+  }
+  // Sets of a lens, and a lens so far away that its rays begin before the scene.
+  Scene far = everything();
+  far.camera.type = Type::thin_lens;
+  far.camera.world_from_camera = reference::test::look_at({0, 3e3, 1e4}, {0, 0.6, 0}, {0, 1, 0});
+  far.camera.fov = 180.0 / std::numbers::pi * 6.0 / 1e4;
+  far.camera.far_clip = 1e9;
+  far.camera.aperture = {.radius = 1e3, .focus_distance = 1.05e4};
+  far.sampler = {Sampler::Type::sobol, 16, 4};
+  compare("far lens", far, 20000, 1000, 800);
+}
+
 // One sample of each kind is what path takes at its first vertex, to the bit.
 TEST_F(RendererAgreement, DirectIsPathOfTwoSegments) {
   Scene path = cornell({{"integrator.maxDepth", "2"}, {"integrator.rrDepth", "0"}});
@@ -140,33 +190,6 @@ TEST_F(RendererAgreement, CourseTests) {
       compare(fmt::format("{} {}", file, i + 1), scene, 5000, 1200, 600);
     }
   }
-}
-
-// Smooth normals, a hollow glass sphere, several lamps of different shape, sky.
-Scene everything() {
-  Scene scene;
-  scene.camera.width = 64;
-  scene.camera.height = 48;
-  scene.camera.fov = 50.0;
-  scene.camera.world_from_camera = reference::test::look_at({0, 1.5, 5}, {0, 0.6, 0}, {0, 1, 0});
-  scene.integrator.max_depth = 10;
-  scene.sky = {.top = {0.2, 0.4, 0.9}, .horizon = {0.8, 0.7, 0.6}};
-  add(scene, quad({-20, 0, -20}, {0, 0, 40}, {40, 0, 0}), DiffuseBsdf{{0.6, 0.5, 0.4}});
-  add(scene, Sphere{{-1.2, 0.6, 0}, 0.6}, DielectricBsdf{});
-  add(scene, Sphere{{-1.2, 0.6, 0}, 0.55}, DielectricBsdf{.int_ior = 1.000277, .ext_ior = 1.5046});
-  add(scene, Sphere{{1.2, 0.6, 0.3}, 0.6}, MirrorBsdf{});
-  add(scene, Sphere{{0.1, 2.5, -0.5}, 0.3}, diffuse(0.3), glm::dvec3(9, 8, 6));
-  add(scene, quad({-3, 0.5, -3}, {2, 0, 0}, {0, 2, 0}), diffuse(0.5), glm::dvec3(1, 2, 3));
-  // A tetrahedron with the normals of its circumsphere.
-  TriangleMesh smooth;
-  for (const glm::dvec3& d :
-       {glm::dvec3(1, 1, 1), glm::dvec3(-1, -1, 1), glm::dvec3(-1, 1, -1), glm::dvec3(1, -1, -1)}) {
-    smooth.positions.push_back(glm::dvec3(0.1, 0.7, 0.9) + 0.4 * d);
-    smooth.normals.push_back(glm::normalize(d));
-  }
-  smooth.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  add(scene, smooth, DiffuseBsdf{{0.2, 0.7, 0.3}});
-  return scene;
 }
 
 TEST_F(RendererAgreement, ManyMaterialsSmoothNormalsAndSky) {

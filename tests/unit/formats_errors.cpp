@@ -138,6 +138,14 @@ const BadInput kGrammar[] = {
     {"TooSmooth", in_mesh("<bsdf type=\"microfacet\"><float name=\"alpha\" value=\"1e-4\"/></bsdf>"), 3, 52,
      "allowed is 0.001 … 1"},
     {"EnvironmentMap", in_mesh("<emitter type=\"envmap\"/>"), 3, 16, "not supported; supported are: area"},
+    {"CropTooLarge",
+     "<scene><integrator type=\"path\"/>\n<camera type=\"perspective\"><integer name=\"cropOffsetX\" "
+     "value=\"1280\"/></camera></scene>",
+     2, 62, "do not fit into a film of 1280"},
+    {"FovAxis",
+     "<scene><integrator type=\"path\"/>\n<camera type=\"perspective\"><string name=\"fovAxis\" "
+     "value=\"z\"/></camera></scene>",
+     2, 57, "\"z\" is no axis of the field of view"},
     {"PhotonMapper", "<scene><camera type=\"perspective\"/>\n<integrator type=\"photonmapper\"/></scene>", 2, 19,
      "not supported; supported are: path, path_mats"},
     {"Medium", scene_around("<medium type=\"homogeneous\"/>"), 2, 1, "<medium> is not supported"},

@@ -203,6 +203,60 @@ TEST(SceneReader, IntegratorsOfTheCourses) {
   EXPECT_FALSE(with("vol_path_mats").nee);
 }
 
+Camera camera(const char* type, const std::string& properties = "") {
+  return read_good(
+             fmt::format("<scene><integrator type=\"path\"/><camera type=\"{}\"><integer name=\"width\" value=\"200\"/>"
+                         "<integer name=\"height\" value=\"100\"/>{}</camera></scene>",
+                         type, properties))
+      .camera;
+}
+
+TEST(SceneReader, Cameras) {
+  using Type = Camera::Type;
+  EXPECT_EQ(camera("orthographic").type, Type::orthographic);
+  EXPECT_EQ(camera("spherical").type, Type::spherical);
+  EXPECT_EQ(camera("radiancemeter").type, Type::radiance_meter);
+  EXPECT_EQ(camera("irradiancemeter").type, Type::irradiance_meter);
+  const Camera lens = camera("thinlens",
+                             "<float name=\"apertureRadius\" value=\"0.2\"/><float name=\"focusDistance\" value=\"3\"/>"
+                             "<integer name=\"blades\" value=\"6\"/><float name=\"bladeRotation\" value=\"15\"/>");
+  EXPECT_EQ(lens.type, Type::thin_lens);
+  EXPECT_EQ(lens.aperture.radius, 0.2);
+  EXPECT_EQ(lens.aperture.focus_distance, 3.0);
+  EXPECT_EQ(lens.aperture.blades, 6u);
+  EXPECT_EQ(lens.aperture.rotation, 15.0);
+  EXPECT_EQ(camera("perspective", "<string name=\"fovAxis\" value=\"smaller\"/>").fov_axis, Camera::FovAxis::smaller);
+  const Camera film = camera("perspective", "<float name=\"focalLength\" value=\"50\"/>");
+  EXPECT_EQ(film.fov_axis, Camera::FovAxis::diagonal);
+  EXPECT_NEAR(film.fov, 46.79, 0.01);  // the usual figure for this lens
+  const Camera crop = camera("perspective",
+                             "<integer name=\"cropWidth\" value=\"50\"/><integer name=\"cropOffsetX\" value=\"100\"/>"
+                             "<integer name=\"cropOffsetY\" value=\"25\"/>");
+  EXPECT_EQ(crop.width, 50u);
+  EXPECT_EQ(crop.height, 75u);
+  EXPECT_EQ(crop.window.origin, glm::dvec2(0.5, 0.25));
+  EXPECT_EQ(crop.window.size, glm::dvec2(0.25, 0.75));
+  EXPECT_EQ(film_aspect(crop), 0.5);
+}
+
+TEST(SceneReader, CamerasKeepTheirHash) {
+  const auto hash = [](const char* type, const std::string& properties = "") {
+    Scene scene;
+    scene.camera = camera(type, properties);
+    return scene_hash(scene);
+  };
+  const std::uint64_t plain = hash("perspective");
+  EXPECT_NE(plain, hash("orthographic"));
+  EXPECT_NE(plain, hash("perspective", "<string name=\"fovAxis\" value=\"y\"/>"));
+  EXPECT_NE(plain, hash("perspective", "<integer name=\"cropWidth\" value=\"50\"/>"));
+  const auto lens = [&](const char* radius) {
+    return hash("thinlens", fmt::format("<float name=\"apertureRadius\" value=\"{}\"/><float name=\"focusDistance\" "
+                                        "value=\"3\"/>",
+                                        radius));
+  };
+  EXPECT_NE(lens("0.1"), lens("0.2"));
+}
+
 TEST(SceneReader, TypesByOverride) {
   const std::string text =
       "<scene><integrator type=\"path\"><integer name=\"maxDepth\" value=\"7\"/></integrator>"

@@ -209,7 +209,13 @@ class SceneReader {
     const auto width = object.get<std::int64_t>("width"), height = object.get<std::int64_t>("height");
     camera.width = to_uint32(width);
     camera.height = to_uint32(height);
-    camera.fov = object.get<double>("fov");
+    camera.type = camera_type(object.plugin().type);
+    if (object.plugin().find("fov") != nullptr) read_field_of_view(object, camera);
+    if (object.plugin().find("apertureRadius") != nullptr) {
+      camera.aperture = {object.get<double>("apertureRadius"), object.get<double>("focusDistance"),
+                         to_uint32(object.get<std::int64_t>("blades")), object.get<double>("bladeRotation")};
+    }
+    read_crop(object, camera);
     camera.near_clip = object.get<double>("nearClip");
     camera.far_clip = object.get<double>("farClip");
     camera.world_from_camera = object.matrix("toWorld");
@@ -219,6 +225,67 @@ class SceneReader {
     remember_field(object, "toWorld", "world_from_camera");
     camera.filter = read_filter(object);
     return camera;
+  }
+
+  static Camera::Type camera_type(std::string_view type) {
+    using enum Camera::Type;
+    if (type == "perspective") return perspective;
+    if (type == "thinlens") return thin_lens;
+    if (type == "orthographic") return orthographic;
+    if (type == "spherical") return spherical;
+    if (type == "radiancemeter") return radiance_meter;
+    if (type == "irradiancemeter") return irradiance_meter;
+    throw std::logic_error(fmt::format("the reader has no camera {}", type));
+  }
+
+  void read_field_of_view(const Object& object, Camera& camera) {
+    camera.fov = object.get<double>("fov");
+    camera.window.principal_offset = {object.get<double>("principalPointOffsetX"),
+                                      object.get<double>("principalPointOffsetY")};
+    using enum Camera::FovAxis;
+    const std::map<std::string, Camera::FovAxis> axes = {
+        {"x", x}, {"y", y}, {"diagonal", diagonal}, {"smaller", smaller}, {"larger", larger}};
+    const auto text = object.get<std::string>("fovAxis");
+    if (const auto found = axes.find(text); found != axes.end()) {
+      camera.fov_axis = found->second;
+    } else {
+      sink_.error(
+          object.position_of("fovAxis"),
+          fmt::format("{} is no axis of the field of view{}; known are x, y, diagonal, smaller and larger",
+                      text::quoted(text), text::did_you_mean(text, {"x", "y", "diagonal", "smaller", "larger"})));
+    }
+    const auto focal_length = object.get<double>("focalLength");
+    if (!(focal_length > 0.0)) return;
+    const bool both = object.given("fov") || object.given("fovAxis");
+    if (both)
+      sink_.error(object.position_of("focalLength"),
+                  "\"focalLength\" and \"fov\" both say how wide the view is; keep one");
+    constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+    camera.fov = 2.0 * std::atan(std::hypot(36.0, 24.0) / (2.0 * focal_length)) * kDegrees;
+    camera.fov_axis = diagonal;
+  }
+
+  /// The part of the film that is rendered becomes the film, and remembers where it was.
+  void read_crop(const Object& object, Camera& camera) {
+    const auto offset_x = object.get<std::int64_t>("cropOffsetX"), offset_y = object.get<std::int64_t>("cropOffsetY");
+    const auto size = [&](const char* name, std::int64_t offset, std::uint32_t whole) {
+      const auto wanted = object.get<std::int64_t>(name);
+      const std::int64_t pixels = wanted > 0 ? wanted : whole - offset;
+      if (offset < whole && offset + pixels <= whole) return static_cast<std::uint32_t>(pixels);
+      sink_.error(object.position_of(wanted > 0                              ? name
+                                     : name == std::string_view("cropWidth") ? "cropOffsetX"
+                                                                             : "cropOffsetY"),
+                  fmt::format("{} pixels from pixel {} on do not fit into a film of {}",
+                              std::max<std::int64_t>(pixels, 1), offset, whole));
+      return whole;
+    };
+    const glm::dvec2 whole(camera.width, camera.height);
+    const std::uint32_t width = size("cropWidth", offset_x, camera.width);
+    const std::uint32_t height = size("cropHeight", offset_y, camera.height);
+    camera.window.origin = glm::dvec2(offset_x, offset_y) / whole;
+    camera.window.size = glm::dvec2(width, height) / whole;
+    camera.width = width;
+    camera.height = height;
   }
 
   ReconstructionFilter read_filter(const Object& camera) {

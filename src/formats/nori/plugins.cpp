@@ -172,18 +172,71 @@ std::vector<Plugin> integrator_plugins() {
   return rows;
 }
 
+/// What every camera has; those that take pictures also render a part of the film.
+std::vector<Parameter> film_parameters(const char* width, const char* height) {
+  return {{"width", integer, width, between(1, 65536), "pixels; width · height is at most 67108864"},
+          {"height", integer, height, between(1, 65536), "pixels"},
+          {"cropWidth", integer, "0", between(0, 65536),
+           "width of the part of the film that is rendered, pixels; 0: up to the right edge"},
+          {"cropHeight", integer, "0", between(0, 65536), "its height; 0: down to the lower edge"},
+          {"cropOffsetX", integer, "0", between(0, 65535), "pixels left of it"},
+          {"cropOffsetY", integer, "0", between(0, 65535), "pixels above it"},
+          {"nearClip", real, "1e-4", between(0, kMaxCoordinate), "nearest visible distance along the camera's +Z"},
+          {"farClip", real, "1e4", above(0), "farthest visible distance along the camera's +Z; more than nearClip"},
+          world_transform()};
+}
+
+/// What widens with distance.
+std::vector<Parameter> perspective_parameters() {
+  std::vector<Parameter> parameters = {
+      {"fov", real, "30", inside(0, 180), "field of view in degrees, horizontal unless fovAxis says"},
+      {"fovAxis", string, "x", any(), "what fov measures: x, y, diagonal, or the smaller or larger side of the film"},
+      {"focalLength", real, "0", between(0, 1e6),
+       "millimetres on film of 36 by 24 mm, instead of fov: the field of view of the diagonal; 0: fov counts"},
+      {"principalPointOffsetX", real, "0", between(-100, 100),
+       "moves the picture to the left against the camera's axis, in widths of the film"},
+      {"principalPointOffsetY", real, "0", between(-100, 100), "and up, in heights of the film"}};
+  const std::vector<Parameter> film = film_parameters("1280", "720");
+  parameters.insert(parameters.begin(), film.begin(), film.begin() + 2);
+  parameters.insert(parameters.end(), film.begin() + 2, film.end());
+  return parameters;
+}
+
+std::vector<Plugin> camera_plugins() {
+  std::vector<Parameter> lens = perspective_parameters();
+  lens.insert(lens.end() - 1,
+              {{"apertureRadius", real, nullptr, between(0, kMaxCoordinate), "radius of the lens, in camera units"},
+               {"focusDistance", real, nullptr, above(0), "of the plane in focus along the camera's +Z"},
+               {"blades", integer, "0", between(0, 1000), "corners of a polygonal aperture; 0: a disk"},
+               {"bladeRotation", real, "0", between(-360, 360),
+                "turns the first corner from the camera's +X toward +Y, degrees"}});
+  const std::vector<ChildRule> filter = {{"rfilter", 0, 1}};
+  return {
+      {"camera", "perspective", "A pinhole camera: +Z forward, +Y up, +X to the left of the image.",
+       perspective_parameters(), filter},
+      {"camera", "thinlens",
+       "perspective with a lens of finite size: what is not at the focus distance is blurred. A point at depth z "
+       "becomes "
+       "a spot of radius apertureRadius · |1 − z/focusDistance|, measured at that depth.",
+       lens, filter},
+      {"camera", "orthographic",
+       "All rays run along the camera's +Z. The film is two camera units wide: scale in toWorld widens it.",
+       film_parameters("1280", "720"), filter},
+      {"camera", "spherical",
+       "A panorama of all directions: longitude across, +Z in the middle and +X left of it; +Y at the upper edge. "
+       "Clipping "
+       "distances run along the rays.",
+       film_parameters("1280", "640"), filter},
+      {"camera", "radiancemeter", "One ray, along +Z from the camera's place: every pixel measures the same.",
+       film_parameters("1", "1"), filter},
+      {"camera", "irradiancemeter",
+       "Irradiance of the square from −1 to 1 in the camera's x and y, on the side of +Z: the film lies on it.",
+       film_parameters("1", "1"), filter},
+  };
+}
+
 std::vector<Plugin> view_plugins() {
   return {
-      {"camera",
-       "perspective",
-       "A pinhole camera: +Z forward, +Y up, +X to the left of the image.",
-       {{"width", integer, "1280", between(1, 65536), "pixels; width · height is at most 67108864"},
-        {"height", integer, "720", between(1, 65536), "pixels"},
-        {"fov", real, "30", inside(0, 180), "horizontal field of view in degrees"},
-        {"nearClip", real, "1e-4", between(0, kMaxCoordinate), "nearest visible distance along the camera's +Z"},
-        {"farClip", real, "1e4", above(0), "farthest visible distance along the camera's +Z; more than nearClip"},
-        world_transform()},
-       {{"rfilter", 0, 1}}},
       {"sampler",
        "independent",
        "Independent random numbers.",
@@ -291,6 +344,7 @@ std::vector<Plugin> instance_plugins() {
 std::vector<Plugin> make_plugins() {
   std::vector<Plugin> rows = scene_plugins();
   for (Plugin& row : integrator_plugins()) rows.push_back(std::move(row));
+  for (Plugin& row : camera_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : view_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : mesh_file_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : instance_plugins()) rows.push_back(std::move(row));
@@ -302,7 +356,7 @@ std::vector<Plugin> make_plugins() {
 std::vector<UnsupportedTypes> unsupported_types() {
   return {
       {"integrator", {"photonmapper", "bdpt", "mlt", "sppm"}},
-      {"camera", {"thinlens", "orthographic", "environment", "fisheye"}},
+      {"camera", {"environment", "fisheye"}},
       {"sampler", {"stratified", "halton", "ldsampler", "multijitter"}},
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"serialized", "cube", "rectangle", "disk", "cylinder", "heightfield"}},

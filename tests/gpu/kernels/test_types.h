@@ -174,6 +174,8 @@ struct FilmCase {
 struct CameraCase {
   uint x, y;
   vec2 u;
+  vec3 lens;
+  uint pad0;
 };
 struct CameraAnswer {
   vec3 o;
@@ -221,7 +223,7 @@ static_assert(sizeof(BsdfCase) == 64 && sizeof(BsdfAnswer) == 80);
 static_assert(sizeof(LightCase) == 48 && sizeof(LightAnswer) == 80 && sizeof(EmissionAnswer) == 32);
 static_assert(sizeof(RayCase) == 32 && sizeof(IntersectCase) == 80 && sizeof(TraceAnswer) == 32);
 static_assert(sizeof(SpawnCase) == 48 && sizeof(SpawnAnswer) == 48);
-static_assert(sizeof(FilmCase) == 16 && sizeof(CameraCase) == 16 && sizeof(CameraAnswer) == 48);
+static_assert(sizeof(FilmCase) == 16 && sizeof(CameraCase) == 32 && sizeof(CameraAnswer) == 48);
 static_assert(sizeof(LoopCase) == 16 && sizeof(LoopAnswer) == 16);
 }  // namespace etendue::gpu
 #endif
