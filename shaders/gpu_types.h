@@ -70,6 +70,16 @@ const uint kConstantMaterialsAt = 27u;
 const uint kConstantMaterialFlagsSome = 28u;
 const uint kConstantMaterialFlagsAll = 29u;
 const uint kConstantLightNormals = 30u;
+// The environment, see emitter/environment.glsl.
+const uint kConstantEnvironment = 31u;
+const uint kConstantEnvironmentAlone = 32u;
+const uint kConstantEnvironmentColumns = 33u;
+const uint kConstantEnvironmentTexelRows = 34u;
+const uint kConstantEnvironmentCellRows = 35u;
+const uint kConstantEnvironmentRowsAt = 36u;
+const uint kConstantEnvironmentTexelsAt = 37u;
+const uint kConstantEnvironmentRowRounds = 38u;
+const uint kConstantEnvironmentColumnRounds = 39u;
 const uint kConstantCamera = 40u;
 const uint kConstantHideEmitters = 41u;
 const uint kConstantCameraWindow = 42u;
@@ -101,6 +111,12 @@ const uint kLobeDeltaReflection = 2u;
 const uint kLobeDeltaTransmission = 3u;
 const uint kLobeGlossyReflection = 4u;
 const uint kLobeGlossyTransmission = 5u;
+
+// What comes from outside the scene.
+const uint kEnvironmentNone = 0u;
+const uint kEnvironmentGradient = 1u;
+const uint kEnvironmentPicture = 2u;
+const uint kEnvironmentLight = 0xfffffffeu;  // stands for an instance where the environment is the light that was sampled
 
 const uint kIntegratorPath = 0u;
 const uint kIntegratorNormals = 1u;
@@ -276,6 +292,26 @@ struct LightTrail {
 };
 const uint kLightTrailTexels = 1u;
 
+// A row of cells of the environment. Its edges are sin²(θ/2), θ being the angle from the pole of its half of the rows: no digits are lost near poles.
+struct EnvironmentRow {
+  uint threshold;  // chosen when `threshold <= word`, the last row that satisfies it
+  float density;   // w.r.t. solid angle if all of its cells were chosen alike; the choice of the row is in it
+  float upper_edge;
+  float lower_edge;
+  uint column_count;  // cells behind that have no weight
+  uint pad0;
+  uint pad1;
+  uint pad2;
+};
+const uint kEnvironmentRowTexels = 2u;
+
+// A texel of the environment's picture, and of the cell of the same row and column its threshold among those of the row.
+struct EnvironmentTexel {
+  vec3 radiance;
+  uint threshold;
+};
+const uint kEnvironmentTexelTexels = 1u;
+
 // Everything that is constant during a render. Directions and positions are in normalised scene coordinates.
 struct Frame {
   vec3 camera_origin;
@@ -320,6 +356,12 @@ struct Frame {
   uint pad0;
   uint pad1;
   uint pad2;
+  vec3 sky_x;                  // axes of the sky's own frame in the world
+  uint environment_row_count;  // rows of cells; those behind have no weight
+  vec3 sky_y;
+  uint environment_threshold;  // words below it choose the environment, others a light
+  vec3 sky_z;
+  float lights_prob;           // of the latter
 };
 
 // The work of one dispatch.
@@ -429,7 +471,9 @@ static_assert(sizeof(LightPrimitive) == kLightPrimitiveTexels * kTexelBytes);
 static_assert(sizeof(LightBounds) == kLightBoundsTexels * kTexelBytes);
 static_assert(sizeof(LightPair) == kLightPairTexels * kTexelBytes);
 static_assert(sizeof(LightTrail) == kLightTrailTexels * kTexelBytes);
-static_assert(sizeof(Frame) == 224);
+static_assert(sizeof(EnvironmentRow) == kEnvironmentRowTexels * kTexelBytes);
+static_assert(sizeof(EnvironmentTexel) == kEnvironmentTexelTexels * kTexelBytes);
+static_assert(sizeof(Frame) == 272);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);
 static_assert(sizeof(SampleResult) == 32);

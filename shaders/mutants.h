@@ -67,7 +67,14 @@ const uint kMutantInstanceNotLeft = 51u;
 const uint kMutantLensTooWide = 52u;
 const uint kMutantBladesIgnored = 53u;
 const uint kMutantPanoramaEven = 54u;
-const uint kMutantCount = 55u;
+const uint kMutantEnvironmentSineForgotten = 55u;
+const uint kMutantEnvironmentUpsideDown = 56u;
+const uint kMutantEnvironmentShifted = 57u;
+const uint kMutantEnvironmentTwice = 58u;
+const uint kMutantEnvironmentChoiceForgotten = 59u;
+const uint kMutantLightsShareForgotten = 60u;
+const uint kMutantSkyTurnedBack = 61u;
+const uint kMutantCount = 62u;
 #endif
 
 #ifdef __cplusplus

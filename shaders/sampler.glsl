@@ -18,6 +18,9 @@ uint block_bsdf(uint k) {
   return 2u + 2u * k;
 }
 
+// Of paths that sample the environment; one of the reserved blocks.
+uint block_environment(uint k) { return 0x83000000u + (k & 0xffffffu); }
+
 // Four-in, four-out integer hash [Jarzynski2020].
 uvec4 pcg4d(uvec4 v) {
   v = v * 1664525u + 1013904223u;
@@ -52,7 +55,7 @@ const uvec3 kSobolColumns[kMaxSetBits] = uvec3[](
     uvec3(0x303u, 0x339u, 0x2a4u), uvec3(0x505u, 0x677u, 0x79au), uvec3(0xf0fu, 0x9aau, 0xb67u));
 
 // The four words of one path of a set: a point of the 4D Sobol sequence, taken in an order of this block's own and Owen-scrambled.
-uvec4 sobol_words(uint seed, uint pixel, uint path, uint block) {
+uvec4 sobol_point(uint seed, uint pixel, uint path, uint block) {
   const uvec4 h = pcg4d(uvec4(pixel, path >> kSetBits, block, seed));
   // The set in an order of this block's own: scrambled from its last binary digit, then from its first. One of the two would keep pairs of
   // paths together in all blocks. Only the lowest kSetBits bits count; afterwards the most significant comes first.
@@ -64,7 +67,11 @@ uvec4 sobol_words(uint seed, uint pixel, uint path, uint block) {
   }
   MUTATE(kMutantDimensionsPaired, return bitfieldReverse(uvec4(owen_hash(point.x, h.x))));
   MUTATE(kMutantScramblingMissing, return bitfieldReverse(point));
-  point = bitfieldReverse(uvec4(owen_hash(point.x, h.x), owen_hash(point.y, h.y), owen_hash(point.z, h.z), owen_hash(point.w, h.w)));
+  return bitfieldReverse(uvec4(owen_hash(point.x, h.x), owen_hash(point.y, h.y), owen_hash(point.z, h.z), owen_hash(point.w, h.w)));
+}
+
+uvec4 sobol_words(uint seed, uint pixel, uint path, uint block) {
+  const uvec4 point = sobol_point(seed, pixel, path, block);
   // Dimensions 1 and 2 go where two numbers make a point of the film, of a light, a direction.
   return block == kBlockCamera ? point : (block & 1u) != 0u ? point.zwxy : point.zxyw;
 }
@@ -73,6 +80,13 @@ uvec4 random_words(uint seed, uint pixel, uint path, uint block) {
   MUTATE(kMutantSampleIndexIgnored, path = 0u);
   if (kSetBits > 0u) return sobol_words(seed, pixel, path, block);
   MUTATE(kMutantNumbersEqual, return pcg4d(uvec4(pixel, path, block, seed)).xyyy);
+  return pcg4d(uvec4(pixel, path, block, seed));
+}
+
+// Of a reserved block: a point's dimensions in their order.
+uvec4 reserved_words(uint seed, uint pixel, uint path, uint block) {
+  MUTATE(kMutantSampleIndexIgnored, path = 0u);
+  if (kSetBits > 0u) return sobol_point(seed, pixel, path, block);
   return pcg4d(uvec4(pixel, path, block, seed));
 }
 

@@ -29,6 +29,8 @@ layout(constant_id = kConstantLightPairsAt) const uint kLightPairsAt = 0u;
 layout(constant_id = kConstantLightTrailsAt) const uint kLightTrailsAt = 0u;
 layout(constant_id = kConstantPlacesAt) const uint kPlacesAt = 0u;
 layout(constant_id = kConstantInstanced) const bool kInstanced = false;  // some meshes are shared, see kRecordInstance
+layout(constant_id = kConstantEnvironmentRowsAt) const uint kEnvironmentRowsAt = 0u;
+layout(constant_id = kConstantEnvironmentTexelsAt) const uint kEnvironmentTexelsAt = 0u;
 layout(set = kSetKernel, binding = kBindingFilter) uniform samplerBuffer filter_knots;
 
 // A primitive, or the first three texels of a node.
@@ -91,6 +93,17 @@ LightTrail fetch_light_trail(uint instance, uint primitive) {
   const uint first = load_table(kLightTrailsAt + kLightTrailTexels * instance).x;
   const uvec4 a = load_table(kLightTrailsAt + kLightTrailTexels * (first + primitive));
   return LightTrail(a.x, uintBitsToFloat(a.y), a.z, a.w);
+}
+EnvironmentRow fetch_environment_row(uint i) {
+  const uint first = kEnvironmentRowsAt + kEnvironmentRowTexels * i;
+  const uvec4 a = load_table(first);
+  const uvec4 b = load_table(first + 1u);
+  return EnvironmentRow(a.x, uintBitsToFloat(a.y), uintBitsToFloat(a.z), uintBitsToFloat(a.w), b.x, b.y, b.z, b.w);
+}
+uint fetch_environment_row_threshold(uint i) { return load_table(kEnvironmentRowsAt + kEnvironmentRowTexels * i).x; }
+EnvironmentTexel fetch_environment_texel(uint i) {
+  const uvec4 a = load_table(kEnvironmentTexelsAt + kEnvironmentTexelTexels * i);
+  return EnvironmentTexel(uintBitsToFloat(a.xyz), a.w);
 }
 // Vertex indices of a triangle in xyz; only for instances with vertex normals.
 uvec3 fetch_triangle(uint i) { return load_geometry(i).xyz; }

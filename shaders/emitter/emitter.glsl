@@ -53,6 +53,7 @@ uint choose_light_primitive(LightInstance light, uint word) {
 
 #include "light_tree.glsl"
 #include "shared_light.glsl"
+#include "environment.glsl"
 
 LightSample sample_light_of_tree(vec3 p, vec3 n, uvec4 words) {
   float prob;
@@ -100,6 +101,12 @@ float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, Instance instance, Primitive
   if (kInstanced && instance.place != kNone) area *= place_area_factor(fetch_place(instance.place), s.ng);
   MUTATE(kMutantMisChoiceForgotten, return area_pdf(p, wi, s, prim, prob, area) / prob);
   return area_pdf(p, wi, s, prim, prob, area);
+}
+
+// Of all densities of lights: the environment is chosen before them.
+float lights_prob() {
+  MUTATE(kMutantLightsShareForgotten, return 1.0);
+  return kHasEnvironment ? frame.lights_prob : 1.0;
 }
 
 #endif

@@ -67,11 +67,6 @@ vec3 path_value(Path path) { return path.filter_weight * path.radiance; }
 #include "direct.glsl"
 #include "first_hit.glsl"
 
-vec3 sky_radiance(vec3 d) {
-  MUTATE(kMutantSkyMirrored, d.y = -d.y);
-  return mix(frame.sky_horizon, frame.sky_top, clamp(d.y, 0.0, 1.0));
-}
-
 // Power heuristic with exponent 2 [Veach1997], as the weight of the strategy with density `own`. A ratio, so that large densities
 // do not overflow.
 float power_heuristic(float own, float other) {
@@ -94,20 +89,51 @@ vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim) {
   if (!kMis) return vec3(0.0);
   // ray.o is offset from the vertex by its error bound, which is far below the distance to the light.
   MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim) / path.bsdf_pdf));
-  const float light_density = light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim);
-  return path.beta * le * power_heuristic(bsdf_sample_count() * path.bsdf_pdf, light_sample_count() * light_density);
+  float pdf_light = light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim);
+  if (kHasEnvironment) pdf_light *= lights_prob();
+  return path.beta * le * power_heuristic(bsdf_sample_count() * path.bsdf_pdf, light_sample_count() * pdf_light);
+}
+
+// Step 1: light from outside.
+vec3 gather_environment(Path path) {
+  if (!kHasEnvironment) return vec3(0.0);
+  float pdf_light;
+  const vec3 le = environment_radiance(path.ray.d, pdf_light);
+  MUTATE(kMutantEnvironmentTwice, return path.beta * le);
+  if (path.full_emission) return path.beta * le;
+  if (!kMis) return vec3(0.0);
+  return path.beta * le * power_heuristic(bsdf_sample_count() * path.bsdf_pdf, light_sample_count() * pdf_light);
+}
+
+LightSample sample_environment_or_light(Path path, Surface s) {
+  const uint vertex = path.segment - 1u;
+  uvec4 words = uvec4(0u);
+  if (kHasEnvironment) {
+    words = reserved_words(frame.seed, path.pixel, path.sample_index, block_environment(vertex));
+    if (chooses_environment(words)) return sample_environment(words);
+  }
+  LightSample light = sample_light(s.p, s.frame.n, random_words(frame.seed, path.pixel, path.sample_index, block_light(vertex)));
+  if (kHasEnvironment) {
+    light.pdf_w *= lights_prob();
+    light.mis_pdf *= lights_prob();
+  }
+  return light;
 }
 
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
 void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo, inout Decisions decisions) {
-  const LightSample light = sample_light(s.p, s.frame.n, random_words(frame.seed, path.pixel, path.sample_index, block_light(path.segment - 1u)));
+  const LightSample light = sample_environment_or_light(path, s);
   decisions.light_instance = light.instance;
   decisions.light_primitive = light.instance != kNone ? light.primitive : kNone;
   decisions.light_contributed = light.instance != kNone ? 0u : kNone;
   const vec3 wi = to_local(s.frame, light.wi);
   const vec3 reflected = bsdf_eval(material, wo, wi) * light.radiance;
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0;
-  path.shadow_ray = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
+  if (kHasEnvironment && light.instance == kEnvironmentLight) {
+    path.shadow_ray = spawn_ray(s.p, s.ng, s.error, light.wi);
+  } else {
+    path.shadow_ray = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
+  }
   const float w_light =
       kMis ? power_heuristic(light_sample_count() * light.mis_pdf, bsdf_sample_count() * bsdf_pdf(material, wo, wi)) : 1.0;
   path.shadow_value = path.beta * reflected * (w_light / (light_sample_count() * light.pdf_w));
@@ -160,7 +186,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   path.alive = false;
   path.shadow_pending = false;
   if (hit.instance == kNone) {
-    if (kGathersLight && !no_light_to_camera(path)) path.radiance += path.beta * sky_radiance(path.ray.d);
+    if (kGathersLight && !no_light_to_camera(path)) path.radiance += gather_environment(path);
     if (kIntegrator == kIntegratorVisibility) path.radiance += vec3(1.0);
     if (kIntegrator == kIntegratorDirect && !is_camera_segment(path)) next_direct_round(path);
     if (!is_finite(path.ray.o + path.ray.d)) path.radiance = vec3(kInfinity);  // the film rejects the sample and counts it

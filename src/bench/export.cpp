@@ -155,6 +155,10 @@ void export_scene(const Scene& scene, const std::string& folder) {
       !scene.camera.window.whole())
     throw Error(ErrorKind::usage,
                 fmt::format("{}: other renderers are asked for plain perspective cameras only", scene.file));
+  if (scene.sky.picture || scene.sky.world_from_sky != glm::dmat3(1.0))
+    throw Error(ErrorKind::usage, fmt::format("{}: skies that are pictures or turned are not exported; use sky_top and "
+                                              "sky_horizon",
+                                              scene.file));
   make_folder(folder);
   const bool mirror = is_mirrored(scene.camera);
   const Integrator& i = scene.integrator;

@@ -58,6 +58,7 @@ const char* lobe_name(const PathVertex& vertex) {
 }
 
 std::string place(std::uint32_t instance, std::uint32_t primitive, const char* none) {
+  if (instance == PathVertex::kEnvironment) return fmt::format("sky, {}", primitive);
   return instance == kNone ? none : fmt::format("instance {}, {}", instance, primitive);
 }
 
@@ -70,14 +71,15 @@ Json number_or_null(std::uint32_t value) {
 }
 
 Json to_json(const PathVertex& v) {
-  return {{"instance", number_or_null(v.instance)},
-          {"primitive", number_or_null(v.primitive)},
-          {"lightInstance", number_or_null(v.light_instance)},
-          {"lightPrimitive", number_or_null(v.light_primitive)},
-          {"lightReached", number_or_null(v.light_contributed)},
-          {"lobe", lobe_name(v)},
-          {"survived", number_or_null(v.survived)},
-          {"radiance", {v.radiance.x, v.radiance.y, v.radiance.z}}};
+  return {
+      {"instance", number_or_null(v.instance)},
+      {"primitive", number_or_null(v.primitive)},
+      {"lightInstance", v.light_instance == PathVertex::kEnvironment ? Json("sky") : number_or_null(v.light_instance)},
+      {"lightPrimitive", number_or_null(v.light_primitive)},
+      {"lightReached", number_or_null(v.light_contributed)},
+      {"lobe", lobe_name(v)},
+      {"survived", number_or_null(v.survived)},
+      {"radiance", {v.radiance.x, v.radiance.y, v.radiance.z}}};
 }
 
 /// "X,Y" to a pixel number. Throws Error(usage).
@@ -155,7 +157,7 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
   if (options.json) {
     auto lights = Json::array();
     for (const auto& [instance, light] : tally.lights) {
-      lights.push_back({{"instance", instance},
+      lights.push_back({{"instance", instance == PathVertex::kEnvironment ? Json("sky") : Json(instance)},
                         {"chosen", light.chosen},
                         {"share", share(light.chosen, tally.light_samples)},
                         {"reached", light.reached}});
@@ -173,7 +175,8 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
                tally.light_samples, tally.paths);
   print_result("{:<13} {:>10} {:>8} {:>10}\n", "light", "chosen", "share", "unhidden");
   for (const auto& [instance, light] : tally.lights) {
-    print_result("instance {:<4} {:>10} {:>6.2f} % {:>8.2f} %\n", instance, light.chosen,
+    const std::string name = instance == PathVertex::kEnvironment ? "sky" : fmt::format("instance {:<4}", instance);
+    print_result("{:<13} {:>10} {:>6.2f} % {:>8.2f} %\n", name, light.chosen,
                  100.0 * share(light.chosen, tally.light_samples), 100.0 * share(light.reached, light.chosen));
   }
 }

@@ -154,7 +154,7 @@ class Compiler {
     make_lights();
     if (wants_light_tree(scene_)) make_light_tree();
     out_.normalization = normalization_;
-    out_.sky = scene_.sky;
+    out_.environment = compile_environment(scene_, lights_power_);
     out_.radiance_exponent = radiance_exponent(scene_);
     out_.bounds = bounds_of(scene_);
     return std::move(out_);
@@ -382,6 +382,7 @@ class Compiler {
       areas.push_back(area);
       weights.push_back(emitter != nullptr ? luminance(emitter->radiance) * area : 0.0);
     }
+    for (const double weight : weights) lights_power_ += weight;
     const std::vector<std::uint64_t> thresholds = integer_thresholds(weights);
     for (std::size_t i = 0; i < weights.size() && !thresholds.empty(); ++i) {
       if (!(weights[i] > 0.0)) continue;
@@ -494,6 +495,7 @@ class Compiler {
   CompiledScene out_;
   std::vector<gpu::Primitive> flat_primitives_;  // instance by instance, before the tree orders them
   std::vector<std::size_t> first_primitive_;     // of each instance, into flat_primitives_
+  double lights_power_ = 0.0;                    // Σ luminance · area
 };
 
 std::atomic<std::uint64_t> g_compilations{0};

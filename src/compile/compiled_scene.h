@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "compile/environment.h"
 #include "compile/normalization.h"
 #include "gpu_types.h"
 #include "scene/bounds.h"
@@ -15,7 +16,7 @@ namespace etendue {
 /// translated and scaled by a power of two, so that single precision serves scenes of any size and place alike.
 struct CompiledScene {
   Normalization normalization;
-  Sky sky;
+  EnvironmentTables environment;
   int radiance_exponent = 0;        ///< see scene/film_unit.h
   Bounds bounds;                    ///< of all instances, world space
   std::vector<gpu::uvec4> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives

@@ -162,8 +162,14 @@ CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32
   gpu::Frame& f = out.frame;
   f.seed = seed;
   set_camera(scene, camera, out);
-  f.sky_top = glm::vec3(scene.sky.top);
-  f.sky_horizon = glm::vec3(scene.sky.horizon);
+  f.sky_top = glm::vec3(scene.environment.top);
+  f.sky_horizon = glm::vec3(scene.environment.horizon);
+  f.sky_x = glm::vec3(scene.environment.world_from_sky[0]);
+  f.sky_y = glm::vec3(scene.environment.world_from_sky[1]);
+  f.sky_z = glm::vec3(scene.environment.world_from_sky[2]);
+  f.environment_row_count = scene.environment.row_count;
+  f.environment_threshold = scene.environment.threshold;
+  f.lights_prob = static_cast<float>(scene.environment.lights_prob);
   f.distance_scale = static_cast<float>(n.scale);
   f.width = camera.width;
   f.height = camera.height;

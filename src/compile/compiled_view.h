@@ -12,14 +12,14 @@ namespace etendue {
 /// What views need to know of a compiled scene.
 struct SceneFacts {
   Normalization normalization;
-  Sky sky;
+  EnvironmentFacts environment;
   int radiance_exponent = 0;
   Bounds bounds;
   std::uint32_t light_instance_count = 0;
 
   explicit SceneFacts(const CompiledScene& scene)
       : normalization(scene.normalization),
-        sky(scene.sky),
+        environment(scene.environment.facts),
         radiance_exponent(scene.radiance_exponent),
         bounds(scene.bounds),
         light_instance_count(static_cast<std::uint32_t>(scene.light_instances.size())) {}

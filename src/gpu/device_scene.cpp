@@ -49,13 +49,15 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
         "geometry",
         {table("triangle indices", kFirst, s.triangles), table("vertex normals", gpu::kConstantNormalsAt, s.normals)}},
        {gpu::kBindingTables,
-        "instances, materials and lights",
+        "instances, materials, lights and environment",
         {table("instances", kFirst, s.instances), table("materials", gpu::kConstantMaterialsAt, s.materials),
          table("places of instances", gpu::kConstantPlacesAt, s.places),
          table("emitters", gpu::kConstantLightInstancesAt, s.light_instances),
          table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
          table("light tree", gpu::kConstantLightPairsAt, s.light_pairs),
-         table("trails of the light tree", gpu::kConstantLightTrailsAt, s.light_trails)}}}};
+         table("trails of the light tree", gpu::kConstantLightTrailsAt, s.light_trails),
+         table("rows of the environment", gpu::kConstantEnvironmentRowsAt, s.environment.rows),
+         table("picture of the environment", gpu::kConstantEnvironmentTexelsAt, s.environment.texels)}}}};
 }
 
 // What the materials that surfaces have are: kernels are built for them and no others.
@@ -92,6 +94,9 @@ LightRounds::LightRounds(const CompiledScene& scene) {
   for (const gpu::LightInstance& light : scene.light_instances) most = std::max(most, light.primitive_count);
   instances = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_instances.size(), 1) - 1));
   primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
+  if (scene.environment.facts.kind == gpu::kEnvironmentNone) return;
+  environment_rows = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.row_count - 1));
+  environment_columns = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.columns - 1));
 }
 
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
@@ -165,6 +170,14 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},
                                      {gpu::kConstantInstanced, scene.places.empty() ? 0u : 1u},
                                      {gpu::kConstantTreeRoot, scene.tree_root}});
+  const EnvironmentFacts& sky = scene.environment.facts;
+  constants.insert(constants.end(), {{gpu::kConstantEnvironment, sky.kind},
+                                     {gpu::kConstantEnvironmentAlone, sky.alone ? 1u : 0u},
+                                     {gpu::kConstantEnvironmentColumns, sky.columns},
+                                     {gpu::kConstantEnvironmentTexelRows, sky.texel_rows},
+                                     {gpu::kConstantEnvironmentCellRows, sky.cell_rows},
+                                     {gpu::kConstantEnvironmentRowRounds, light_rounds.environment_rows},
+                                     {gpu::kConstantEnvironmentColumnRounds, light_rounds.environment_columns}});
   for (std::uint32_t i = 0; i < scene.few_count; ++i) {
     for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
       const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];

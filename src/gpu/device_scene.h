@@ -15,9 +15,11 @@ namespace etendue {
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
                               std::optional<TableLoads> wanted = {});
 
-/// Rounds of the two bisections that choose a light: ceil(log2) of what there is to choose from.
+/// Rounds of the bisections that choose a light or a direction of the environment: ceil(log2) of what there is to
+/// choose from.
 struct LightRounds {
   std::uint32_t instances = 0, primitives = 0;
+  std::uint32_t environment_rows = 0, environment_columns = 0;
   explicit LightRounds(const CompiledScene& scene);
 };
 

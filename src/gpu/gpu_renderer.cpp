@@ -239,7 +239,9 @@ void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
 
 std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view, const RenderSettings& settings,
                                                                 const CompiledView& compiled) const {
-  const bool nee = samples_lights(view.integrator) && scene_->facts().light_instance_count > 0;
+  const SceneFacts& facts = scene_->facts();
+  const bool lit = facts.light_instance_count > 0 || facts.environment.kind != gpu::kEnvironmentNone;
+  const bool nee = samples_lights(view.integrator) && lit;
   const bool shadow_rays = nee || traces_occlusion(view.integrator.type);
   const std::uint32_t turns = shadow_rays ? kTurnsNee : kTurnsNaive;
   const std::uint32_t steps = !scene_->has_tree() ? 1 : shadow_rays ? kStepsNee : kStepsNaive;
@@ -255,8 +257,8 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
           {gpu::kConstantLuminance, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
           {gpu::kConstantStepsPerTurn, steps},
           {gpu::kConstantTurnsPerRound, turns},
-          {gpu::kConstantIterationsPerRound,
-           turns * (steps + 1) + 1 + rounds.instances + rounds.primitives + 2 * tree_depth},
+          {gpu::kConstantIterationsPerRound, turns * (steps + 1) + 1 + rounds.instances + rounds.primitives +
+                                                 2 * tree_depth + rounds.environment_rows + rounds.environment_columns},
           {gpu::kConstantLightTreeDepth, tree_depth},
           {gpu::kConstantSetBits, set_bits_}};
 }

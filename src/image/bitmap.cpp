@@ -52,6 +52,25 @@ float Bitmap::stored(std::uint32_t x, std::uint32_t y, std::uint32_t channel) co
   return value;
 }
 
+std::size_t clear_negative_values(Bitmap& bitmap) {
+  const std::size_t size = bytes_of(bitmap.format);
+  if (size == 1) return 0;
+  std::size_t count = 0;
+  for (std::size_t at = 0; at + size <= bitmap.texels.size(); at += size) {
+    // Little-endian: the sign is the last byte's highest bit. NaN, whose exponent is full, stays for others to see.
+    const bool negative = (bitmap.texels[at + size - 1] & std::byte{0x80}) != std::byte{0};
+    const std::size_t index = at / size;
+    if (!negative) continue;
+    const auto channel = static_cast<std::uint32_t>(index % bitmap.channels);
+    const auto x = static_cast<std::uint32_t>(index / bitmap.channels % bitmap.width);
+    const auto y = static_cast<std::uint32_t>(index / bitmap.channels / bitmap.width);
+    if (!(bitmap.stored(x, y, channel) < 0.0f)) continue;
+    std::memset(&bitmap.texels[at], 0, size);
+    ++count;
+  }
+  return count;
+}
+
 double linear_from_srgb(double code) {
   return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
 }

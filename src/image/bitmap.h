@@ -36,6 +36,8 @@ struct Bitmap {
 };
 
 std::size_t bytes_of(BitmapFormat format);
+/// Makes negative floats 0, as resampling leaves them beside bright edges; returns how many there were.
+std::size_t clear_negative_values(Bitmap& bitmap);
 /// Light of an sRGB code in [0,1], IEC 61966-2-1.
 double linear_from_srgb(double code);
 

@@ -19,12 +19,20 @@ void DecisionLog::segment(const std::optional<Surface>& hit) {
 }
 
 void DecisionLog::light(const LightSample& sample, bool contributed) {
-  fold(sample.instance + 1);
-  fold(sample.primitive + 1);
+  light(sample.instance, sample.primitive, contributed);
+}
+
+void DecisionLog::environment(const EnvironmentSample& sample, bool contributed) {
+  light(PathVertex::kEnvironment, sample.cell, contributed);
+}
+
+void DecisionLog::light(std::uint32_t instance, std::uint32_t primitive, bool contributed) {
+  fold(instance + 1);
+  fold(primitive + 1);
   fold(contributed ? 1 : 0);
   if (PathVertex* v = vertex()) {
-    v->light_instance = sample.instance;
-    v->light_primitive = sample.primitive;
+    v->light_instance = instance;
+    v->light_primitive = primitive;
     v->light_contributed = contributed ? 1 : 0;
   }
 }

@@ -22,6 +22,7 @@ class DecisionLog {
 
   void segment(const std::optional<Surface>& hit);
   void light(const LightSample& sample, bool contributed);
+  void environment(const EnvironmentSample& sample, bool contributed);
   void lobe(Lobe lobe);
   void roulette(bool survived);
   /// What the path has gathered so far.
@@ -31,6 +32,7 @@ class DecisionLog {
   std::uint32_t segments() const { return segments_; }
 
  private:
+  void light(std::uint32_t instance, std::uint32_t primitive, bool contributed);
   void fold(std::uint32_t word) { hash_ = (hash_ ^ word) * 0x01000193u; }
   /// The vertex being recorded, or null.
   PathVertex* vertex() const;

@@ -97,7 +97,7 @@ class Path {
 
  private:
   bool leave(const Ray& ray, bool seen_by_camera) {
-    if (!(seen_by_camera && integrator_.hide_emitters)) radiance_ += beta_ * world_.sky(ray.direction);
+    if (!(seen_by_camera && integrator_.hide_emitters)) radiance_ += beta_ * from_outside(ray.direction);
     return false;
   }
 
@@ -130,8 +130,7 @@ class Path {
     // Numbers are counted by segments, of which a round has two.
     const std::uint32_t k = 2 * round;
     const bool delta = is_delta(bsdf);
-    if (round < integrator_.emitter_samples && !delta && !world_.lights().empty())
-      radiance_ += beta_ * direct_light(surface, scatterer, random_.light(k));
+    if (round < integrator_.emitter_samples && !delta) radiance_ += beta_ * sampled_light(surface, scatterer, k);
     if (round >= integrator_.bsdf_samples) return false;
     const BsdfSample bounce = scatterer.sample(random_.material(k));
     log_.lobe(bounce.lobe);
@@ -141,6 +140,18 @@ class Path {
     ray = {.origin = surface.offset_toward(bounce.wi), .direction = bounce.wi};
     return true;
   }
+
+  /// Light that arrives from outside, times the share that finding it by chance has in the estimate.
+  Vec3 from_outside(const Vec3& w) const {
+    const Environment& environment = world_.environment();
+    const Vec3 L = environment.radiance(w);
+    if (is_zero(L) || !found_by_sampling()) return L;
+    if (!weighs_) return Vec3(0.0);
+    return L * power_heuristic(bsdf_count() * previous_->pdf_w, light_count() * environment.pdf_w(w));
+  }
+
+  /// Whether the vertex before has sampled lights, too.
+  bool found_by_sampling() const { return samples_lights_ && previous_ && !previous_->delta; }
 
   /// Gathers light at vertex `depth` − 1 and turns `ray` into the next segment; false when the path ends.
   bool scatter(const Surface& surface, std::uint32_t depth, Ray& ray) {
@@ -155,8 +166,7 @@ class Path {
       return false;
     }
     const std::uint32_t k = depth - 1;
-    if (samples_lights_ && !is_delta(bsdf) && !world_.lights().empty())
-      radiance_ += beta_ * direct_light(surface, scatterer, random_.light(k));
+    if (samples_lights_ && !is_delta(bsdf)) radiance_ += beta_ * sampled_light(surface, scatterer, k);
     if (integrator_.type == Integrator::Type::whitted && !is_delta(bsdf)) return false;
 
     const SampleRandom::Material random = random_.material(k);
@@ -175,14 +185,37 @@ class Path {
   /// Radiance emitted toward `wo`, times the share that finding it by chance has in the estimate.
   Vec3 emission(const AreaEmitter* emitter, const Surface& surface, const Vec3& wo) const {
     const Vec3 Le = emitted_radiance(emitter, surface, wo);
-    if (is_zero(Le) || !samples_lights_ || !previous_ || previous_->delta) return Le;
+    if (is_zero(Le) || !found_by_sampling()) return Le;
     if (!weighs_) return Vec3(0.0);
-    const double pdf_light = world_.lights().pdf_w_mis(world_.scene(), previous_->point, previous_->ns, surface);
+    const double pdf_light = world_.environment().lights_prob() *
+                             world_.lights().pdf_w_mis(world_.scene(), previous_->point, previous_->ns, surface);
     const double w_bsdf = power_heuristic(bsdf_count() * previous_->pdf_w, light_count() * pdf_light);
     return Le * w_bsdf;
   }
 
-  /// Next-event estimation: reflected radiance due to one sampled point of one light.
+  /// Next-event estimation at vertex `k`: reflected radiance due to a direction of the environment or a point of a
+  /// light.
+  Vec3 sampled_light(const Surface& surface, const Scatterer& scatterer, std::uint32_t k) const {
+    const Environment& environment = world_.environment();
+    if (environment.is_sampled()) {
+      if (const auto sample = environment.sample(random_.environment(k)))
+        return outside_light(surface, scatterer, *sample);
+    }
+    if (world_.lights().empty()) return Vec3(0.0);
+    return direct_light(surface, scatterer, random_.light(k)) / environment.lights_prob();
+  }
+
+  Vec3 outside_light(const Surface& surface, const Scatterer& scatterer, const EnvironmentSample& sample) const {
+    const Vec3 unshadowed = scatterer.eval(sample.wi) * sample.radiance;
+    const bool contributes = !is_zero(unshadowed) && world_.escapes(surface.offset_toward(sample.wi), sample.wi);
+    log_.environment(sample, contributes);
+    if (!contributes) return Vec3(0.0);
+    const double w_light =
+        weighs_ ? power_heuristic(light_count() * sample.pdf_w, bsdf_count() * scatterer.pdf(sample.wi)) : 1.0;
+    return unshadowed / sample.pdf_w * w_light / light_count();
+  }
+
+  /// Reflected radiance due to one sampled point of one light, where no other than those is chosen.
   Vec3 direct_light(const Surface& surface, const Scatterer& scatterer, const SampleRandom::Light& random) const {
     const std::optional<LightSample> chosen = world_.lights().sample(world_.scene(), surface.p, surface.ns, random);
     if (!chosen) return Vec3(0.0);
@@ -193,8 +226,9 @@ class Path {
                              !world_.occluded(surface.offset_toward(light.wi), light.surface.offset_toward(-light.wi));
     log_.light(light, contributes);
     if (!contributes) return Vec3(0.0);
+    const double pdf_mis = light.pdf_w_mis * world_.environment().lights_prob();
     const double w_light =
-        weighs_ ? power_heuristic(light_count() * light.pdf_w_mis, bsdf_count() * scatterer.pdf(light.wi)) : 1.0;
+        weighs_ ? power_heuristic(light_count() * pdf_mis, bsdf_count() * scatterer.pdf(light.wi)) : 1.0;
     return unshadowed / light.pdf_w * w_light / light_count();
   }
 

@@ -123,6 +123,7 @@ Lights::Lights(const Scene& scene) : of_instance_(scene.instances.size()) {
     of_instance_[i] = lights_.size();
     lights_.push_back(make_light(scene, i, sharing.has_instance(i), shared));
     weights.push_back(luminance(lights_.back().radiance) * lights_.back().area);
+    power_ += weights.back();
   }
   choice_ = DiscreteChoice(weights);
   if (wants_light_tree(scene)) tree_ = LightTree(light_leaves(scene, lights_));

@@ -46,6 +46,8 @@ class Lights {
   Lights() = default;
 
   bool empty() const { return choice_.empty(); }
+  /// Sum of luminance times area.
+  double power() const { return power_; }
   /// Chooses a light for a surface at `from` with shading normal `ns`, and a point on it. Not when empty; nothing when
   /// no light can contribute.
   std::optional<LightSample> sample(const Scene& scene, const Vec3& from, const Vec3& ns,
@@ -71,8 +73,9 @@ class Lights {
                        const SampleRandom::Light& random, LightSample& sample) const;
 
   std::vector<AreaLight> lights_;
-  LightTree tree_;                                       ///< empty where lights are chosen by power
-  DiscreteChoice choice_;                                ///< index into lights_
+  LightTree tree_;         ///< empty where lights are chosen by power
+  DiscreteChoice choice_;  ///< index into lights_
+  double power_ = 0.0;
   std::vector<std::optional<std::size_t>> of_instance_;  ///< instance → index into lights_
 };
 

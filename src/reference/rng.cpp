@@ -83,7 +83,7 @@ Words SampleRandom::block(std::uint32_t index) const {
   Words point;
   for (unsigned d = 0; d < 4; ++d) point[d] = owen_scramble(sobol(shuffled, d), seeds[d]);
   // The first two dimensions go to the numbers that make a point of the film, a point of a light, a direction.
-  if (index == 0) return point;
+  if (index == 0 || index >= kReserved) return point;
   if (index % 2 == 1) return {point[2], point[3], point[0], point[1]};
   return {point[2], point[0], point[1], point[3]};
 }

@@ -55,6 +55,11 @@ class SampleRandom {
     double lobe, u, v, roulette;  ///< [0,1)
   };
 
+  struct Environment {
+    std::uint32_t row, column;  ///< whole words, for integer thresholds
+    double across, down;        ///< [0,1)
+  };
+
   Filter filter() const {
     const auto words = block(0);
     return {unit_float(words[0]), unit_float(words[1])};
@@ -75,9 +80,16 @@ class SampleRandom {
     return {unit_float(words[0]), unit_float(words[1]), unit_float(words[2]), unit_float(words[3])};
   }
 
+  /// Numbers for a direction of the environment at surface vertex `k`.
+  Environment environment(std::uint32_t k) const {
+    const auto words = block(kReserved + (3u << 24) + k % (1u << 24));
+    return {words[0], words[1], unit_float(words[2]), unit_float(words[3])};
+  }
+
   Words block(std::uint32_t index) const;
 
  private:
+  static constexpr std::uint32_t kReserved = 1u << 31;  ///< the first of the blocks for later kinds of numbers
   std::uint32_t seed_, pixel_, path_, set_bits_;
 };
 

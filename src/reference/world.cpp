@@ -17,7 +17,8 @@ double largest_coordinate(const Vec3& v) {
 
 }  // namespace
 
-World::World(const Scene& scene) : scene_(scene), lights_(scene), filter_(scene.camera.filter) {
+World::World(const Scene& scene)
+    : scene_(scene), lights_(scene), environment_(scene, lights_.power()), filter_(scene.camera.filter) {
   for (const Instance& instance : scene_.instances) placements_.emplace_back(instance);
   sharing_.emplace(scene_);
   add_meshes(*sharing_);
@@ -187,6 +188,10 @@ bool World::occluded(const Vec3& from, const Vec3& to) const {
   });
 }
 
+bool World::escapes(const Vec3& from, const Vec3& direction) const {
+  return !closest_hit({.origin = from, .direction = direction, .t_min = 0.0, .t_max = INFINITY}).has_value();
+}
+
 Surface World::triangle_surface(const Found& found) const {
   const auto& mesh = std::get<TriangleMesh>(scene_.shape_of(scene_.instances[found.instance]));
   const Placement& placement = placements_[found.instance];
@@ -213,10 +218,6 @@ Surface World::sphere_surface(const Found& found, const Vec3& near_point) {
           .magnitude = largest_coordinate(found.center) + found.radius,
           .instance = found.instance,
           .primitive = 0};
-}
-
-Vec3 World::sky(const Vec3& w) const {
-  return glm::mix(scene_.sky.horizon, scene_.sky.top, std::clamp(w.y, 0.0, 1.0));
 }
 
 }  // namespace etendue::reference

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "reference/bvh.h"
+#include "reference/environment.h"
 #include "reference/filter.h"
 #include "reference/intersect.h"
 #include "reference/lights.h"
@@ -24,14 +25,15 @@ class World {
 
   const Scene& scene() const { return scene_; }
   const Lights& lights() const { return lights_; }
+  const Environment& environment() const { return environment_; }
   const FilterSampler& filter() const { return filter_; }
 
   /// The nearest surface along the ray.
   std::optional<Surface> closest_hit(const Ray& ray) const;
   /// Whether anything lies between two points that have already been offset off their surfaces.
   bool occluded(const Vec3& from, const Vec3& to) const;
-  /// Radiance that arrives from outside along direction `w`.
-  Vec3 sky(const Vec3& w) const;
+  /// Whether a ray from a point that has already been offset off its surface meets nothing.
+  bool escapes(const Vec3& from, const Vec3& direction) const;
 
  private:
   /// A triangle, or a sphere when `radius` > 0 (its centre is p0); or an instance of a shared mesh, all of it.
@@ -67,6 +69,7 @@ class World {
 
   Scene scene_;
   Lights lights_;
+  Environment environment_;
   FilterSampler filter_;
   Bvh bvh_;
   std::vector<Primitive> primitives_;  ///< in the order of the hierarchy's leaves

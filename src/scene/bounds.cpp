@@ -1,5 +1,8 @@
 #include "scene/bounds.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "scene/placed.h"
 
 namespace etendue {
@@ -64,6 +67,30 @@ Bounds bounds_of(const Scene& scene) {
     all.add(box.max);
   }
   return all;
+}
+
+double typical_radius(const Scene& scene) {
+  const auto lower_median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  std::vector<glm::dvec3> middles;
+  std::vector<double> radii;
+  for (const Bounds& box : instance_bounds(scene, Sharing(scene))) {
+    if (box.empty()) continue;
+    middles.push_back(0.5 * (box.min + box.max));
+    radii.push_back(0.5 * glm::length(box.max - box.min));
+  }
+  if (radii.empty()) return 0.0;
+  glm::dvec3 center;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> coordinates;
+    for (const glm::dvec3& middle : middles) coordinates.push_back(middle[axis]);
+    center[axis] = lower_median(coordinates);
+  }
+  for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = std::max(radii[i], glm::length(middles[i] - center));
+  return lower_median(radii);
 }
 
 }  // namespace etendue

@@ -29,6 +29,10 @@ Bounds transformed(const Bounds& box, const glm::dmat4& world_from_object);
 Bounds bounds_of(const Scene& scene, const Instance& instance);
 /// Of all instances; empty where there are none. Instances of shared meshes count by their transformed boxes.
 Bounds bounds_of(const Scene& scene);
+/// How far the bulk of a scene reaches: the lower median, over all instances, of the larger of two numbers, half the
+/// diagonal of its box and the distance of the box's middle from the median middle (each coordinate for itself). A
+/// large floor does not count for more than anything else. 0 where there are none.
+double typical_radius(const Scene& scene);
 
 /// Of each instance: as exact as `bounds_of(scene, instance)` but where its mesh is shared, then around the transformed
 /// box of the mesh, which costs nothing however many instances there are.

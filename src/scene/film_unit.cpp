@@ -12,6 +12,15 @@ double largest_component(const glm::dvec3& v) {
   return std::max({v.x, v.y, v.z});
 }
 
+/// A small sun may be brighter than its sky by more than the film's numbers are long. What pixels show is mostly of the
+/// size of the mean; the brightest texel itself must fit, too, with room for the weights of paths.
+double largest_of(const Sky& sky) {
+  constexpr double kShareOfPeak = 0x1p-12;
+  if (!sky.picture) return std::max(largest_component(sky.top), largest_component(sky.horizon));
+  const SkyStatistics statistics = sky_statistics(*sky.picture);
+  return std::max(statistics.mean, kShareOfPeak * statistics.largest);
+}
+
 /// Smallest E with value <= 2^E; 0 where the value is not above 0 and finite.
 int exponent_above(double value) {
   if (!(value > 0.0) || !std::isfinite(value)) return 0;
@@ -43,7 +52,7 @@ int depth_exponent(const Camera& camera) {
 }  // namespace
 
 int radiance_exponent(const Scene& scene) {
-  double largest = std::max(largest_component(scene.sky.top), largest_component(scene.sky.horizon));
+  double largest = largest_of(scene.sky);
   for (const Instance& instance : scene.instances) {
     if (const AreaEmitter* emitter = scene.emitter_of(instance))
       largest = std::max(largest, largest_component(emitter->radiance));

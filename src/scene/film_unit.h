@@ -6,7 +6,8 @@
 
 namespace etendue {
 
-/// Smallest integer E with every component of radiance that anything of the scene emits <= 2^E; 0 for a dark scene.
+/// Smallest integer E with every component of radiance that anything of the scene emits <= 2^E, but of a sky's picture
+/// its mean and 2^-12 of its largest; 0 for a dark scene.
 int radiance_exponent(const Scene& scene);
 
 /// The film's exponent for a view of a scene whose emitters have `radiance_exponent` and that fills `bounds`: that

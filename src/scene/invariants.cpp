@@ -62,8 +62,7 @@ class Checker {
   void check() {
     check_camera();
     check_sampler_and_integrator();
-    check_radiance(scene_.sky.top, scene_.position, "sky_top");
-    check_radiance(scene_.sky.horizon, scene_.position, "sky_horizon");
+    check_sky();
     for (const AreaEmitter& emitter : scene_.emitters) check_radiance(emitter.radiance, emitter.position, "radiance");
     for (const Material& material : scene_.materials)
       std::visit([&](const auto& bsdf) { check_bsdf(bsdf, material); }, material.bsdf);
@@ -187,6 +186,41 @@ class Checker {
           component > 0.0 && component < kMinRadiance ? "too small for single precision" : "out of range";
       return error(object, field,
                    fmt::format("radiance {} is {}; use 0, or {} to {}", component, wrong, kMinRadiance, kMaxRadiance));
+    }
+  }
+
+  void check_sky() {
+    const Sky& sky = scene_.sky;
+    check_radiance(sky.top, scene_.position, "sky_top");
+    check_radiance(sky.horizon, scene_.position, "sky_horizon");
+    if (const glm::dmat4 turn(sky.world_from_sky); !is_usable(turn) || !is_similarity(turn)) {
+      error(scene_.position, "world_from_sky",
+            "the transform of the environment scales it unevenly or shears it; use rotations, reflections and uniform "
+            "scale");
+    }
+    if (sky.picture) check_sky_picture(*sky.picture);
+  }
+
+  void check_sky_picture(const SkyPicture& picture) {
+    const Bitmap* bitmap = picture.bitmap.get();
+    if (bitmap == nullptr || bitmap->width < 1 || bitmap->height < 1 || bitmap->channels < 1 || bitmap->channels > 4 ||
+        bitmap->texels.size() != bitmap->row_bytes() * bitmap->height) {
+      return error(scene_.position, "sky_picture", "the picture of the environment has no texels, or too few");
+    }
+    if (!(picture.scale > 0.0 && std::isfinite(picture.scale))) {
+      return error(scene_.position, "sky_scale",
+                   fmt::format("the scale of the environment is {}; it must be above 0 and finite", picture.scale));
+    }
+    const SkyStatistics statistics = sky_statistics(picture);
+    if (!(statistics.smallest >= 0.0)) {
+      error(scene_.position, "sky_picture",
+            fmt::format("the picture of the environment has a radiance of {}; light is not negative",
+                        statistics.smallest));
+    }
+    if (!(statistics.largest <= kMaxRadiance)) {
+      error(scene_.position, "sky_picture",
+            fmt::format("the picture of the environment has a radiance of {}; use at most {}", statistics.largest,
+                        kMaxRadiance));
     }
   }
 

@@ -7,13 +7,14 @@
 
 #include <xxhash.h>
 
+#include "scene/bounds.h"
 #include "scene/sharing.h"
 
 namespace etendue {
 namespace {
 
-/// XXH3 over a sequence of values. Lengths and variant indices go in as well, so that different scenes cannot run into
-/// the same bytes.
+/// XXH3 over a sequence of values. Lengths and variant indices go in as well, so that different scenes cannot run
+/// into the same bytes.
 class Hasher {
  public:
   Hasher() { XXH3_64bits_reset(state_.get()); }
@@ -118,6 +119,28 @@ void hash_rest(Hasher& h, const Camera& camera) {
   h.value(camera.aperture.rotation);
 }
 
+/// A gradient that is not turned goes in as it always did.
+void hash(Hasher& h, const Sky& sky) {
+  h.value(sky.top);
+  h.value(sky.horizon);
+  const bool turned = sky.world_from_sky != glm::dmat3(1.0);
+  if (turned) {
+    h.value('T');
+    for (int column = 0; column < 3; ++column) h.value(glm::dvec3(sky.world_from_sky[column]));
+  }
+  if (!sky.picture) return;
+  const Bitmap& bitmap = *sky.picture->bitmap;
+  h.value('P');
+  h.value(bitmap.width);
+  h.value(bitmap.height);
+  h.value(bitmap.channels);
+  h.value(bitmap.format);
+  h.value(bitmap.color_space);
+  h.bytes(bitmap.texels.data(), bitmap.texels.size());
+  h.value(sky.picture->scale);
+  h.value(sky.picture->rows);
+}
+
 void hash(Hasher& h, const Camera& camera) {
   h.value(camera.fov);
   h.value(camera.near_clip);
@@ -155,8 +178,7 @@ std::uint64_t scene_hash(const Scene& scene) {
   hash(h, scene.camera);
   h.value(scene.sampler.type);
   if (scene.sampler.type == Sampler::Type::sobol) h.value(scene.sampler.set_bits);
-  h.value(scene.sky.top);
-  h.value(scene.sky.horizon);
+  hash(h, scene.sky);
   h.value(scene.shapes.size());
   for (const Shape& shape : scene.shapes) hash(h, shape);
   // Lights of shared meshes are chosen otherwise: other samples.

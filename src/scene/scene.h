@@ -12,6 +12,7 @@
 #include <glm/glm.hpp>
 
 #include "scene/bsdfs.h"
+#include "scene/sky.h"
 
 namespace etendue {
 
@@ -195,12 +196,6 @@ bool gathers_light(const Integrator& integrator);
 /// Whether it samples lights, and whether it weighs them against material samples.
 bool samples_lights(const Integrator& integrator);
 bool weighs_strategies(const Integrator& integrator);
-
-/// Light from outside. Radiance of a ray that leaves the scene in direction w: mix(horizon, top, clamp(w.y, 0, 1)).
-struct Sky {
-  glm::dvec3 top{0.0};
-  glm::dvec3 horizon{0.0};
-};
 
 /// How meshes that several instances show are laid out: `automatic` keeps them once where that pays, `never` copies
 /// them into the world, `always` keeps every mesh in object space, for tests. See sharing.h.

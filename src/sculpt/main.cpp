@@ -1,5 +1,5 @@
-// etendue-sculpt: makes the large meshes of the scenes, so that the repository need not carry them and no scan has to
-// be licensed. The same command writes the same bytes on every machine.
+// etendue-sculpt: makes the large meshes of the scenes and a sky, so that the repository need not carry them and no
+// scan has to be licensed. The same command writes the same bytes on every machine.
 
 #include <fmt/format.h>
 
@@ -9,6 +9,7 @@
 #include "core/terminal.h"
 #include "sculpt/mesh.h"
 #include "sculpt/polygonise.h"
+#include "sculpt/sky.h"
 
 using namespace etendue;
 
@@ -29,7 +30,7 @@ sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
 }
 
 int run(int argc, char** argv) {
-  Command app("Makes triangle meshes for the scenes: the same bytes on every machine.", "etendue-sculpt");
+  Command app("Makes triangle meshes and a sky for the scenes: the same bytes on every machine.", "etendue-sculpt");
   std::string kind, output;
   std::uint64_t triangles = 500000;
   app.add_option(
@@ -37,15 +38,23 @@ int run(int argc, char** argv) {
          "bust: a head with curls, 1 high, standing on y = 0, facing +z; bumpy-sphere: around the origin, radius "
          "about 0.5; fir: the crown of a tree, about 1 high (all closed, with normals); grid: a wavy square; soup: "
          "loose random triangles; lamps: triangles "
-         "that hover over a square and look down")
+         "that hover over a square and look down; sky: a picture of a day's sky, Radiance HDR, of --height rows")
       ->required()
-      ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps"}));
+      ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps", "sky"}));
   app.add_option("--triangles", triangles,
                  "at least so many; all but lamps need 100; solids get usually up to 5 per cent more")
       ->capture_default_str()
       ->check(in_range(1, 50'000'000));
-  app.add_option("-o,--output", output, "OBJ file to write")->required();
+  std::uint32_t height = 512;
+  app.add_option("--height", height, "of the sky's picture in pixels, which is twice as wide")
+      ->capture_default_str()
+      ->check(in_range(2, 4096));
+  app.add_option("-o,--output", output, "OBJ file to write, or HDR file of a sky")->required();
   if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? 0 : 2;
+  if (kind == "sky") {
+    sculpt::write_sky(height, fmt::format("Made by etendue-sculpt --kind sky --height {}", height), output);
+    return 0;
+  }
   const sculpt::Mesh mesh = make(kind, triangles);
   sculpt::write_obj(mesh, fmt::format("Made by etendue-sculpt --kind {} --triangles {}", kind, triangles), output);
   return 0;

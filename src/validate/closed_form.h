@@ -31,11 +31,14 @@ enum class SceneFamily {
   coverage,  ///< an emitting rectangle that covers a part of the pixel, through every reconstruction filter
   crowd,     ///< direct with some sixty small lights, chosen by a tree; half of the scenes with Sobol sets
   camera,    ///< what a camera makes of an emitting rectangle: far cameras
-  integrator,  ///< what the other integrators say of simple scenes
+  integrator,   ///< what the other integrators say of simple scenes
+  environment,  ///< a diffuse square under a small picture of all directions, turned, in half of the scenes beside a
+                ///< lamp
 };
-inline constexpr std::array<SceneFamily, 10> kSceneFamilies{
-    SceneFamily::direct, SceneFamily::furnace,  SceneFamily::interior, SceneFamily::sky,    SceneFamily::sheet,
-    SceneFamily::glass,  SceneFamily::coverage, SceneFamily::crowd,    SceneFamily::camera, SceneFamily::integrator};
+inline constexpr std::array<SceneFamily, 11> kSceneFamilies{
+    SceneFamily::direct, SceneFamily::furnace,    SceneFamily::interior,   SceneFamily::sky,
+    SceneFamily::sheet,  SceneFamily::glass,      SceneFamily::coverage,   SceneFamily::crowd,
+    SceneFamily::camera, SceneFamily::integrator, SceneFamily::environment};
 const char* scene_family_name(SceneFamily family);
 
 /// How light is found: naive (by chance), nee (sampled) or mis (both, weighted).

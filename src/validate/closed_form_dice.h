@@ -84,7 +84,7 @@ inline Camera look_along(const dvec3& origin, const dvec3& direction, double fov
   return camera;
 }
 
-/// Scales, turns and moves everything, camera included: no picture may depend on it.
+/// Scales, turns and moves everything, camera and sky included: no picture may depend on it.
 inline void move_scene(Scene& scene, Dice& dice, bool turn) {
   const double scale = dice.log_between(1e-2, 1e2);
   const dvec3 shift = scale * dice.color(-3.0, 3.0);
@@ -102,6 +102,12 @@ inline void move_scene(Scene& scene, Dice& dice, bool turn) {
   view[3] = glm::dvec4(rotation * (scale * dvec3(view[3])) + shift, 1);
   scene.camera.near_clip *= scale;
   scene.camera.far_clip *= scale;
+  if (turn) scene.sky.world_from_sky = rotation * scene.sky.world_from_sky;
+}
+
+inline void set_strategy(Scene& scene, LightStrategy strategy) {
+  scene.integrator.nee = strategy != LightStrategy::naive;
+  scene.integrator.mis = strategy == LightStrategy::mis;
 }
 
 inline ReconstructionFilter random_filter(Dice& dice) {
@@ -117,5 +123,6 @@ ClosedFormScene camera_scene(Dice& dice);
 ClosedFormScene integrator_scene(Dice& dice, LightStrategy strategy);
 /// Of the family direct, for others to look at differently.
 ClosedFormScene direct_light_scene(Dice& dice, LightStrategy strategy);
+ClosedFormScene environment_scene(Dice& dice, LightStrategy strategy);
 
 }  // namespace etendue::closed_form

@@ -35,11 +35,6 @@ TriangleMesh inward_box(const dvec3& half) {
   return mesh;
 }
 
-void set_strategy(Scene& scene, LightStrategy strategy) {
-  scene.integrator.nee = strategy != LightStrategy::naive;
-  scene.integrator.mis = strategy == LightStrategy::mis;
-}
-
 dvec3 sky_radiance(const Sky& sky, const dvec3& d) {
   return glm::mix(sky.horizon, sky.top, std::clamp(d.y, 0.0, 1.0));
 }
@@ -271,7 +266,7 @@ Sky random_sky(Dice& dice) {
   return {.top = dice.color(0.5, 3.0), .horizon = dice.color(0.1, 1.0)};
 }
 
-ClosedFormScene sky_scene(Dice& dice) {
+ClosedFormScene sky_scene(Dice& dice, LightStrategy strategy) {
   ClosedFormScene result;
   Scene& scene = result.scene;
   scene.sky = random_sky(dice);
@@ -287,7 +282,9 @@ ClosedFormScene sky_scene(Dice& dice) {
   const dvec3 diffuse =
       albedo * (scene.sky.horizon + gradient * (closed_form::clamped_cosine_product(n, {0, 1, 0}) / kPi));
   result.expected = luminance(mirror ? sky_radiance(scene.sky, reflect_about(wo, n)) : diffuse);
-  result.name = fmt::format("{} {} under the sky", mirror ? "mirroring" : "diffuse", sphere ? "sphere" : "square");
+  set_strategy(scene, strategy);
+  result.name = fmt::format("{} {} under the sky, {}", mirror ? "mirroring" : "diffuse", sphere ? "sphere" : "square",
+                            light_strategy_name(strategy));
   return result;
 }
 
@@ -398,8 +395,9 @@ ClosedFormScene closed_form::direct_light_scene(Dice& dice, LightStrategy strate
 }
 
 const char* scene_family_name(SceneFamily family) {
-  constexpr std::array<const char*, kSceneFamilies.size()> kNames{
-      "direct", "furnace", "interior", "sky", "sheet", "glass", "coverage", "crowd", "camera", "integrator"};
+  constexpr std::array<const char*, kSceneFamilies.size()> kNames{"direct", "furnace",    "interior",   "sky",
+                                                                  "sheet",  "glass",      "coverage",   "crowd",
+                                                                  "camera", "integrator", "environment"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -424,7 +422,7 @@ ClosedFormScene make_closed_form(SceneFamily family, std::uint64_t seed, LightSt
       case SceneFamily::interior:
         return interior_scene(dice, strategy);
       case SceneFamily::sky:
-        return sky_scene(dice);
+        return sky_scene(dice, strategy);
       case SceneFamily::sheet:
         return sheet_scene(dice);
       case SceneFamily::glass:
@@ -433,6 +431,8 @@ ClosedFormScene make_closed_form(SceneFamily family, std::uint64_t seed, LightSt
         return camera_scene(dice);
       case SceneFamily::integrator:
         return integrator_scene(dice, strategy);
+      case SceneFamily::environment:
+        return environment_scene(dice, strategy);
       case SceneFamily::coverage:
         break;
     }

@@ -59,7 +59,7 @@ void count_path(const std::vector<PathVertex>& path, Counts& counts) {
   for (const PathVertex& vertex : path) {
     // Light that is there without a light sample having brought it was met by chance.
     const bool sampled = vertex.light_instance != PathVertex::kNone;
-    if (sampled) {
+    if (sampled && vertex.light_instance != PathVertex::kEnvironment) {
       EmitterCount& emitter = counts.emitters[vertex.light_instance];
       ++emitter.tried;
       if (vertex.light_contributed == 1) ++emitter.reached;
@@ -186,7 +186,7 @@ void probe_scene(Scene scene, Diagnostics& diagnostics) {
     const AreaEmitter* emitter = scene.emitter_of(instance);
     return emitter != nullptr && emitter->radiance != glm::dvec3(0.0);
   });
-  const bool has_sky = scene.sky.top != glm::dvec3(0.0) || scene.sky.horizon != glm::dvec3(0.0);
+  const bool has_sky = !is_dark(scene.sky);
   if (!path_tracing || (!has_emitter && !has_sky)) return;
   if (counts.lit == 0) {
     diagnostics.warning(scene.position,

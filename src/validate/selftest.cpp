@@ -145,7 +145,7 @@ SelftestReport run_selftest(const RendererFactory& make_renderer, const BsdfProb
 std::string selftest_text(const SelftestReport& report) {
   std::string out = fmt::format("selftest on {} ({}), seed {}, {} suite(s), {} samples a test\n", report.device,
                                 report.driver, report.options.seed, report.options.seeds, report.options.samples);
-  out += fmt::format("{:<10} {:>6} {:>12} {:>11} {:>7} {:>12}\n", "family", "tests", "statistical", "not tested",
+  out += fmt::format("{:<12} {:>6} {:>12} {:>11} {:>7} {:>12}\n", "family", "tests", "statistical", "not tested",
                      "failed", "smallest p");
   std::vector<std::string> families;
   families.reserve(kSceneFamilies.size() + 1);
@@ -162,7 +162,7 @@ std::string selftest_text(const SelftestReport& report) {
       failed += c.tested && !c.passed;
       if (c.tested && c.statistical) smallest = std::min(smallest, c.p_value);
     }
-    out += fmt::format("{:<10} {:>6} {:>12} {:>11} {:>7} {:>12.4g}\n", family, tests, statistical, untested, failed,
+    out += fmt::format("{:<12} {:>6} {:>12} {:>11} {:>7} {:>12.4g}\n", family, tests, statistical, untested, failed,
                        smallest);
   }
   for (const SelftestCase& c : report.cases) {

@@ -12,6 +12,7 @@
 #include "formats/read_scene.h"
 #include "reference/reference_renderer.h"
 #include "reference_scenes.h"
+#include "sky_pictures.h"
 #include "validate/sample_comparison.h"
 
 namespace etendue::test {
@@ -194,6 +195,25 @@ TEST_F(RendererAgreement, CourseTests) {
 
 TEST_F(RendererAgreement, ManyMaterialsSmoothNormalsAndSky) {
   compare("everything", everything(), 60000, 800, 600);
+}
+
+// Under pictures of the sky with a sun in them, texels next to each other as different as can be: what glass and
+// mirrors make of a rounding error is seen; lamps chosen by power and by their tree, Sobol points, no other light at
+// all.
+TEST_F(RendererAgreement, PicturesOfTheSky) {
+  Scene scene = everything();
+  scene.sky.picture = make_random_sky(31, 17, SkyPicture::Rows::bands);
+  scene.sky.world_from_sky = oblique_turn();
+  compare("beside lamps", scene, 40000, 800, 2000);
+  scene.sampler = {Sampler::Type::sobol, 16, 4};
+  scene.integrator.light_sampler = Integrator::LightSampler::tree;
+  compare("beside a tree of lamps, sobol", scene, 40000, 800, 2000);
+  scene.integrator.mis = false;
+  compare("without mis", scene, 20000, 800, 2000);
+  Scene alone = everything();
+  for (Instance& instance : alone.instances) instance.emitter.reset();
+  alone.sky.picture = make_random_sky(64, 32, SkyPicture::Rows::circles, 1e4f);
+  compare("alone", alone, 40000, 800, 2000);
 }
 
 // The same scene at another size and place. Coordinates are doubles on both sides, so only the rounding of the inputs

@@ -19,10 +19,10 @@ while read -r folder allowed; do
 done <<'RULES'
 core
 image core
-scene core
-formats scene core
+scene image core
+formats scene image core
 render scene image core
-compile scene core
+compile scene image core
 vulkan core
 gpu compile vulkan render scene image core
 reference render scene image core

@@ -137,7 +137,7 @@ const BadInput kGrammar[] = {
      3, 56, "the roughness is given twice"},
     {"TooSmooth", in_mesh("<bsdf type=\"microfacet\"><float name=\"alpha\" value=\"1e-4\"/></bsdf>"), 3, 52,
      "allowed is 0.001 … 1"},
-    {"EnvironmentMap", in_mesh("<emitter type=\"envmap\"/>"), 3, 16, "not supported; supported are: area"},
+    {"PointLight", in_mesh("<emitter type=\"point\"/>"), 3, 16, "not supported; supported are: area"},
     {"CropTooLarge",
      "<scene><integrator type=\"path\"/>\n<camera type=\"perspective\"><integer name=\"cropOffsetX\" "
      "value=\"1280\"/></camera></scene>",
@@ -170,7 +170,8 @@ const BadInput kGrammar[] = {
     {"TextInProperty", in_mesh("<float name=\"radius\" value=\"1\">2</float>"), 3, 32, "stray text"},
     {"ElementInProperty", in_mesh("<float name=\"radius\" value=\"1\"><x/></float>"), 3, 32, "cannot hold elements"},
     {"MisplacedMesh", in_mesh("<mesh type=\"sphere\"/>"), 3, 1, "belongs inside <scene>"},
-    {"EmitterInScene", scene_around("<emitter type=\"area\"/>"), 2, 1, "belongs inside <mesh>"},
+    {"EmitterInScene", scene_around("<emitter type=\"area\"><color name=\"radiance\" value=\"1 1 1\"/></emitter>"), 2,
+     1, "stands in the mesh that shines"},
     {"FilterInScene", scene_around("<rfilter type=\"box\"/>"), 2, 1, "belongs inside <camera>"},
     {"SceneInScene", scene_around("<scene/>"), 2, 1, "belongs inside <test>"},
     {"TwoBsdfs", in_mesh("<bsdf type=\"mirror\"/><bsdf type=\"mirror\"/>"), 3, 22, "more than one <bsdf>"},

@@ -298,6 +298,19 @@ TEST(Bitmap, NamesWhatIsNoPicture) {
   EXPECT_THAT(error_of([&] { read_bitmap(folder.path()); }), HasSubstr("cannot read it"));
 }
 
+TEST(Bitmap, ClearsNegativeValues) {
+  Bitmap bitmap{.width = 2, .height = 1, .channels = 2, .format = BitmapFormat::f16};
+  // 1, -1, -0, NaN
+  for (const unsigned half : {0x3c00u, 0xbc00u, 0x8000u, 0xfe00u}) {
+    bitmap.texels.push_back(static_cast<std::byte>(half & 255u));
+    bitmap.texels.push_back(static_cast<std::byte>(half >> 8));
+  }
+  EXPECT_EQ(clear_negative_values(bitmap), 1u);
+  EXPECT_EQ(bitmap.stored(0, 0, 0), 1.0f);
+  EXPECT_EQ(bitmap.stored(0, 0, 1), 0.0f);
+  EXPECT_TRUE(std::isnan(bitmap.stored(1, 0, 1)));
+}
+
 TEST(Bitmap, UndoesTheCurveOfSrgb) {
   EXPECT_EQ(linear_from_srgb(0), 0);
   EXPECT_EQ(linear_from_srgb(1), 1);

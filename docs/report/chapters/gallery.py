@@ -4,6 +4,7 @@ PICTURES = {
     # name: (size, samples per pixel), as docs/gallery.md tells its readers to make them
     "materials": ((560, 245), 160),
     "cbox-ajax": ((400, 300), 43),
+    "daylight": ((560, 315), 256),
     "bubble": ((480, 270), 288),
     "cbox-sphere": ((640, 480), 400),
 }

@@ -47,24 +47,23 @@ def only_lamp(keep):
 
 
 def many_emitters(studio):
-    """The bubble's lamps: how often each is chosen, what it gives to the picture, and whether the parts add up to the whole."""
+    """The bubble's lamps and its sky: how often each is chosen, what it gives to the picture, and whether the parts add up to the whole."""
     size, spp = studio.pick((240, 135), (48, 27)), studio.pick(96, 8)
     counted = studio.json("explain", studio.scene("bubble"), "--lights", studio.pick(200000, 2000), "--json", "--size",
                           f"{size[0]}x{size[1]}")  # yapf: disable
     whole, whole_error = studio.render("bubble", "bubble-whole", spp=spp, size=size, seed=3).rgb()
     total = float(np.mean(luminance(whole)))
     parts, variance, rows = np.zeros_like(whole), whole_error**2, []
-    names = ["warm sphere, upper left", "cool panel, upper right", "small triangle, at the back"]
-    for i, light in enumerate([*counted["lights"], None]):
-        scene = studio.variant("bubble", f"bubble-{i}", only_lamp(i if light else None))
+    names = ["warm sphere, upper left", "cool panel, upper right", "small triangle, at the back", "sky"]
+    for i, light in enumerate(counted["lights"]):
+        scene = studio.variant("bubble", f"bubble-{i}", only_lamp(None if light["instance"] == "sky" else i))
         render = studio.render(scene, f"bubble-{i}", spp=spp, size=size, seed=4 + i)
         picture, error = render.rgb()
         parts += picture
         variance = variance + error**2
         studio.keep_picture(f"emitters-{i}", render.png())
         given = float(np.mean(luminance(picture))) / total
-        rows.append({"name": names[i] if light else "sky (found by chance)", "given": given, **(
-            {"chosen": light["share"], "unhidden": light["reached"] / light["chosen"]} if light else {"chosen": None, "unhidden": None})})
+        rows.append({"name": names[i], "given": given, "chosen": light["share"], "unhidden": light["reached"] / light["chosen"]})
     difference = (np.mean(parts - whole, axis=(0, 1)) @ LUMINANCE) / total
     # The channels of a sample go up and down together: at most their errors add up.
     error = float(np.sqrt(np.sum((np.sqrt(variance) @ LUMINANCE) ** 2)) / whole[..., 0].size) / total

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -71,6 +72,7 @@ class SceneReader {
     if (const auto camera = read_only_child(object, "camera")) scene.camera = read_camera(*camera);
     scene.sampler = read_sampler(object);
     scene.instancing = read_instancing(object);
+    if (const auto emitter = read_only_child(object, "emitter")) read_environment(*emitter, object, scene);
     materials_.clear();
     meshes_.clear();
     groups_.clear();
@@ -596,7 +598,75 @@ class SceneReader {
     return roughness;
   }
 
+  /// Light from outside: an emitter of the scene itself.
+  void read_environment(const Object& object, const Object& scene_object, Scene& scene) {
+    const std::string_view type = object.plugin().type;
+    if (type == "area") {
+      return sink_.error(object.position(),
+                         "an area light stands in the mesh that shines; light from all around the scene is constant or "
+                         "envmap");
+    }
+    for (const char* name : {"sky_top", "sky_horizon"}) {
+      if (scene_object.given(name)) {
+        sink_.error(scene_object.position_of(name),
+                    fmt::format("\"{}\" and an emitter of the scene are two skies; remove one of them", name));
+      }
+    }
+    if (type == "constant") {
+      scene.sky.top = scene.sky.horizon = object.get<glm::dvec3>("radiance");
+      return;
+    }
+    scene.sky.picture = read_sky_picture(object);
+    scene.sky.world_from_sky = glm::dmat3(object.matrix("toWorld"));
+    const auto place = [&](const char* field, const char* property) {
+      fields_[{scene.position.line, scene.position.column, field}] = object.position_of(property);
+    };
+    place("sky_picture", "filename");
+    place("sky_scale", "scale");
+    place("world_from_sky", "toWorld");
+  }
+
+  std::optional<SkyPicture> read_sky_picture(const Object& object) {
+    SkyPicture picture{.bitmap = nullptr, .scale = object.get<double>("scale")};
+    const auto rows = object.get<std::string>("rows");
+    if (rows == "circles") {
+      picture.rows = SkyPicture::Rows::circles;
+    } else if (rows != "bands") {
+      const std::vector<std::string> known = {"bands", "circles"};
+      sink_.error(object.position_of("rows"), fmt::format("{} is no kind of rows{}; known are bands and circles",
+                                                          text::quoted(rows), text::did_you_mean(rows, known)));
+    }
+    if (!object.given("filename")) return std::nullopt;
+    const SourcePosition position = object.position_of("filename");
+    const std::string filename(text::trim(object.get<std::string>("filename")));
+    if (filename.empty()) {
+      sink_.error(position, "\"filename\" is empty; give the path of a picture");
+      return std::nullopt;
+    }
+    const fs::path path = find_file(filename, position);
+    note_if_outside(path, "picture", position);
+    try {
+      Bitmap bitmap = read_bitmap(path.string());
+      for (const std::string& note : bitmap.notes) sink_.note(position, note);
+      if (const std::size_t count = clear_negative_values(bitmap); count > 0) {
+        sink_.warning(position, fmt::format("the picture {} has {} negative values; they are taken as 0",
+                                            text::quoted(path.filename().string()), count));
+      }
+      picture.bitmap = std::make_shared<const Bitmap>(std::move(bitmap));
+    } catch (const Error& error) {
+      sink_.error(position, fmt::format("picture {}", error.what()), error.kind());
+      return std::nullopt;
+    }
+    return picture;
+  }
+
   AreaEmitter read_emitter(const Object& object) {
+    if (std::string_view(object.plugin().type) != "area") {
+      sink_.error(object.position(),
+                  fmt::format("{} is light from all around the scene, not of a mesh; move it into <scene>, or use area",
+                              object.plugin().type));
+      return {};
+    }
     const auto radiance = object.get<glm::dvec3>("radiance");
     remember_fields(object, {"radiance"});
     if (object.given("radiance") && radiance == glm::dvec3(0.0)) {
@@ -614,16 +684,16 @@ class SceneReader {
       sink_.error(position, fmt::format("\"filename\" is empty; give the path of an {} file", format.title));
       return std::nullopt;
     }
-    const fs::path path = find_mesh_file(filename, position);
+    const fs::path path = find_file(filename, position);
     name = path.filename().string();
-    note_if_outside(path, position);
+    note_if_outside(path, "mesh", position);
     if (sink_.error_count() >= kMaxErrorsBeforeMeshes) return std::nullopt;
     return load_mesh(format, path.string(), position);
   }
 
   /// Names are relative to the folder of the scene. Where no file has the name as it is written, its backslashes are
   /// taken as those of a Windows path.
-  fs::path find_mesh_file(const std::string& filename, const SourcePosition& position) {
+  fs::path find_file(const std::string& filename, const SourcePosition& position) {
     const fs::path folder = fs::path(path_).parent_path();
     std::error_code unknown;
     if (filename.find('\\') == std::string::npos || fs::exists(folder / filename, unknown)) return folder / filename;
@@ -667,7 +737,7 @@ class SceneReader {
   }
 
   /// A scene from a stranger may name any file of the machine; reading it is allowed, but not in silence.
-  void note_if_outside(const fs::path& path, const SourcePosition& position) {
+  void note_if_outside(const fs::path& path, const char* what, const SourcePosition& position) {
     std::error_code error;
     const fs::path folder = fs::weakly_canonical(fs::absolute(fs::path(path_), error).parent_path(), error);
     if (error) return;
@@ -677,7 +747,7 @@ class SceneReader {
     const bool outside = relative.empty() || *relative.begin() == "..";
     if (outside)
       sink_.note(position,
-                 fmt::format("mesh {} lies outside the folder of the scene file", text::quoted(target.string())));
+                 fmt::format("{} {} lies outside the folder of the scene file", what, text::quoted(target.string())));
   }
 
   std::vector<TestBsdf> read_test_bsdfs(const Object& test) {

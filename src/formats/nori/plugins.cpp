@@ -68,6 +68,7 @@ std::vector<Plugin> scene_plugins() {
         {"camera", 1, 1, ChildUse::element},
         {"sampler", 0, 1, ChildUse::element},
         {"mesh", 0, kAnyNumber, ChildUse::element},
+        {"emitter", 0, 1, ChildUse::element},
         {"bsdf", 0, kAnyNumber, ChildUse::definition}}},
   };
 }
@@ -298,6 +299,28 @@ std::vector<Plugin> object_plugins() {
        "Makes its mesh a light that shines on the side of the geometric normal.",
        {{"radiance", color, nullptr, between(0, kMaxRadiance), "emitted radiance, the same in all directions"}},
        {}},
+      {"emitter",
+       "constant",
+       "The same light from all directions around the scene; a child of <scene>, in place of its sky.",
+       {{"radiance", color, "1 1 1", between(0, kMaxRadiance), "radiance from every direction"}},
+       {}},
+      {"emitter",
+       "envmap",
+       "Light from all directions around the scene by a picture of latitude and longitude, +Y up; a child of <scene>, "
+       "in "
+       "place of its sky. The left and the right edge of the picture are toward -Z, its middle toward +Z, and +X lies "
+       "a "
+       "quarter of its width from the left. PNG and JPEG are taken as sRGB, OpenEXR and Radiance HDR as linear.",
+       {{"filename", string, nullptr, any(), "the picture, relative to the folder of the scene file"},
+        {"scale", real, "1", above(0), "factor of the picture's radiance"},
+        {"rows", string, "bands", any(),
+         "bands: each row of the picture is the middle of a band of equal height; circles: the first and the last row "
+         "are "
+         "the poles, as in Mitsuba"},
+        {"toWorld", transform, "", any(),
+         "turns the picture, whose own axes are above; rotations and reflections, as scale and translation are of no "
+         "account"}},
+       {}},
       {"test",
        "ttest",
        "Do mean values agree with references? Run by `etendue ttest`. With scenes: one reference for each. With bsdfs: "
@@ -363,7 +386,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"bsdf",
        {"roughdielectric", "plastic", "roughplastic", "phong", "disney", "principled", "twosided", "normalmap",
         "bumpmap", "blend", "mask", "null", "thindielectric"}},
-      {"emitter", {"point", "spot", "directional", "distant", "constant", "envmap", "environment"}},
+      {"emitter", {"point", "spot", "directional", "distant", "environment"}},
   };
 }
 

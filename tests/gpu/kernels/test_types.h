@@ -103,6 +103,23 @@ struct LightAnswer {
   uint pad0, pad1, pad2;
 };
 
+// One direction sampled by the words, and what direction w sees.
+struct EnvironmentCase {
+  uvec4 words;
+  vec3 w;
+  uint pad0;
+};
+struct EnvironmentAnswer {
+  vec3 wi;
+  float pdf_w;
+  vec3 radiance;
+  uint cell;
+  vec3 seen;
+  float seen_pdf_w;
+  uint chosen;
+  uint pad0, pad1, pad2;
+};
+
 struct RayCase {
   vec3 o;
   float t_min;

@@ -1,0 +1,198 @@
+// Light from outside the scene: what a direction sees, how directions are sampled and with which density. docs/conventions.md, "Environment".
+#include "../mutants.h"
+
+layout(constant_id = kConstantEnvironment) const uint kEnvironment = kEnvironmentNone;
+layout(constant_id = kConstantEnvironmentAlone) const bool kEnvironmentAlone = false;  // there is no other light
+layout(constant_id = kConstantEnvironmentColumns) const uint kEnvironmentColumns = 1u;
+layout(constant_id = kConstantEnvironmentTexelRows) const uint kEnvironmentTexelRows = 1u;
+layout(constant_id = kConstantEnvironmentCellRows) const uint kEnvironmentCellRows = 1u;
+// Rounds of the bisections: ceil(log2) of the numbers of rows and columns.
+layout(constant_id = kConstantEnvironmentRowRounds) const uint kEnvironmentRowRounds = 32u;
+layout(constant_id = kConstantEnvironmentColumnRounds) const uint kEnvironmentColumnRounds = 32u;
+const bool kHasEnvironment = kEnvironment != kEnvironmentNone;
+const bool kEnvironmentPictured = kEnvironment == kEnvironmentPicture;
+
+// More cells than texels in a column: rows are bands, and the first and last row of cells are half a band each.
+const bool kEnvironmentBands = kEnvironmentCellRows > kEnvironmentTexelRows;
+// Row coordinate of cells: that of the north pole, and how much more it is at the south pole.
+float environment_first_row() { return kEnvironmentBands ? 0.5 : 0.0; }
+float environment_row_range() { return float(kEnvironmentBands ? kEnvironmentTexelRows : kEnvironmentTexelRows - 1u); }
+const uint kGradientRows = 32u;  // above the horizon
+
+// A cell and the place in it, both from 0 to 1.
+struct EnvironmentPlace {
+  uint column;
+  uint row;
+  float across;
+  float down;
+};
+
+// The angle of (x, y) from the x axis as eighths · π/4 + rest, eighths in 0…8 and |rest| <= π/8: single precision would not do for the columns of a
+// large picture. Polynomial of [Moshier1989].
+void split_angle(float y, float x, out float eighths, out float rest) {
+  const float large = max(abs(x), abs(y));
+  const float t = min(abs(x), abs(y)) / max(large, 1e-37);
+  const bool steep = t > 0.414213562;
+  const float s = steep ? (t - 1.0) / (t + 1.0) : t;
+  const float s2 = s * s;
+  rest = s + s * s2 * (-3.33329491539e-1 + s2 * (1.99777106478e-1 + s2 * (-1.38776856032e-1 + s2 * 8.05374449538e-2)));
+  eighths = steep ? 1.0 : 0.0;
+  const bool across = abs(y) > abs(x);
+  eighths = across ? 2.0 - eighths : eighths;
+  rest = across ? -rest : rest;
+  eighths = x < 0.0 ? 4.0 - eighths : eighths;
+  rest = x < 0.0 ? -rest : rest;
+  eighths = y < 0.0 ? 8.0 - eighths : eighths;
+  rest = y < 0.0 ? -rest : rest;
+}
+
+// floor(whole + rest) and what is above it, where `whole` is exact.
+float split_coordinate(float whole, float rest, out float fraction) {
+  const float base = floor(whole);
+  const float above = (whole - base) + rest;
+  fraction = above - floor(above);
+  return base + floor(above);
+}
+
+// Row of cells at the angle θ from the north pole; `fraction` is the place down the cell.
+uint environment_row(float sin_theta, float cos_theta, out float fraction) {
+  float eighths, rest;
+  split_angle(sin_theta, cos_theta, eighths, rest);
+  const float range = environment_row_range();
+  const float row = split_coordinate(range * eighths * 0.25 + environment_first_row(), range * rest * kInvPi, fraction);
+  const float last = float(kEnvironmentCellRows - 1u);
+  fraction = row < 0.0 ? 0.0 : row > last ? 1.0 : fraction;
+  return uint(clamp(row, 0.0, last));
+}
+
+// Of a direction of the sky.
+EnvironmentPlace environment_place(vec3 d) {
+  EnvironmentPlace at;
+  if (!kEnvironmentPictured) {
+    at.row = d.y < 0.0 ? kGradientRows : min(uint((1.0 - d.y) * float(kGradientRows)), kGradientRows - 1u);
+    at.column = 0u;
+    return at;
+  }
+  float eighths, rest;
+  split_angle(d.x, -d.z, eighths, rest);
+  float whole = float(kEnvironmentColumns) * eighths * 0.125 - 0.5;
+  MUTATE(kMutantEnvironmentShifted, whole += 0.5);
+  const float column = split_coordinate(whole, float(kEnvironmentColumns) * rest * (0.5 * kInvPi), at.across);
+  const float wrapped = column < 0.0 ? column + float(kEnvironmentColumns) : column;
+  at.column = uint(wrapped >= float(kEnvironmentColumns) ? wrapped - float(kEnvironmentColumns) : wrapped);
+  at.row = environment_row(sqrt(d.x * d.x + d.z * d.z), d.y, at.down);
+  return at;
+}
+
+vec3 environment_texel(int row, uint column) {
+  uint y = uint(clamp(row, 0, int(kEnvironmentTexelRows) - 1));
+  MUTATE(kMutantEnvironmentUpsideDown, y = kEnvironmentTexelRows - 1u - y);
+  return fetch_environment_texel(y * kEnvironmentColumns + column).radiance;
+}
+
+// The picture, bilinear between the corners of a cell.
+vec3 picture_radiance(EnvironmentPlace at) {
+  const int upper = int(at.row) - (kEnvironmentBands ? 1 : 0);
+  const uint next = at.column + 1u == kEnvironmentColumns ? 0u : at.column + 1u;
+  const vec3 above = mix(environment_texel(upper, at.column), environment_texel(upper, next), at.across);
+  const vec3 below = mix(environment_texel(upper + 1, at.column), environment_texel(upper + 1, next), at.across);
+  return mix(above, below, at.down);
+}
+
+vec3 gradient_radiance(vec3 d) {
+  MUTATE(kMutantSkyMirrored, d.y = -d.y);
+  return mix(frame.sky_horizon, frame.sky_top, clamp(d.y, 0.0, 1.0));
+}
+
+// Share of a cell in its row.
+float cell_prob(EnvironmentRow row, uint r, uint column) {
+  if (!kEnvironmentPictured) return 1.0;
+  if (column >= row.column_count) return 0.0;
+  const bool last = column + 1u == row.column_count;
+  const uint first = r * kEnvironmentColumns + column;
+  // 2^32 is 0 here.
+  const uint units = (last ? 0u : fetch_environment_texel(first + 1u).threshold) - fetch_environment_texel(first).threshold;
+  return units == 0u ? (last ? 1.0 : 0.0) : float(units) * (1.0 / 4294967296.0);
+}
+
+// Density of sampling some direction of the cell, w.r.t. solid angle and with the choice of the environment.
+float environment_cell_pdf(EnvironmentRow row, uint r, uint column) {
+  float pdf_w = row.density * cell_prob(row, r, column);
+  MUTATE(kMutantEnvironmentSineForgotten, pdf_w *= abs(row.lower_edge - row.upper_edge) * float(kEnvironmentCellRows));
+  MUTATE(kMutantEnvironmentChoiceForgotten, pdf_w /= 1.0 - frame.lights_prob);
+  return pdf_w;
+}
+
+// Last row whose threshold is <= word.
+uint choose_environment_row(uint word) {
+  uint first = 0u, count = frame.environment_row_count;
+  for (uint i = 0u; i < kEnvironmentRowRounds; ++i) {
+    const uint half_count = count >> 1u;
+    const bool upper = fetch_environment_row_threshold(first + half_count) <= word;
+    first = upper ? first + half_count : first;
+    count = upper ? count - half_count : half_count;
+  }
+  return first;
+}
+
+uint choose_environment_column(uint row, uint column_count, uint word) {
+  if (!kEnvironmentPictured) return 0u;
+  uint first = 0u, count = column_count;
+  for (uint i = 0u; i < kEnvironmentColumnRounds; ++i) {
+    const uint half_count = count >> 1u;
+    const bool upper = fetch_environment_texel(row * kEnvironmentColumns + first + half_count).threshold <= word;
+    first = upper ? first + half_count : first;
+    count = upper ? count - half_count : half_count;
+  }
+  return first;
+}
+
+vec3 world_from_sky(vec3 d) { return frame.sky_x * d.x + frame.sky_y * d.y + frame.sky_z * d.z; }
+vec3 sky_from_world(vec3 w) {
+  MUTATE(kMutantSkyTurnedBack, return world_from_sky(w));
+  return vec3(dot(frame.sky_x, w), dot(frame.sky_y, w), dot(frame.sky_z, w));
+}
+
+// What arrives from direction w of the world; `pdf_w` is the density with which sample_environment finds it.
+vec3 environment_radiance(vec3 w, out float pdf_w) {
+  const vec3 d = sky_from_world(w);
+  const EnvironmentPlace at = environment_place(d);
+  pdf_w = environment_cell_pdf(fetch_environment_row(at.row), at.row, at.column);
+  if (kEnvironmentPictured) return picture_radiance(at);
+  return gradient_radiance(d);
+}
+
+// Whether the words choose the environment, not a light.
+bool chooses_environment(uvec4 words) { return kHasEnvironment && (kEnvironmentAlone || words.x < frame.environment_threshold); }
+
+// A direction, as a light that lies infinitely far away.
+LightSample sample_environment(uvec4 words) {
+  EnvironmentPlace at;
+  at.row = choose_environment_row(words.x);
+  const EnvironmentRow row = fetch_environment_row(at.row);
+  at.column = choose_environment_column(at.row, row.column_count, words.y);
+  at.across = to_unit(words.z);
+  // sin² of half the angle from the nearer pole, even in the cosine.
+  const float s = row.upper_edge + to_unit(words.w) * (row.lower_edge - row.upper_edge);
+  const float side = 2u * at.row < kEnvironmentCellRows ? 1.0 : -1.0;
+  const float sin_theta = 2.0 * sqrt(max(0.0, s * (1.0 - s)));
+  const float cos_theta = side * (1.0 - 2.0 * s);
+  const float u = (float(at.column) + 0.5 + at.across) / float(kEnvironmentColumns);
+  const vec2 turn = cos_sin_turn(u >= 1.0 ? u - 1.0 : u);
+  const vec3 d = vec3(sin_theta * turn.y, cos_theta, -sin_theta * turn.x);
+  LightSample ls;
+  ls.wi = world_from_sky(d);
+  ls.pdf_w = environment_cell_pdf(row, at.row, at.column);
+  ls.mis_pdf = ls.pdf_w;
+  if (kEnvironmentPictured) {
+    // At a cell's edge rounding may find the neighbour.
+    const uint found = environment_row(sin_theta, cos_theta, at.down);
+    at.down = found == at.row ? at.down : found > at.row ? 1.0 : 0.0;
+    ls.radiance = picture_radiance(at);
+  } else {
+    ls.radiance = gradient_radiance(d);
+  }
+  ls.instance = kEnvironmentLight;
+  ls.primitive = at.row * kEnvironmentColumns + at.column;
+  return ls;
+}
