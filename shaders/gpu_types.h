@@ -85,6 +85,11 @@ const uint kConstantHideEmitters = 41u;
 const uint kConstantCameraWindow = 42u;
 const uint kConstantInstanced = 46u;  // some meshes are shared: the tree has two levels
 const uint kConstantPlacesAt = 47u;
+const uint kConstantHasDisks = 55u;
+const uint kConstantHasCylinders = 56u;
+const uint kConstantFewDisks = 57u;
+const uint kConstantFewCylinders = 58u;
+const uint kConstantCylinderLights = 59u;
 const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -141,6 +146,8 @@ const uint kFilterSteps = 1024u;  // intervals of the tabulated inverse CDF
 
 const uint kPrimitiveTriangle = 0u;
 const uint kPrimitiveSphere = 1u;
+const uint kPrimitiveDisk = 2u;
+const uint kPrimitiveCylinder = 3u;
 
 // The tree: nodes and primitives lie among each other in one array of texels of 16 bytes, so that a traversal step is one fetch whatever it finds.
 // A slot is the place of one of them. A primitive takes three texels, a Record; its a.w has kRecordNode clear because instances number fewer than 2^31.
@@ -182,17 +189,18 @@ const uint kFewPrimitives = 24u;
 const uint kFewFloats = 9u;
 
 // One analytic primitive, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in
-// p0 and its radius in p1.x.
+// p0 and its radius in p1.x; a disk, or what an affine map makes of it, its centre in p0 and the ends of two conjugate half axes in p1 and p2; the
+// side of a cylinder the ends of its axis in p0 and p1, its radius in p2.x, and in p2.y 1, or −1 where its normal points inward.
 struct Primitive {
   vec3 p0;
   uint instance;   // index into instances
   vec3 p1;
-  uint primitive;  // triangle index within the mesh; 0 for a sphere
+  uint primitive;  // triangle index within the mesh; 0 for other shapes
   vec3 p2;
-  uint kind;       // kPrimitive* in the lowest bit; above it the primitive's number among all of the scene, by instance
+  uint kind;       // kPrimitive* in the lowest bits; above it the primitive's number among all of the scene, by instance
 };
-const uint kPrimitiveKindMask = 1u;
-const uint kPrimitiveOrderShift = 1u;
+const uint kPrimitiveKindMask = 3u;
+const uint kPrimitiveOrderShift = 2u;
 
 // Shared meshes: a record of the tree may be an instance of one. Its a.w has kRecordInstance beside the number of the instance, b.w is the slot of the
 // root of the mesh's own tree, c.w the number of its Place; a, b and c hold the rows of object_from_world. The primitives of that tree lie in object

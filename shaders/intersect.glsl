@@ -2,14 +2,19 @@
 #ifndef INTERSECT_GLSL
 #define INTERSECT_GLSL
 
+#include "cylinder.glsl"
 #include "frame.glsl"
 #include "ray.glsl"
 #include "scene.glsl"
 
 layout(constant_id = kConstantHasSpheres) const bool kHasSpheres = true;
+layout(constant_id = kConstantHasDisks) const bool kHasDisks = true;
+layout(constant_id = kConstantHasCylinders) const bool kHasCylinders = true;
 // The primitives that are tested before the tree, see kFewPrimitives.
 layout(constant_id = kConstantFewCount) const uint kFewCount = 0u;
 layout(constant_id = kConstantFewSpheres) const uint kFewSpheres = 0u;  // bit i: the i-th of them is a sphere
+layout(constant_id = kConstantFewDisks) const uint kFewDisks = 0u;
+layout(constant_id = kConstantFewCylinders) const uint kFewCylinders = 0u;
 
 // Their floats: kFew<i>_<k> is float k of p0, p1, p2 of primitive i.
 #define FOR_EACH_FEW(X) \
@@ -22,6 +27,9 @@ FOR_EACH_FEW(FEW_VALUES_OF)
 #define FEW_VALUES(i) \
   vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), vec3(kFew##i##_3, kFew##i##_4, kFew##i##_5), vec3(kFew##i##_6, kFew##i##_7, kFew##i##_8)
 
+#define FEW_CYLINDER(i) \
+  vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), vec3(kFew##i##_3, kFew##i##_4, kFew##i##_5), kFew##i##_6
+
 // The nearest primitive so far, while primitives are being tested.
 struct Nearest {
   float t;
@@ -31,6 +39,9 @@ struct Nearest {
 };
 
 bool is_sphere(Primitive prim) { return kHasSpheres && (prim.kind & kPrimitiveKindMask) == kPrimitiveSphere; }
+
+bool is_disk(Primitive prim) { return kHasDisks && (prim.kind & kPrimitiveKindMask) == kPrimitiveDisk; }
+bool is_cylinder(Primitive prim) { return kHasCylinders && (prim.kind & kPrimitiveKindMask) == kPrimitiveCylinder; }
 
 // A ray with the plane it is seen along: every primitive is projected onto (s, t), perpendicular to the ray, and tested in 2D.
 struct RayFrame {
@@ -84,6 +95,18 @@ bool intersect_triangle(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out
   return weights.x >= 0.0 && weights.y >= 0.0 && weights.z >= 0.0 && t > rf.ray.t_min && t < t_max;
 }
 
+// A disk under an affine map: the weights of the ends of its half axes are the coordinates of the point in the unit disk.
+bool intersect_disk(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out float t) {
+  const vec3 a = p0 - rf.ray.o;
+  const vec3 b = p1 - rf.ray.o;
+  const vec3 c = p2 - rf.ray.o;
+  const vec3 weights = triangle_weights(rf, a, b, c);
+  t = dot(weights, vec3(dot(rf.ray.d, a), dot(rf.ray.d, b), dot(rf.ray.d, c)));
+  float r2 = dot(weights.yz, weights.yz);
+  MUTATE(kMutantDiskSquare, r2 = max(weights.y * weights.y, weights.z * weights.z));
+  return r2 <= 1.0 && t > rf.ray.t_min && t < t_max;
+}
+
 // Nearest intersection beyond t_min; the quadratic is solved about the point of the ray nearest to the centre, which keeps its precision
 // for small or distant spheres [Haines2019].
 bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float t) {
@@ -112,6 +135,8 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, i
   float t;
   bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, reach, t);
   if (is_sphere(prim)) found = intersect_sphere(rf.ray, prim.p0, prim.p1.x, reach, t);
+  if (is_disk(prim)) found = intersect_disk(rf, prim.p0, prim.p1, prim.p2, reach, t);
+  if (is_cylinder(prim)) found = intersect_cylinder(rf.ray, prim.p0, prim.p1, prim.p2.x, reach, t);
   nearest = Nearest(found ? t : nearest.t, found ? slot : nearest.slot, found ? prim.kind : nearest.order, found ? instance : nearest.instance);
   return found;
 }
@@ -123,6 +148,10 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, i
     bool found;                                                                                                           \
     if ((kFewSpheres >> i & 1u) != 0u) {                                                                                  \
       found = intersect_sphere(rf.ray, vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), kFew##i##_3, nearest.t, t);           \
+    } else if ((kFewDisks >> i & 1u) != 0u) {                                                                             \
+      found = intersect_disk(rf, FEW_VALUES(i), nearest.t, t);                                                            \
+    } else if ((kFewCylinders >> i & 1u) != 0u) {                                                                         \
+      found = intersect_cylinder(rf.ray, FEW_CYLINDER(i), nearest.t, t);                                                  \
     } else {                                                                                                              \
       found = intersect_triangle(rf, FEW_VALUES(i), nearest.t, t);                                                        \
     }                                                                                                                     \

@@ -74,7 +74,11 @@ const uint kMutantEnvironmentTwice = 58u;
 const uint kMutantEnvironmentChoiceForgotten = 59u;
 const uint kMutantLightsShareForgotten = 60u;
 const uint kMutantSkyTurnedBack = 61u;
-const uint kMutantCount = 62u;
+const uint kMutantDiskSquare = 62u;
+const uint kMutantDiskAreaOfASquare = 63u;
+const uint kMutantCylinderHalfArea = 64u;
+const uint kMutantCylinderOutsideOnly = 65u;
+const uint kMutantCount = 66u;
 #endif
 
 #ifdef __cplusplus

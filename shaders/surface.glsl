@@ -7,11 +7,11 @@
 
 layout(constant_id = kConstantVertexNormals) const bool kVertexNormals = true;  // of any mesh
 
-// What a ray met: identity, distance and, on a triangle, the barycentric weights of its vertices. The primitive comes along because whoever found
+// What a ray met: identity, distance and, on a triangle or a disk, the barycentric weights of its vertices. The primitive comes along because whoever found
 // the hit has it at hand.
 struct Hit {
   uint instance;   // kNone: nothing
-  uint primitive;  // triangle within the mesh; 0 on a sphere
+  uint primitive;  // triangle within the mesh; 0 on other shapes
   float t;
   vec3 weights;
   Primitive geometry;
@@ -55,9 +55,11 @@ struct Surface {
 // Bound on the distance between a computed point of the primitive and the true surface, with room for the next ray's own intersection
 // error: 8 units in the last place of the largest coordinate involved.
 float surface_error(Primitive prim) {
-  const float scale = is_sphere(prim)
-                          ? max_component(abs(prim.p0)) + prim.p1.x
-                          : max(max_component(abs(prim.p0)), max(max_component(abs(prim.p1)), max_component(abs(prim.p2))));
+  float scale = is_sphere(prim)
+                    ? max_component(abs(prim.p0)) + prim.p1.x
+                    : max(max_component(abs(prim.p0)), max(max_component(abs(prim.p1)), max_component(abs(prim.p2))));
+  if (is_disk(prim)) scale += max_component(abs(prim.p1 - prim.p0)) + max_component(abs(prim.p2 - prim.p0));
+  if (is_cylinder(prim)) scale = max(max_component(abs(prim.p0)), max_component(abs(prim.p1))) + prim.p2.x;
   return scale * (8.0 / 8388608.0);
 }
 
@@ -100,6 +102,13 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
   if (is_sphere(prim)) {
     s.ng = normalize(ray.o + hit.t * ray.d - prim.p0);
     s.p = prim.p0 + prim.p1.x * s.ng;  // back onto the sphere: the error no longer grows with the distance
+    ns = s.ng;
+  } else if (is_cylinder(prim)) {
+    s.p = onto_cylinder(ray.o + hit.t * ray.d, prim.p0, prim.p1, prim.p2.xy, s.ng);
+    ns = s.ng;
+  } else if (is_disk(prim)) {
+    s.ng = triangle_normal(prim);
+    s.p = prim.p0 + hit.weights.y * (prim.p1 - prim.p0) + hit.weights.z * (prim.p2 - prim.p0);
     ns = s.ng;
   } else {
     s.ng = triangle_normal(prim);

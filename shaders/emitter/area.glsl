@@ -1,4 +1,4 @@
-// Diffuse area light on a triangle or a sphere, emitting on the side of the shading normal.
+// Diffuse area light on a triangle, disk, cylinder or sphere, emitting on the side of the shading normal.
 #include "../mutants.h"
 
 // Radiance toward w (pointing away from the surface).
@@ -23,8 +23,17 @@ struct LightChoice {
   float mis_area;
 };
 
-LightSample area_sample_triangle(vec3 p, Primitive tri, Instance instance, LightChoice choice, vec2 u) {
-  const vec3 b = square_to_triangle(u);
+// Or on a disk: the two differ in where their points lie in the plane of p0, p1 and p2, and how many there are.
+LightSample area_sample_flat(vec3 p, Primitive tri, Instance instance, LightChoice choice, vec2 u) {
+  vec3 b = square_to_triangle(u);
+  float share = 0.5;  // of the area of the parallelogram of p1 − p0 and p2 − p0
+  if (is_disk(tri)) {
+    float r;
+    const vec2 d = square_to_disk(u, r);
+    b = vec3(1.0 - d.x - d.y, d);
+    share = kPi;
+    MUTATE(kMutantDiskAreaOfASquare, share = 4.0);
+  }
   LightSample ls;
   ls.p = b.x * tri.p0 + b.y * tri.p1 + b.z * tri.p2;
   const vec3 n = cross(tri.p1 - tri.p0, tri.p2 - tri.p0);
@@ -43,7 +52,7 @@ LightSample area_sample_triangle(vec3 p, Primitive tri, Instance instance, Light
   const float cos_light = abs(dot(ls.wi, ls.ng));
   facing = facing && cos_light > 0.0 && d2 > 0.0;
   // prob/area turned into solid angle: dω = cos θ dA / d².
-  ls.pdf_w = facing ? choice.instance_prob * choice.primitive_prob * d2 / (0.5 * twice_area * cos_light) : 0.0;
+  ls.pdf_w = facing ? choice.instance_prob * choice.primitive_prob * d2 / (share * twice_area * cos_light) : 0.0;
   ls.mis_pdf = facing ? choice.instance_prob * d2 / (choice.mis_area * cos_light) : 0.0;
   MUTATE(kMutantTriangleChoiceForgotten, ls.pdf_w /= choice.primitive_prob);
   MUTATE(kMutantDistanceNotSquared, ls.pdf_w /= sqrt(d2));
@@ -69,12 +78,37 @@ LightSample area_sample_sphere(vec3 p, Primitive sphere, LightChoice choice, vec
   return ls;
 }
 
+// Uniform by area: u.x along the axis, u.y around it.
+LightSample area_sample_cylinder(vec3 p, Primitive prim, LightChoice choice, vec2 u) {
+  const vec3 axis = prim.p1 - prim.p0;
+  const float height = length(axis);
+  const float radius = prim.p2.x;
+  const ShadingFrame around = make_frame(axis * (1.0 / height));
+  const float phi = 2.0 * kPi * u.y;
+  const vec3 outward = cos(phi) * around.s + sin(phi) * around.t;
+  LightSample ls;
+  ls.p = prim.p0 + u.x * axis + radius * outward;
+  ls.ng = prim.p2.y * outward;
+  const vec3 v = ls.p - p;
+  const float d2 = dot(v, v);
+  ls.wi = v * inversesqrt(d2);
+  const float cos_light = -dot(ls.wi, ls.ng);
+  const bool facing = cos_light > 0.0 && d2 > 0.0;
+  float area = 2.0 * kPi * radius * height;
+  MUTATE(kMutantCylinderHalfArea, area *= 0.5);
+  ls.pdf_w = facing ? choice.instance_prob * choice.primitive_prob * d2 / (area * cos_light) : 0.0;
+  ls.mis_pdf = facing ? choice.instance_prob * d2 / (choice.mis_area * cos_light) : 0.0;
+  return ls;
+}
+
 LightSample area_sample(vec3 p, Primitive prim, Instance instance, LightChoice choice, vec2 u) {
   LightSample ls;
   if (kSphereLights && is_sphere(prim)) {
     ls = area_sample_sphere(p, prim, choice, u);
+  } else if (kCylinderLights && is_cylinder(prim)) {
+    ls = area_sample_cylinder(p, prim, choice, u);
   } else {
-    ls = area_sample_triangle(p, prim, instance, choice, u);
+    ls = area_sample_flat(p, prim, instance, choice, u);
   }
   ls.error = surface_error(prim);
   MUTATE(kMutantLightChoiceForgotten, ls.pdf_w /= choice.instance_prob);

@@ -19,6 +19,7 @@ struct LightSample {
 };
 
 layout(constant_id = kConstantSphereLights) const bool kSphereLights = true;
+layout(constant_id = kConstantCylinderLights) const bool kCylinderLights = true;
 layout(constant_id = kConstantLightNormals) const bool kLightNormals = true;  // some light has vertex normals
 
 #include "area.glsl"

@@ -129,6 +129,8 @@ Json instance_json(const Scene& scene, const Instance& instance, bool mirror, co
   if (const auto* sphere = std::get_if<Sphere>(&scene.shape_of(instance))) {
     const Sphere placed = placed_sphere(*sphere, instance);
     out["sphere"] = {{"center", json(mirrored(placed.center, mirror))}, {"radius", placed.radius}};
+  } else if (!std::holds_alternative<TriangleMesh>(scene.shape_of(instance))) {
+    throw Error(ErrorKind::scene, fmt::format("{} is neither mesh nor sphere; others are not exported", instance.name));
   } else {
     const auto& mesh = std::get<TriangleMesh>(scene.shape_of(instance));
     out["mesh"] = {{"file", ply}, {"triangles", mesh.triangles.size()}, {"normals", !mesh.normals.empty()}};

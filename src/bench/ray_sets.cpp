@@ -9,6 +9,7 @@
 #include <random>
 #include <variant>
 
+#include "core/errors.h"
 #include "scene/placed.h"
 
 namespace etendue {
@@ -59,8 +60,11 @@ class PlacedScene {
       const Shape& shape = scene.shape_of(instance);
       if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
         shapes_.emplace_back(PlacedMesh(*mesh, instance));
+      } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+        shapes_.emplace_back(placed_sphere(*sphere, instance));
       } else {
-        shapes_.emplace_back(placed_sphere(std::get<Sphere>(shape), instance));
+        throw Error(ErrorKind::scene,
+                    "rays are measured in scenes of triangles and spheres; this one has disks or cylinders");
       }
     }
   }

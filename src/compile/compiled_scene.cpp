@@ -75,21 +75,27 @@ gpu::MaterialRecord flatten(const RoughConductorBsdf& bsdf) {
           .alpha_v = static_cast<float>(bsdf.roughness.alpha_v)};
 }
 
-// A shape where its instance puts it: one of the two, as the shape is.
+// A shape where its instance puts it: one of these, as the shape is.
 struct Placed {
   Placed(const Scene& scene, const Instance& instance) {
     const Shape& shape = scene.shape_of(instance);
     if (const auto* s = std::get_if<Sphere>(&shape)) sphere = placed_sphere(*s, instance);
     if (const auto* m = std::get_if<TriangleMesh>(&shape)) mesh.emplace(*m, instance);
+    if (std::holds_alternative<Disk>(shape)) disk = placed_disk(instance);
+    if (const auto* c = std::get_if<Cylinder>(&shape)) cylinder = placed_cylinder(*c, instance);
   }
   std::size_t primitive_count() const { return mesh ? mesh->triangle_count() : 1; }
   // Of primitive i, in world units.
   double area(std::size_t i) const {
-    return mesh ? triangle_area(mesh->triangle(i)) : 4.0 * kPi * sphere->radius * sphere->radius;
+    if (mesh) return triangle_area(mesh->triangle(i));
+    if (disk) return disk->area();
+    return cylinder ? cylinder->area() : 4.0 * kPi * sphere->radius * sphere->radius;
   }
 
   std::optional<Sphere> sphere;
   std::optional<PlacedMesh> mesh;
+  std::optional<PlacedDisk> disk;
+  std::optional<PlacedCylinder> cylinder;
 };
 
 // A triangle with vertex normals shines on the side of its shading normals, which lie between those of its corners.
@@ -114,6 +120,19 @@ LightLeaf light_leaf(const Placed& placed, std::size_t i) {
     leaf.upper = placed.sphere->center + placed.sphere->radius;
     return leaf;
   }
+  if (placed.disk) {
+    leaf.power = leaf.area;
+    leaf.lower = placed.disk->center - placed.disk->reach();
+    leaf.upper = placed.disk->center + placed.disk->reach();
+    leaf.normal = placed.disk->normal();
+    return leaf;
+  }
+  if (const auto& cylinder = placed.cylinder) {
+    leaf.power = leaf.area / kPi;  // what it shows to the side
+    leaf.lower = glm::min(cylinder->p0, cylinder->p1) - cylinder->reach();
+    leaf.upper = glm::max(cylinder->p0, cylinder->p1) + cylinder->reach();
+    return leaf;
+  }
   const auto [p0, p1, p2] = placed.mesh->triangle(i);
   leaf.lower = glm::min(p0, glm::min(p1, p2));
   leaf.upper = glm::max(p0, glm::max(p1, p2));
@@ -126,13 +145,31 @@ LightLeaf light_leaf(const Placed& placed, std::size_t i) {
   return leaf;
 }
 
+// Around what lies within `reach` of a point, rounded outward.
+Box box_around(const glm::dvec3& point, const glm::dvec3& reach) {
+  Box box;
+  for (int a = 0; a < 3; ++a) {
+    box.lower[a] = std::nextafter(static_cast<float>(point[a] - reach[a]), -INFINITY);
+    box.upper[a] = std::nextafter(static_cast<float>(point[a] + reach[a]), INFINITY);
+  }
+  return box;
+}
+
 Box primitive_box(const gpu::Primitive& p) {
   Box box;
-  if ((p.kind & gpu::kPrimitiveKindMask) == gpu::kPrimitiveSphere) {
+  const glm::dvec3 p0(p.p0), p1(p.p1), p2(p.p2);
+  const gpu::uint kind = p.kind & gpu::kPrimitiveKindMask;
+  if (kind == gpu::kPrimitiveSphere) {
     for (int a = 0; a < 3; ++a) {  // rounded outward
       box.lower[a] = std::nextafter(p.p0[a] - p.p1.x, -INFINITY);
       box.upper[a] = std::nextafter(p.p0[a] + p.p1.x, INFINITY);
     }
+  } else if (kind == gpu::kPrimitiveDisk) {
+    box = box_around(p0, PlacedDisk{p0, p1 - p0, p2 - p0}.reach());
+  } else if (kind == gpu::kPrimitiveCylinder) {
+    const glm::dvec3 reach = PlacedCylinder{p0, p1, p2.x, false}.reach();
+    box = box_around(p0, reach);
+    box.extend(box_around(p1, reach));
   } else {
     box.extend(p.p0);
     box.extend(p.p1);
@@ -282,11 +319,27 @@ class Compiler {
   void flatten_shape(const Placed& placed, gpu::uint index, gpu::Instance& flat) {
     if (placed.mesh) return flatten_mesh(*placed.mesh, index, flat);
     gpu::Primitive p{};
-    p.p0 = normalization_.point(placed.sphere->center);
-    p.p1.x = static_cast<float>(placed.sphere->radius * normalization_.scale);
     p.instance = index;
-    p.kind = gpu::kPrimitiveSphere;
-    out_.has_spheres = true;
+    if (placed.disk) {
+      const PlacedDisk& disk = *placed.disk;
+      p.p0 = normalization_.point(disk.center);
+      p.p1 = normalization_.point(disk.center + disk.a);
+      p.p2 = normalization_.point(disk.center + disk.b);
+      p.kind = gpu::kPrimitiveDisk;
+      out_.has_disks = true;
+    } else if (placed.cylinder) {
+      p.p0 = normalization_.point(placed.cylinder->p0);
+      p.p1 = normalization_.point(placed.cylinder->p1);
+      p.p2.x = static_cast<float>(placed.cylinder->radius * normalization_.scale);
+      p.p2.y = placed.cylinder->inward ? -1.0f : 1.0f;
+      p.kind = gpu::kPrimitiveCylinder;
+      out_.has_cylinders = true;
+    } else {
+      p.p0 = normalization_.point(placed.sphere->center);
+      p.p1.x = static_cast<float>(placed.sphere->radius * normalization_.scale);
+      p.kind = gpu::kPrimitiveSphere;
+      out_.has_spheres = true;
+    }
     add_primitive(p);
   }
 
@@ -315,8 +368,10 @@ class Compiler {
     std::vector<std::uint32_t> few = choose_few_primitives(boxes, boxes.size() - shared_records_.size());
     out_.few_count = static_cast<std::uint32_t>(few.size());
     for (std::size_t i = 0; i < few.size(); ++i) {
-      const bool sphere = (flat_primitives_[few[i]].kind & gpu::kPrimitiveKindMask) == gpu::kPrimitiveSphere;
-      out_.few_spheres |= static_cast<std::uint32_t>(sphere) << i;
+      const gpu::uint kind = flat_primitives_[few[i]].kind & gpu::kPrimitiveKindMask;
+      out_.few_spheres |= static_cast<std::uint32_t>(kind == gpu::kPrimitiveSphere) << i;
+      out_.few_disks |= static_cast<std::uint32_t>(kind == gpu::kPrimitiveDisk) << i;
+      out_.few_cylinders |= static_cast<std::uint32_t>(kind == gpu::kPrimitiveCylinder) << i;
     }
     return few;
   }

@@ -39,6 +39,11 @@ void for_each_primitive(const Scene& scene, const Visit& visit) {
       visit(sphere.center - sphere.radius, sphere.center + sphere.radius, sphere.center);
       continue;
     }
+    if (!std::holds_alternative<TriangleMesh>(shape)) {
+      const Bounds box = bounds_of(scene, instance);
+      visit(box.min, box.max, 0.5 * box.min + 0.5 * box.max);
+      continue;
+    }
     const PlacedMesh mesh(std::get<TriangleMesh>(shape), instance);
     for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
       const auto [a, b, c] = mesh.triangle(i);

@@ -37,6 +37,15 @@ std::vector<gpu::Primitive> collect(const Scene& scene, const Normalization& nor
       primitives.push_back(p);
       continue;
     }
+    if (!std::holds_alternative<TriangleMesh>(scene.shape_of(instance))) {  // by its box, too
+      const Bounds box = bounds_of(scene, instance);
+      p.p0 = normalization.point(box.min);
+      p.p1 = normalization.point(box.max);
+      p.p2 = {p.p0.x, p.p1.y, p.p0.z};
+      p.kind = gpu::kPrimitiveTriangle;
+      primitives.push_back(p);
+      continue;
+    }
     const PlacedMesh mesh(std::get<TriangleMesh>(scene.shape_of(instance)), instance);
     p.kind = gpu::kPrimitiveTriangle;
     for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {

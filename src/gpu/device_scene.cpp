@@ -74,11 +74,10 @@ struct MaterialsUsed {
   std::uint32_t flags_some = 0, flags_all = ~gpu::kMaterialTypeMask;
 };
 
-bool has_sphere_lights(const CompiledScene& scene) {
-  return std::any_of(scene.light_primitives.begin(), scene.light_primitives.end(),
-                     [](const gpu::LightPrimitive& light) {
-                       return (light.primitive.kind & gpu::kPrimitiveKindMask) == gpu::kPrimitiveSphere;
-                     });
+bool has_lights(const CompiledScene& scene, gpu::uint kind) {
+  return std::any_of(
+      scene.light_primitives.begin(), scene.light_primitives.end(),
+      [kind](const gpu::LightPrimitive& light) { return (light.primitive.kind & gpu::kPrimitiveKindMask) == kind; });
 }
 
 bool has_light_normals(const CompiledScene& scene) {
@@ -166,7 +165,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantMaterialFlagsSome, used.flags_some},
                                      {gpu::kConstantMaterialFlagsAll, used.flags_all},
                                      {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
-                                     {gpu::kConstantSphereLights, has_sphere_lights(scene) ? 1u : 0u},
+                                     {gpu::kConstantSphereLights, has_lights(scene, gpu::kPrimitiveSphere) ? 1u : 0u},
                                      {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},
                                      {gpu::kConstantInstanced, scene.places.empty() ? 0u : 1u},
                                      {gpu::kConstantTreeRoot, scene.tree_root}});
@@ -178,6 +177,13 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantEnvironmentCellRows, sky.cell_rows},
                                      {gpu::kConstantEnvironmentRowRounds, light_rounds.environment_rows},
                                      {gpu::kConstantEnvironmentColumnRounds, light_rounds.environment_columns}});
+  constants.insert(
+      constants.end(),
+      {{gpu::kConstantHasDisks, scene.has_disks ? 1u : 0u},
+       {gpu::kConstantHasCylinders, scene.has_cylinders ? 1u : 0u},
+       {gpu::kConstantFewDisks, scene.few_disks},
+       {gpu::kConstantFewCylinders, scene.few_cylinders},
+       {gpu::kConstantCylinderLights, has_lights(scene, gpu::kPrimitiveCylinder) ? 1u : 0u}});
   for (std::uint32_t i = 0; i < scene.few_count; ++i) {
     for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
       const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];

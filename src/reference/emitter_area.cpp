@@ -100,6 +100,34 @@ void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, con
   for (const Vec3& vertex : p)
     sample.surface.magnitude = std::max(sample.surface.magnitude, largest_coordinate(vertex));
 
+  see_from(from, chosen, shared, sample);
+}
+
+/// A point of a disk or cylinder, uniform by area.
+void Lights::sample_round(const Shape& shape, Chosen chosen, const Vec3& from, const SampleRandom::Light& random,
+                          LightSample& sample) const {
+  const AreaLight& light = *chosen.light;
+  chosen.pdf_a = chosen.pdf_a_mis = chosen.prob / light.area;
+  Surface& surface = sample.surface;
+  if (const auto* object = std::get_if<Cylinder>(&shape)) {
+    const Tube tube = light.placement.cylinder(*object);
+    const double phi = 2.0 * kPi * random.v;
+    const Vec3 outward = Frame(tube.axis).to_world(Vec3(std::cos(phi), std::sin(phi), 0.0));
+    surface.p = tube.base + random.u * tube.height * tube.axis + tube.radius * outward;
+    surface.ng = surface.ns = tube.side * outward;
+    surface.magnitude = largest_coordinate(tube.base) + tube.height + tube.radius;
+  } else {
+    const Ellipse disk = light.placement.disk();
+    const Vec2 xy = square_to_disk({random.u, random.v});
+    surface.p = disk.center + xy.x * disk.a + xy.y * disk.b;
+    surface.ng = surface.ns = disk.normal();
+    surface.magnitude = largest_coordinate(disk.center) + largest_coordinate(disk.a) + largest_coordinate(disk.b);
+  }
+  see_from(from, chosen, false, sample);
+}
+
+/// From a density by area to one by solid angle.
+void Lights::see_from(const Vec3& from, const Chosen& chosen, bool shared, LightSample& sample) {
   const Vec3 to_light = sample.surface.p - from;
   const double distance = glm::length(to_light);
   if (shared) sample.surface.magnitude = kMostCondition * (sample.surface.magnitude + distance);
@@ -124,8 +152,10 @@ std::optional<LightSample> Lights::sample(const Scene& scene, const Vec3& from, 
   const Shape& shape = scene.shape_of(scene.instances[sample.instance]);
   if (const auto* sphere = std::get_if<Sphere>(&shape))
     sample_sphere(chosen->light->placement.sphere(*sphere), *chosen->light, chosen->prob, from, random, sample);
+  else if (const auto* mesh = std::get_if<TriangleMesh>(&shape))
+    sample_triangle(*mesh, *chosen, from, random, sample);
   else
-    sample_triangle(std::get<TriangleMesh>(shape), *chosen, from, random, sample);
+    sample_round(shape, *chosen, from, random, sample);
   return sample;
 }
 

@@ -27,6 +27,14 @@ AreaLight make_light(const Scene& scene, std::uint32_t index, bool shared, Share
     light.area = 4.0 * kPi * sphere.radius * sphere.radius;
     return light;
   }
+  if (std::holds_alternative<Disk>(scene.shape_of(instance))) {
+    light.area = light.placement.disk().area();
+    return light;
+  }
+  if (const auto* object = std::get_if<Cylinder>(&scene.shape_of(instance))) {
+    light.area = light.placement.cylinder(*object).area();
+    return light;
+  }
   const auto& mesh = std::get<TriangleMesh>(scene.shape_of(instance));
   if (shared) {
     std::shared_ptr<const MeshLight>& of_shape = shared_lights[instance.shape];
@@ -61,6 +69,27 @@ void shine_by_vertex_normals(const TriangleMesh& mesh, std::uint32_t i, const Pl
   if (apart) leaf.normal = Vec3(0.0);
 }
 
+/// A disk or cylinder of radiance 1.
+LightLeaf round_leaf(const Shape& shape, const Placement& placement) {
+  LightLeaf leaf;
+  if (const auto* object = std::get_if<Cylinder>(&shape)) {
+    const Tube tube = placement.cylinder(*object);
+    leaf.power = 2.0 * tube.radius * tube.height;  // its outline from the side
+    const Vec3 top = tube.base + tube.height * tube.axis;
+    const Vec3 reach = tube.radius * glm::sqrt(glm::max(Vec3(0.0), 1.0 - tube.axis * tube.axis));
+    leaf.lower = glm::min(tube.base, top) - reach;
+    leaf.upper = glm::max(tube.base, top) + reach;
+    return leaf;
+  }
+  const Ellipse disk = placement.disk();
+  const Vec3 reach = glm::sqrt(disk.a * disk.a + disk.b * disk.b);
+  leaf.power = disk.area();
+  leaf.lower = disk.center - reach;
+  leaf.upper = disk.center + reach;
+  leaf.normal = disk.normal();
+  return leaf;
+}
+
 /// Every primitive that emits, in the order of the scene.
 std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLight>& lights) {
   std::vector<LightLeaf> leaves;
@@ -75,6 +104,12 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
                         .power = radiance * kPi * sphere.radius * sphere.radius,
                         .lower = sphere.center - sphere.radius,
                         .upper = sphere.center + sphere.radius});
+      continue;
+    }
+    if (std::holds_alternative<Disk>(shape) || std::holds_alternative<Cylinder>(shape)) {
+      leaves.push_back(round_leaf(shape, lights[l].placement));
+      leaves.back().light = l;
+      leaves.back().power *= radiance;
       continue;
     }
     if (lights[l].shared) {

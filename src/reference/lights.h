@@ -23,7 +23,7 @@ struct AreaLight {
   Placement placement;
   Vec3 radiance{0.0};
   double area = 0.0;                        ///< of the whole instance, in world space
-  DiscreteChoice triangles;                 ///< empty for a sphere
+  DiscreteChoice triangles;                 ///< empty for other shapes than meshes
   std::shared_ptr<const MeshLight> shared;  ///< of an instance of a shared mesh, instead of `triangles`
 
   const DiscreteChoice& choice() const { return shared ? shared->triangles() : triangles; }
@@ -71,6 +71,9 @@ class Lights {
   static Chosen choose_shared(const Scene& scene, const AreaLight& light, double prob, std::uint32_t word);
   void sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, const Vec3& from,
                        const SampleRandom::Light& random, LightSample& sample) const;
+  void sample_round(const Shape& shape, Chosen chosen, const Vec3& from, const SampleRandom::Light& random,
+                    LightSample& sample) const;
+  static void see_from(const Vec3& from, const Chosen& chosen, bool shared, LightSample& sample);
 
   std::vector<AreaLight> lights_;
   LightTree tree_;         ///< empty where lights are chosen by power

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace etendue::reference {
 
@@ -14,6 +15,7 @@ Placement::Placement(const Instance& instance)
   double largest = 0.0;
   for (int column = 0; column < 3; ++column) largest = std::max(largest, max_component(glm::abs(cofactors_[column])));
   cofactors_ /= largest;
+  flipped_ = instance.flip_normals;
   side_ = (determinant < 0.0) != instance.flip_normals ? -1.0 : 1.0;
 }
 
@@ -43,6 +45,20 @@ Ray Placement::to_object(const Ray& ray) const {
   local.origin = object_from_world_ * (ray.origin - Vec3(matrix_[3]));
   local.direction = object_from_world_ * ray.direction;
   return local;
+}
+
+Ellipse Placement::disk() const {
+  Ellipse ellipse{point(Vec3(0.0)), Vec3(matrix_[0]), Vec3(matrix_[1])};
+  if (side_ < 0.0) std::swap(ellipse.a, ellipse.b);
+  return ellipse;
+}
+
+Tube Placement::cylinder(const Cylinder& object) const {
+  const Vec3 base = point(object.p0), axis = point(object.p1) - base;
+  const double height = glm::length(axis);
+  // Lengths scale alike in all directions: the radius as the height does.
+  return {base, axis / height, height, object.radius * (height / glm::length(object.p1 - object.p0)),
+          flipped_ ? -1.0 : 1.0};
 }
 
 Sphere Placement::sphere(const Sphere& object) const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "reference/ray.h"
+#include "reference/shapes.h"
 #include "reference/vec.h"
 #include "scene/scene.h"
 
@@ -25,6 +26,8 @@ class Placement {
   /// A triangle of the mesh in world space, ordered like that.
   std::array<Vec3, 3> triangle(const TriangleMesh& mesh, std::uint32_t i) const;
   Sphere sphere(const Sphere& object) const;
+  Ellipse disk() const;
+  Tube cylinder(const Cylinder& object) const;
   /// The ray seen from object space. Its direction keeps its length's meaning: distances are those of the world.
   Ray to_object(const Ray& ray) const;
   /// Whether triangles are turned around: their second and third vertices change places in `triangle`.
@@ -35,7 +38,8 @@ class Placement {
   glm::dmat4 matrix_;
   glm::dmat3 object_from_world_;  ///< of directions
   glm::dmat3 cofactors_;  ///< of the upper 3 × 3, over the largest of them: det · inverse transpose, up to a factor
-  double side_ = 1.0;     ///< what makes the cofactors keep normals on their side
+  bool flipped_ = false;
+  double side_ = 1.0;  ///< what makes the cofactors keep normals on their side
 };
 
 }  // namespace etendue::reference

@@ -34,6 +34,18 @@ Bvh World::build(std::vector<Primitive>& primitives) {
     if (p.radius > 0.0) {
       boxes[i].include(p.p0 - Vec3(p.radius));
       boxes[i].include(p.p0 + Vec3(p.radius));
+    } else if (p.disk) {
+      // In each direction the ellipse reaches as far as its half axes do together.
+      const Vec3 reach = glm::sqrt(p.disk->a * p.disk->a + p.disk->b * p.disk->b);
+      boxes[i].include(p.disk->center - reach);
+      boxes[i].include(p.disk->center + reach);
+    } else if (p.tube) {
+      const Vec3 axis = p.tube->axis;
+      const Vec3 reach = p.tube->radius * glm::sqrt(glm::max(Vec3(0.0), 1.0 - axis * axis));
+      for (const Vec3& end : {p.tube->base, p.tube->base + p.tube->height * axis}) {
+        boxes[i].include(end - reach);
+        boxes[i].include(end + reach);
+      }
     } else if (p.whole_mesh) {
       boxes[i].include(p.p0);
       boxes[i].include(p.p1);
@@ -94,6 +106,17 @@ std::vector<World::Primitive> World::collect(const Sharing& sharing) const {
       primitives.push_back({.p0 = sphere.center, .radius = sphere.radius, .instance = n, .index = 0});
       continue;
     }
+    if (std::holds_alternative<Disk>(shape)) {
+      const Ellipse disk = placement.disk();
+      primitives.push_back({.p0 = disk.center, .p1 = disk.a, .p2 = disk.b, .instance = n, .disk = disk});
+      continue;
+    }
+    if (const auto* object = std::get_if<Cylinder>(&shape)) {
+      const Tube tube = placement.cylinder(*object);
+      primitives.push_back(
+          {.p0 = tube.base, .p1 = tube.height * tube.axis, .p2 = Vec3(tube.radius), .instance = n, .tube = tube});
+      continue;
+    }
     const auto& mesh = std::get<TriangleMesh>(shape);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       const auto [p0, p1, p2] = placement.triangle(mesh, i);
@@ -114,10 +137,18 @@ std::vector<World::Primitive> World::without_twins(std::vector<Primitive> primit
   std::iota(order.begin(), order.end(), 0u);
   std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
     const auto ka = key(a), kb = key(b);
+    const auto form = [&](std::uint32_t i) { return primitives[i].disk ? 1 : primitives[i].tube ? 2 : 0; };
+    if (form(a) != form(b)) return form(a) < form(b);
     return ka != kb ? ka < kb : a < b;
   });
   std::vector<bool> is_twin(primitives.size(), false);
-  for (std::size_t i = 1; i < order.size(); ++i) is_twin[order[i]] = key(order[i]) == key(order[i - 1]);
+  const auto alike = [&](const Primitive& a, const Primitive& b) {
+    return a.disk.has_value() == b.disk.has_value() && a.tube.has_value() == b.tube.has_value() &&
+           (!a.tube || a.tube->side == b.tube->side);
+  };
+  for (std::size_t i = 1; i < order.size(); ++i)
+    is_twin[order[i]] =
+        key(order[i]) == key(order[i - 1]) && alike(primitives[order[i]], primitives[order[i - 1]]);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     if (!is_twin[i]) primitives[kept++] = primitives[i];
@@ -134,12 +165,23 @@ void World::meet(const Primitive& p, std::uint32_t instance, const Ray& ray, con
   std::optional<TriangleHit> hit;
   if (p.radius > 0.0) {
     if (const auto t = intersect_sphere(ray, p.p0, p.radius, reach)) hit = TriangleHit{.t = *t};
+  } else if (p.disk) {
+    if (const auto t = intersect(ray, *p.disk, reach)) hit = TriangleHit{.t = *t};
+  } else if (p.tube) {
+    if (const auto t = intersect(ray, *p.tube, reach)) hit = TriangleHit{.t = *t};
   } else {
     hit = test(p.p0, p.p1, p.p2, reach);
   }
   if (!hit) return;
   t_max = hit->t;
-  found = {.any = true, .instance = instance, .index = p.index, .radius = p.radius, .center = p.p0, .hit = *hit};
+  found = {.any = true,
+           .instance = instance,
+           .index = p.index,
+           .radius = p.radius,
+           .center = p.p0,
+           .disk = p.disk,
+           .tube = p.tube,
+           .hit = *hit};
 }
 
 std::optional<Surface> World::closest_hit(const Ray& ray) const {
@@ -165,7 +207,10 @@ std::optional<Surface> World::closest_hit(const Ray& ray) const {
     return false;
   });
   if (!found.any) return std::nullopt;
-  if (found.radius > 0.0) return sphere_surface(found, ray.origin + found.hit.t * ray.direction);
+  const Vec3 near_point = ray.origin + found.hit.t * ray.direction;
+  if (found.radius > 0.0) return sphere_surface(found, near_point);
+  if (found.disk) return disk_surface(found, near_point);
+  if (found.tube) return tube_surface(found, near_point);
   return triangle_surface(found);
 }
 
@@ -177,6 +222,8 @@ bool World::occluded(const Vec3& from, const Vec3& to) const {
   return bvh_.traverse(ray, [&](std::uint32_t position, double& t_max) {
     const Primitive& p = primitives_[position];
     if (p.radius > 0.0) return intersect_sphere(ray, p.p0, p.radius, t_max).has_value();
+    if (p.disk) return intersect(ray, *p.disk, t_max).has_value();
+    if (p.tube) return intersect(ray, *p.tube, t_max).has_value();
     if (!p.whole_mesh) return triangle_test(p.p0, p.p1, p.p2, t_max).has_value();
     const Ray local = placements_[p.instance].to_object(ray);
     const TriangleTest local_test(local);
@@ -216,6 +263,29 @@ Surface World::sphere_surface(const Found& found, const Vec3& near_point) {
           .ng = normal,
           .ns = normal,
           .magnitude = largest_coordinate(found.center) + found.radius,
+          .instance = found.instance,
+          .primitive = 0};
+}
+
+Surface World::disk_surface(const Found& found, const Vec3& near_point) {
+  const Ellipse& disk = *found.disk;
+  const Vec2 xy = disk.coordinates(near_point);
+  const Vec3 normal = disk.normal();
+  return {.p = disk.center + xy.x * disk.a + xy.y * disk.b,
+          .ng = normal,
+          .ns = normal,
+          .magnitude = largest_coordinate(disk.center) + largest_coordinate(disk.a) + largest_coordinate(disk.b),
+          .instance = found.instance,
+          .primitive = 0};
+}
+
+Surface World::tube_surface(const Found& found, const Vec3& near_point) {
+  const Tube& tube = *found.tube;
+  const Vec3 outward = tube.outward(near_point);
+  return {.p = tube.base + tube.along(near_point) * tube.axis + tube.radius * outward,
+          .ng = tube.side * outward,
+          .ns = tube.side * outward,
+          .magnitude = largest_coordinate(tube.base) + tube.height + tube.radius,
           .instance = found.instance,
           .primitive = 0};
 }

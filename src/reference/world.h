@@ -36,13 +36,16 @@ class World {
   bool escapes(const Vec3& from, const Vec3& direction) const;
 
  private:
-  /// A triangle, or a sphere when `radius` > 0 (its centre is p0); or an instance of a shared mesh, all of it.
+  /// A triangle; or a sphere when `radius` > 0 (its centre is p0); or a disk or tube; or an instance of a shared mesh,
+  /// all of it.
   struct Primitive {
     Vec3 p0{0.0}, p1{0.0}, p2{0.0};
     double radius = 0.0;
     std::uint32_t instance = 0;
     std::uint32_t index = 0;  ///< triangle in its mesh, 0 for a sphere
     bool whole_mesh = false;  ///< then p0 and p1 are the corners of a box around it
+    std::optional<Ellipse> disk = {};
+    std::optional<Tube> tube = {};
   };
   /// A shared mesh in its own space; `instance` of its primitives means nothing.
   struct Mesh {
@@ -55,6 +58,8 @@ class World {
     std::uint32_t instance = 0, index = 0;
     double radius = 0.0;  ///< of a sphere, around `center`
     Vec3 center{0.0};
+    std::optional<Ellipse> disk = {};
+    std::optional<Tube> tube = {};
     TriangleHit hit;
   };
   static Bvh build(std::vector<Primitive>& primitives);
@@ -66,6 +71,8 @@ class World {
   static std::vector<Primitive> without_twins(std::vector<Primitive> primitives);
   Surface triangle_surface(const Found& found) const;
   static Surface sphere_surface(const Found& found, const Vec3& near_point);
+  static Surface disk_surface(const Found& found, const Vec3& near_point);
+  static Surface tube_surface(const Found& found, const Vec3& near_point);
 
   Scene scene_;
   Lights lights_;

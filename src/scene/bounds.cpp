@@ -1,6 +1,7 @@
 #include "scene/bounds.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <vector>
 
 #include "scene/placed.h"
@@ -12,8 +13,10 @@ Bounds bounds_of(const Shape& shape) {
   if (const auto* sphere = std::get_if<Sphere>(&shape)) {
     box.add(sphere->center - sphere->radius);
     box.add(sphere->center + sphere->radius);
+  } else if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+    for (const glm::dvec3& p : mesh->positions) box.add(p);
   } else {
-    for (const glm::dvec3& p : std::get<TriangleMesh>(shape).positions) box.add(p);
+    throw std::logic_error("only meshes are shared; others have a box where an instance puts them");
   }
   return box;
 }
@@ -37,6 +40,16 @@ Bounds bounds_of(const Scene& scene, const Instance& instance) {
     const Sphere sphere = placed_sphere(*object, instance);
     box.add(sphere.center - sphere.radius);
     box.add(sphere.center + sphere.radius);
+  } else if (std::holds_alternative<Disk>(shape)) {
+    const PlacedDisk disk = placed_disk(instance);
+    box.add(disk.center - disk.reach());
+    box.add(disk.center + disk.reach());
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+    const PlacedCylinder placed = placed_cylinder(*cylinder, instance);
+    for (const glm::dvec3& end : {placed.p0, placed.p1}) {
+      box.add(end - placed.reach());
+      box.add(end + placed.reach());
+    }
   } else {
     const PlacedMesh mesh(std::get<TriangleMesh>(shape), instance);
     for (std::uint32_t i = 0; i < mesh.mesh().positions.size(); ++i) box.add(mesh.position(i));

@@ -86,7 +86,8 @@ bool contains(const Shape& shape, const Instance& instance, const glm::dvec3& p)
     const Sphere sphere = placed_sphere(*object, instance);
     return glm::distance(p, sphere.center) < sphere.radius;
   }
-  return std::abs(winding_number(PlacedMesh(std::get<TriangleMesh>(shape), instance), p)) > 0.5;
+  const auto* mesh = std::get_if<TriangleMesh>(&shape);
+  return mesh != nullptr && std::abs(winding_number(PlacedMesh(*mesh, instance), p)) > 0.5;
 }
 
 /// The medium around the camera is that of the smallest dielectric it is inside of; a hollow (inside index near 1) is
@@ -185,8 +186,15 @@ std::size_t open_edges(const TriangleMesh& mesh) {
 }
 
 void check_closed(const Scene& scene, const Instance& instance, Diagnostics& diagnostics) {
-  const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
-  if (mesh == nullptr || !std::holds_alternative<DielectricBsdf>(scene.bsdf_of(instance))) return;
+  const Shape& shape = scene.shape_of(instance);
+  const auto* mesh = std::get_if<TriangleMesh>(&shape);
+  if (!std::holds_alternative<DielectricBsdf>(scene.bsdf_of(instance))) return;
+  if (std::holds_alternative<Disk>(shape) || std::holds_alternative<Cylinder>(shape)) {
+    diagnostics.warning(instance.position,
+                        fmt::format("the dielectric {} is not closed: light that enters may never leave; use a mesh",
+                                    text::quoted(instance.name)));
+  }
+  if (mesh == nullptr) return;
   const std::size_t open = open_edges(*mesh);
   if (open == 0) return;
   diagnostics.warning(

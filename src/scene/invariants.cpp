@@ -317,7 +317,49 @@ class Checker {
     }
     const Shape& shape = scene_.shape_of(instance);
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return check_sphere(*sphere, instance);
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return check_cylinder(*cylinder, instance);
+    if (std::holds_alternative<Disk>(shape)) return check_disk(instance);
     check_mesh(std::get<TriangleMesh>(shape), instance);
+  }
+
+  void check_disk(const Instance& instance) {
+    check_box(instance, "disk");
+    const double area = placed_disk(instance).area();
+    if (instance.emitter && !(area > 0.0))
+      sink_.error(scene_.emitter_of(instance)->position,
+                  fmt::format("the emitter's disk {} has no area; it cannot send light", text::quoted(instance.name)));
+  }
+
+  void check_cylinder(const Cylinder& cylinder, const Instance& instance) {
+    if (!(cylinder.radius > 0.0 && std::isfinite(cylinder.radius)) || !is_finite(cylinder.p0) ||
+        !is_finite(cylinder.p1)) {
+      return error(instance.position, "radius",
+                   fmt::format("the cylinder {} has radius {}; it must be above 0, and its ends finite",
+                               text::quoted(instance.name), cylinder.radius));
+    }
+    if (!is_similarity(instance.world_from_object)) {
+      return error(instance.position, "world_from_object",
+                   fmt::format("the transform of the cylinder {} scales it unevenly or shears it; use rotation, "
+                               "translation and uniform scale, or a mesh",
+                               text::quoted(instance.name)));
+    }
+    const PlacedCylinder placed = placed_cylinder(cylinder, instance);
+    if (!(glm::distance(placed.p0, placed.p1) > 0.0) || !(placed.radius > 0.0)) {
+      return error(instance.position, "p1",
+                   fmt::format("the cylinder {} has no height: p0 and p1 are both {} {} {}; move one of them",
+                               text::quoted(instance.name), cylinder.p0.x, cylinder.p0.y, cylinder.p0.z));
+    }
+    check_box(instance, "cylinder");
+  }
+
+  void check_box(const Instance& instance, const char* what) {
+    const Bounds box = bounds_of(scene_, instance);
+    const double largest = std::max(largest_coordinate(box.min), largest_coordinate(box.max));
+    if (is_finite(box.min) && is_finite(box.max) && largest <= kMaxCoordinate) return;
+    error(instance.position, "world_from_object",
+          fmt::format("the {} {} reaches from {} {} {} to {} {} {}; coordinates up to {} are supported", what,
+                      text::quoted(instance.name), box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z,
+                      kMaxCoordinate));
   }
 
   void check_sphere(const Sphere& sphere, const Instance& instance) {

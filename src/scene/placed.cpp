@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace etendue {
 
@@ -26,6 +28,40 @@ glm::dvec3 PlacedMesh::normal(std::uint32_t vertex) const {
 Sphere placed_sphere(const Sphere& sphere, const Instance& instance) {
   return {glm::dvec3(instance.world_from_object * glm::dvec4(sphere.center, 1.0)),
           sphere.radius * glm::length(glm::dvec3(instance.world_from_object[0]))};
+}
+
+PlacedDisk placed_disk(const Instance& instance) {
+  const glm::dmat4& m = instance.world_from_object;
+  PlacedDisk disk{glm::dvec3(m[3]), glm::dvec3(m[0]), glm::dvec3(m[1])};
+  if (turns_winding(instance)) std::swap(disk.a, disk.b);
+  return disk;
+}
+
+glm::dvec3 PlacedDisk::normal() const {
+  return glm::normalize(glm::cross(glm::normalize(a), glm::normalize(b)));
+}
+
+double PlacedDisk::area() const {
+  return std::numbers::pi * glm::length(glm::cross(a, b));
+}
+
+glm::dvec3 PlacedDisk::reach() const {
+  return glm::sqrt(a * a + b * b);
+}
+
+PlacedCylinder placed_cylinder(const Cylinder& cylinder, const Instance& instance) {
+  const glm::dmat4& m = instance.world_from_object;
+  return {glm::dvec3(m * glm::dvec4(cylinder.p0, 1.0)), glm::dvec3(m * glm::dvec4(cylinder.p1, 1.0)),
+          cylinder.radius * glm::length(glm::dvec3(m[0])), instance.flip_normals};
+}
+
+double PlacedCylinder::area() const {
+  return 2.0 * std::numbers::pi * radius * glm::distance(p0, p1);
+}
+
+glm::dvec3 PlacedCylinder::reach() const {
+  const glm::dvec3 w = glm::normalize(p1 - p0);
+  return radius * glm::sqrt(glm::max(glm::dvec3(0.0), 1.0 - w * w));
 }
 
 double triangle_area(const TriangleMesh& mesh, const glm::uvec3& t) {

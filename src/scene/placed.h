@@ -48,6 +48,30 @@ class PlacedMesh {
 /// The sphere in world space: a similarity keeps it one.
 Sphere placed_sphere(const Sphere& sphere, const Instance& instance);
 
+/// The points center + x·a + y·b with x² + y² <= 1: the unit disk in world space. a × b points to the side of its
+/// normal.
+struct PlacedDisk {
+  glm::dvec3 center, a, b;
+
+  glm::dvec3 normal() const;
+  double area() const;
+  /// From the centre to the sides of its box.
+  glm::dvec3 reach() const;
+};
+PlacedDisk placed_disk(const Instance& instance);
+
+/// The side of a cylinder in world space: a similarity keeps it one.
+struct PlacedCylinder {
+  glm::dvec3 p0, p1;
+  double radius;
+  bool inward;  ///< its normal points toward the axis
+
+  double area() const;
+  /// From p0 and p1 to the sides of the boxes around the circles there.
+  glm::dvec3 reach() const;
+};
+PlacedCylinder placed_cylinder(const Cylinder& cylinder, const Instance& instance);
+
 /// Area of a triangle of the mesh in object space; 0 exactly where every instance of it has none.
 double triangle_area(const TriangleMesh& mesh, const glm::uvec3& triangle);
 /// Area of a triangle in squared units of its vertices.

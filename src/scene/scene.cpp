@@ -58,6 +58,12 @@ void hash(Hasher& h, const Sphere& sphere) {
   h.value(sphere.center);
   h.value(sphere.radius);
 }
+void hash(Hasher&, const Disk&) {}
+void hash(Hasher& h, const Cylinder& cylinder) {
+  h.value(cylinder.p0);
+  h.value(cylinder.p1);
+  h.value(cylinder.radius);
+}
 void hash(Hasher& h, const DiffuseBsdf& bsdf) {
   h.value(bsdf.albedo);
 }

@@ -65,8 +65,16 @@ struct Sphere {
   glm::dvec3 center{0.0};
   double radius = 1.0;
 };
+/// The disk x² + y² <= 1 in the plane z = 0 of object space, normal +z. Any affine map makes an ellipse of it.
+struct Disk {};
+/// The side of a cylinder in object space, open at both ends, normal away from the axis. radius > 0, p0 and p1 apart.
+struct Cylinder {
+  glm::dvec3 p0{0.0};
+  glm::dvec3 p1{0.0, 0.0, 1.0};
+  double radius = 1.0;
+};
 /// What can be placed in a scene; instances share it.
-using Shape = std::variant<TriangleMesh, Sphere>;
+using Shape = std::variant<TriangleMesh, Sphere, Disk, Cylinder>;
 
 /// One appearance of a shape. Its normals are those of object space, carried along by the inverse transpose of
 /// `world_from_object`: a mirror image of a lamp shines like the mirror image of its light.
@@ -74,9 +82,9 @@ struct Instance {
   std::uint32_t shape = 0;               ///< index into Scene::shapes
   std::uint32_t material = 0;            ///< index into Scene::materials
   std::optional<std::uint32_t> emitter;  ///< index into Scene::emitters
-  glm::dmat4 world_from_object{1.0};     ///< affine and invertible; of a sphere a similarity
-  bool flip_normals = false;             ///< turns a mesh inside out
-  std::string name;                      ///< for messages: the mesh's file name or "sphere"
+  glm::dmat4 world_from_object{1.0};     ///< affine and invertible; of a sphere or cylinder a similarity
+  bool flip_normals = false;             ///< turns the normals around; not of a sphere
+  std::string name;                      ///< for messages: the mesh's file name or the shape's type
   SourcePosition position;               ///< the tag that places it
 };
 

@@ -144,6 +144,14 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "the probability of choosing a light, not the environment, is missing from its density", "picture sky"},
     {gpu::kMutantSkyTurnedBack, "sky turned back", "directions are turned into the sky's frame by the wrong matrix",
      "picture sky"},
+    {gpu::kMutantDiskSquare, "square disk", "rays meet a disk's corners, too, as if it were a square",
+     "picture of round shapes"},
+    {gpu::kMutantDiskAreaOfASquare, "disk area of a square", "the density on a disk is that of the square around it",
+     "picture of round shapes"},
+    {gpu::kMutantCylinderHalfArea, "half a cylinder", "the density on a cylinder is that of half of it",
+     "picture of round shapes"},
+    {gpu::kMutantCylinderOutsideOnly, "cylinder from outside only",
+     "a ray that passes over the near wall of a cylinder does not meet the far one", "picture of round shapes"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -313,6 +321,26 @@ Scene room_of_instances() {
   return scene;
 }
 
+/// The room with disks and open cylinders, as bodies and as lamps, under affine maps and similarities.
+Scene room_of_round_shapes() {
+  Scene scene = room();
+  scene.name = scene.file = "room of round shapes";
+  scene.instances.resize(scene.instances.size() - 3);  // the lamp and the spheres
+  const auto put = [&](Shape shape, glm::dvec4 x, glm::dvec4 y, glm::dvec4 z, glm::dvec4 at) -> Instance& {
+    Instance& instance = scene.add(std::move(shape), DiffuseBsdf{glm::dvec3(0.8)});
+    instance.world_from_object = glm::dmat4(x, y, z, at);
+    return instance;
+  };
+  const glm::dvec4 x(1, 0, 0, 0), y(0, 1, 0, 0), z(0, 0, 1, 0);
+  put(Disk{}, 0.4 * x, 0.2 * x + 0.2 * z, -0.3 * y, {-0.2, 0.9, 0.1, 1}).emitter = 0;  // it shines down
+  put(Cylinder{{0, 0, 0}, {0, 0, 0.8}, 0.15}, x, y, z, {0.55, 0.2, -0.3, 1}).emitter = 0;
+  put(Disk{}, 0.5 * x, 0.3 * y - 0.2 * x, -z, {0.1, -0.3, 0.2, 1});
+  put(Cylinder{{0, 0, 0}, {0, 1, 0}, 0.6}, -0.5 * x, 0.5 * y, 0.5 * z, {-0.5, -0.9, 0.0, 1});
+  put(Cylinder{{0, 0, 0}, {0, 1, 0}, 0.6}, 0.49 * x, 0.49 * y, 0.49 * z, {-0.5, -0.9, 0.0, 1}).flip_normals = true;
+  scene.integrator.max_depth = 4;
+  return scene;
+}
+
 Image render_room(Renderer& renderer, const Scene& scene, std::uint32_t spp) {
   Film film(scene.camera.width, scene.camera.height, film_exponent(scene));
   std::vector<RejectedSample> rejected;
@@ -422,6 +450,8 @@ std::vector<SuiteTest> make_suite() {
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room(), gpu); }},
       {"picture of instances against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_instances(), gpu); }},
+      {"picture of round shapes against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_round_shapes(), gpu); }},
   };
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "device_test.h"
+#include "reference/shapes.h"
 
 namespace etendue::test {
 namespace {
@@ -225,6 +226,102 @@ TEST_F(DeviceIntersect, GroundSphereKeepsItsPrecision) {
     ASSERT_EQ(answers[i].found, 1u);
     EXPECT_NEAR(answers[i].t, solve_sphere(cases[i]).near, 2e-3);
   }
+}
+
+reference::Ray exact_ray(const gpu::IntersectCase& c) {
+  return {.origin = glm::dvec3(c.o), .direction = glm::normalize(glm::dvec3(c.d))};
+}
+
+// From one to a thousand radii away, grazing ones included: judged where rounding cannot decide.
+TEST_F(DeviceIntersect, DisksNearFarAndSlanted) {
+  Random random(6);
+  std::vector<gpu::IntersectCase> cases;
+  for (int i = 0; i < 50000; ++i) {
+    const double size = std::exp2(static_cast<double>(random.uniform(-8.0f, -1.0f)));
+    const glm::dvec3 center(random.point(0.5f)), a = size * random.direction(), b = size * random.direction();
+    const glm::dvec3 o =
+        center + size * std::exp2(static_cast<double>(random.uniform(-1.0f, 9.0f))) * random.direction();
+    const glm::dvec3 aim = center + static_cast<double>(random.uniform(-1.2f, 1.2f)) * a +
+                           static_cast<double>(random.uniform(-1.2f, 1.2f)) * b;
+    cases.push_back({glm::vec3(o), 0.0f, unit(aim - o), INFINITY, glm::vec3(center), gpu::kPrimitiveDisk,
+                     glm::vec3(center + a), 0, glm::vec3(center + b), 0});
+  }
+  const auto answers = intersect(cases);
+  std::size_t judged = 0, hits = 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const gpu::IntersectCase& c = cases[i];
+    const glm::dvec3 p0(c.p0);
+    const reference::Ellipse disk{p0, glm::dvec3(c.p1) - p0, glm::dvec3(c.p2) - p0};
+    const reference::Ray ray = exact_ray(c);
+    const double cosine = glm::dot(disk.normal(), ray.direction);
+    const double t = glm::dot(disk.normal(), p0 - ray.origin) / cosine;
+    const glm::dvec2 xy = disk.coordinates(ray.origin + t * ray.direction);
+    // What rounding of coordinates up to 1 does to a point of the plane, in units of the thinner half axis.
+    const double thin = disk.area() / (reference::kPi * std::max(glm::length(disk.a), glm::length(disk.b)));
+    const double noise = 2e-6 * std::max(1.0, std::abs(t)) / (thin * std::max(1e-9, std::abs(cosine)));
+    const double r = glm::length(xy);
+    if (noise > 0.2 || std::abs(r - 1.0) < noise || std::abs(t) < 1e-6 / std::abs(cosine)) continue;
+    ++judged;
+    const bool hit = r < 1.0 && t > 0.0;
+    hits += hit;
+    ASSERT_EQ(answers[i].found, hit ? 1u : 0u) << i << ' ' << r << ' ' << t << ' ' << noise;
+    if (!hit) continue;
+    EXPECT_NEAR(answers[i].t, t, 2e-6 * std::max(1.0, t) / std::abs(cosine)) << i;
+  }
+  EXPECT_GT(judged, cases.size() * 6 / 10);
+  EXPECT_GT(hits, cases.size() / 10);
+}
+
+TEST_F(DeviceIntersect, CylindersFromOutsideInsideAndFar) {
+  Random random(7);
+  std::vector<gpu::IntersectCase> cases;
+  for (int i = 0; i < 50000; ++i) {
+    const double radius = std::exp2(static_cast<double>(random.uniform(-7.0f, -2.0f)));
+    const glm::dvec3 base(random.point(0.5f));
+    const glm::dvec3 axis = radius * static_cast<double>(random.uniform(0.5f, 6.0f)) * random.direction();
+    const glm::dvec3 middle = base + static_cast<double>(random.unit()) * axis;
+    const glm::dvec3 o =
+        middle + radius * std::exp2(static_cast<double>(random.uniform(-3.0f, 6.0f))) * random.direction();
+    const glm::dvec3 aim = middle + 1.2 * radius * static_cast<double>(random.unit()) * random.direction();
+    cases.push_back({glm::vec3(o),
+                     0.0f,
+                     unit(aim - o),
+                     INFINITY,
+                     glm::vec3(base),
+                     gpu::kPrimitiveCylinder,
+                     glm::vec3(base + axis),
+                     0,
+                     {static_cast<float>(radius), 1.0f, 0.0f},
+                     0});
+  }
+  const auto answers = intersect(cases);
+  std::size_t judged = 0, hits = 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const gpu::IntersectCase& c = cases[i];
+    const glm::dvec3 base(c.p0), axis = glm::dvec3(c.p1) - base;
+    const double height = glm::length(axis), radius = c.p2.x;
+    const reference::Ray ray = exact_ray(c);
+    const auto found = [&](double grown) {
+      const glm::dvec3 w = axis / height;
+      return reference::intersect(ray, {base - (grown - radius) * w, w, height + 2.0 * (grown - radius), grown},
+                                  INFINITY);
+    };
+    // A little thinner and shorter, and a little thicker and longer: where these agree, rounding does not decide.
+    const double far = std::max(1.0, glm::distance(ray.origin, base));
+    const double noise = 2e-6 * far;
+    const auto t = found(radius), less = found(radius - noise), more = found(radius + noise);
+    const double slope = glm::length(glm::cross(axis / height, ray.direction));
+    if (noise > 0.1 * radius || slope < 0.05 || t.has_value() != less.has_value() || t.has_value() != more.has_value())
+      continue;
+    if (t && (std::abs(*t - *less) > 0.05 * radius || std::abs(*t - *more) > 0.05 * radius)) continue;
+    ++judged;
+    hits += t.has_value();
+    ASSERT_EQ(answers[i].found, t ? 1u : 0u) << i;
+    if (!t) continue;
+    EXPECT_NEAR(answers[i].t, *t, 4.0 * (std::abs(*t - *less) + std::abs(*t - *more)) + 1e-6 * far) << i;
+  }
+  EXPECT_GT(judged, cases.size() * 6 / 10);
+  EXPECT_GT(hits, cases.size() / 4);
 }
 
 }  // namespace

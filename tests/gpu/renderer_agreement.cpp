@@ -228,6 +228,48 @@ Scene placed(Scene scene, double scale, const glm::dvec3& offset) {
   return scene;
 }
 
+// Disks under shears and mirrors, cylinders seen from both sides, lamps among them; more than stand outside the tree
+// when `crowd` is.
+Scene round_shapes(bool crowd) {
+  Scene scene = everything();
+  scene.instances.resize(1);  // the ground
+  const auto put = [&](Shape shape, Bsdf bsdf, const glm::dmat4& m,
+                       std::optional<glm::dvec3> radiance = {}) -> Instance& {
+    Instance& instance = add(scene, std::move(shape), bsdf, radiance);
+    instance.world_from_object = m;
+    return instance;
+  };
+  const glm::dmat4 one(1.0);
+  const auto at = [&](double x, double y, double z) { return glm::translate(one, {x, y, z}); };
+  glm::dmat4 shear(1.0);
+  shear[1][0] = 0.7;
+  shear[2][1] = -0.4;
+  put(Disk{}, diffuse(0.6), at(-1.2, 1.0, -0.5) * glm::rotate(one, 0.6, {1, 1, 0}) * shear);
+  put(Disk{}, diffuse(0.4), at(1.6, 0.7, 0.2) * glm::scale(one, {-0.8, 0.3, 2.0}) * shear, glm::dvec3(2, 3, 4));
+  put(Disk{}, diffuse(0.5), at(0, 3, 0) * glm::rotate(one, 1.4, {1, 0, 0}) * glm::scale(one, {0.9, 0.4, 1.0}),
+      glm::dvec3(9, 8, 6));
+  const Cylinder tube{{0, 0, 0}, {0, 1, 0}, 0.4};
+  put(tube, diffuse(0.7), at(0.2, 0, 0.9));
+  put(tube, MirrorBsdf{}, at(-1.5, 0, 1.2) * glm::rotate(one, 0.4, {0, 0, 1}) * glm::scale(one, glm::dvec3(-1.2)));
+  put(Cylinder{{-0.5, 0, 0}, {0.5, 0.2, 0.1}, 0.1}, diffuse(0.5), at(0.4, 1.5, 1.0), glm::dvec3(5, 4, 3));
+  put(Cylinder{{0, 0, 0}, {0, 0.5, 0}, 0.39}, diffuse(0.5), at(0.2, 0.2, 0.9), glm::dvec3(1, 2, 1)).flip_normals = true;
+  for (int i = 0; crowd && i < 40; ++i) {
+    const glm::dmat4 place = at(-2 + 0.1 * i, 0.1 + 0.02 * i, -1.5) * glm::rotate(one, 0.3 * i, {1, 2, 3});
+    put(i % 2 == 0 ? Shape(Disk{}) : Shape(Cylinder{{0, 0, 0}, {0, 0, 2}, 0.5}), diffuse(0.5),
+        place * glm::scale(one, glm::dvec3(0.1)), i % 5 == 0 ? std::optional(glm::dvec3(i, 4, 3)) : std::nullopt);
+  }
+  return scene;
+}
+
+TEST_F(RendererAgreement, DisksAndCylinders) {
+  for (const bool crowd : {false, true}) {
+    const Scene scene = round_shapes(crowd);
+    compare(crowd ? "crowd" : "few", scene, 40000, 1200, 800);
+    compare("1e-4", placed(scene, 1e-4, {0, 0, 0}), 10000, 1000, 800);
+    compare("far away", placed(scene, 1.0, {3e5, -1e5, 7e5}), 10000, 1000, 800);
+  }
+}
+
 TEST_F(RendererAgreement, ScaledAndFarFromTheOrigin) {
   compare("1e-3", placed(everything(), 1e-3, {0, 0, 0}), 20000, 1000, 800);
   compare("1e3", placed(everything(), 1e3, {0, 0, 0}), 20000, 1000, 800);

@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "formats/dialect/mesh_facts.h"
 #include "formats/dialect/object.h"
+#include "formats/mesh/builtin_meshes.h"
 #include "formats/nori/plugins.h"
 #include "formats/xml/xml_document.h"
 #include "scene/invariants.h"
@@ -446,6 +447,7 @@ class SceneReader {
     instance.name = std::move(name);
     instance.position = object.position();
     if (object.plugin().find("toWorld") != nullptr) instance.world_from_object = object.matrix("toWorld");
+    if (object.plugin().find("flipNormals") != nullptr) instance.flip_normals = object.get<bool>("flipNormals");
     remember_field(object, "toWorld", "world_from_object");
     return instance;
   }
@@ -484,8 +486,18 @@ class SceneReader {
       apply_mesh_facts(context_.dialect.mesh_facts, format->states_v, *mesh);
       return std::move(*mesh);
     }
-    if (type != "sphere") throw std::logic_error(fmt::format("the reader has no shape {}", type));
+    if (type == "disk") return Disk{};
+    if (type == "rectangle" || type == "cube") {
+      TriangleMesh mesh = type == "cube" ? make_cube() : make_rectangle();
+      apply_mesh_facts(context_.dialect.mesh_facts, false, mesh);
+      return mesh;
+    }
     remember_fields(object, {"radius"});
+    if (type == "cylinder") {
+      remember_fields(object, {"p1"});
+      return Cylinder{object.get<glm::dvec3>("p0"), object.get<glm::dvec3>("p1"), object.get<double>("radius")};
+    }
+    if (type != "sphere") throw std::logic_error(fmt::format("the reader has no shape {}", type));
     return Sphere{object.get<glm::dvec3>("center"), object.get<double>("radius")};
   }
 

@@ -290,9 +290,10 @@ std::vector<Plugin> object_plugins() {
   return {
       {"mesh",
        "sphere",
-       "An exact sphere.",
-       {{"center", point, "0 0 0", between(-kMaxCoordinate, kMaxCoordinate), "world space"},
-        {"radius", real, "1", above_up_to(0, kMaxCoordinate), "scene units"}},
+       "An exact sphere. Its transform may rotate, move and scale it evenly.",
+       {{"center", point, "0 0 0", between(-kMaxCoordinate, kMaxCoordinate), "object space"},
+        {"radius", real, "1", above_up_to(0, kMaxCoordinate), "scene units"},
+        world_transform()},
        surface()},
       {"emitter",
        "area",
@@ -346,6 +347,42 @@ std::vector<Plugin> object_plugins() {
   };
 }
 
+Parameter flip_normals() {
+  return {"flipNormals", boolean, "false", any(), "turns the normals to the other side"};
+}
+
+std::vector<Plugin> shape_plugins() {
+  const Range anywhere = between(-kMaxCoordinate, kMaxCoordinate);
+  return {
+      {"mesh",
+       "rectangle",
+       "The square from (−1, −1, 0) to (1, 1, 0), its normal +z: a mesh of two triangles with texture coordinates.",
+       {world_transform(), flip_normals()},
+       surface()},
+      {"mesh",
+       "cube",
+       "The cube from (−1, −1, −1) to (1, 1, 1), its normals outward: a mesh of twelve triangles with texture "
+       "coordinates.",
+       {world_transform(), flip_normals()},
+       surface()},
+      {"mesh",
+       "disk",
+       "An exact disk: that of radius 1 around the origin in the plane z = 0, its normal +z. Any transform makes an "
+       "ellipse of it.",
+       {world_transform(), flip_normals()},
+       surface()},
+      {"mesh",
+       "cylinder",
+       "The exact side of a cylinder, open at both ends, its normal outward. Its transform may rotate, move and scale "
+       "it evenly.",
+       {{"p0", point, "0 0 0", anywhere, "one end of the axis, in object space"},
+        {"p1", point, "0 0 1", anywhere, "the other end"},
+        {"radius", real, "1", above_up_to(0, kMaxCoordinate), "scene units"},
+        world_transform(),
+        flip_normals()},
+       surface()}};
+}
+
 std::vector<Plugin> instance_plugins() {
   return {
       {"mesh",
@@ -370,6 +407,7 @@ std::vector<Plugin> make_plugins() {
   for (Plugin& row : camera_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : view_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : mesh_file_plugins()) rows.push_back(std::move(row));
+  for (Plugin& row : shape_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : instance_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : object_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : bsdf_plugins()) rows.push_back(std::move(row));
@@ -382,7 +420,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"camera", {"environment", "fisheye"}},
       {"sampler", {"stratified", "halton", "ldsampler", "multijitter"}},
       {"rfilter", {"lanczos", "catmullrom"}},
-      {"mesh", {"serialized", "cube", "rectangle", "disk", "cylinder", "heightfield"}},
+      {"mesh", {"serialized", "heightfield"}},
       {"bsdf",
        {"roughdielectric", "plastic", "roughplastic", "phong", "disney", "principled", "twosided", "normalmap",
         "bumpmap", "blend", "mask", "null", "thindielectric"}},

@@ -14,6 +14,10 @@ void main() {
   bool found;
   if (c.kind == kPrimitiveSphere) {
     found = intersect_sphere(ray, c.p0, c.p1.x, c.t_max, t);
+  } else if (c.kind == kPrimitiveCylinder) {
+    found = intersect_cylinder(ray, c.p0, c.p1, c.p2.x, c.t_max, t);
+  } else if (c.kind == kPrimitiveDisk) {
+    found = intersect_disk(make_ray_frame(ray), c.p0, c.p1, c.p2, c.t_max, t);
   } else {
     const RayFrame rf = make_ray_frame(ray);
     found = intersect_triangle(rf, c.p0, c.p1, c.p2, c.t_max, t);

@@ -1,0 +1,16 @@
+#pragma once
+/// Shapes of scene files that are meshes of a few triangles.
+
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// The square [−1, 1]² in the plane z = 0, its normal +z; (u, v) runs from 0 at (−1, −1) to 1 at (1, 1). Flat, as its
+/// winding says: a mesh needs no vertex normals for that.
+TriangleMesh make_rectangle();
+
+/// The cube [−1, 1]³ with its normals outward. Each face has the whole of [0, 1]², in the manner of Mitsuba: seen from
+/// outside, with u to the right, v runs downward.
+TriangleMesh make_cube();
+
+}  // namespace etendue
