@@ -85,6 +85,13 @@ const uint kConstantHideEmitters = 41u;
 const uint kConstantCameraWindow = 42u;
 const uint kConstantInstanced = 46u;  // some meshes are shared: the tree has two levels
 const uint kConstantPlacesAt = 47u;
+const uint kConstantMaterialTexturesAt = 48u;
+const uint kConstantTextureFeatures = 49u;  // kTextures…
+const uint kConstantTexturesAt = 50u;
+const uint kConstantInstanceAttributesAt = 51u;
+const uint kConstantSrgbAt = 52u;
+const uint kConstantAttributesAt = 53u;
+const uint kConstantTexelsAt = 54u;
 const uint kConstantHasDisks = 55u;
 const uint kConstantHasCylinders = 56u;
 const uint kConstantFewDisks = 57u;
@@ -107,6 +114,7 @@ const uint kBsdfRoughConductor = 5u;
 const uint kMaterialTypeMask = 0xffu;
 const uint kMaterialDelta = 0x100u;     // nothing but delta lobes: sampling a light finds nothing
 const uint kMaterialOneSided = 0x200u;  // black seen from behind
+const uint kMaterialTextured = 0x400u;  // a parameter has a texture: see MaterialTextures
 const uint kMaterialBeckmann = 0x10000u;  // microfacets by Beckmann's distribution, else GGX
 
 // Lobes as folded into the path signature.
@@ -250,6 +258,75 @@ struct MaterialRecord {
   float alpha_v;
 };
 const uint kMaterialTexels = 4u;
+
+// The textures of a material with kMaterialTextured: a table of its own with the indices of the materials, empty where none has any. The parameters, eight
+// at most, stand in an order that is up to the type; each has a kTextureOf… or kNone.
+struct MaterialTextures {
+  uvec4 first;
+  uvec4 second;
+};
+const uint kMaterialTexturesTexels = 2u;
+// Which texture a parameter is multiplied with: its index, and above it the channel that a number takes, as in etendue::TextureChannel.
+const uint kTextureOfIndexMask = 0xffffffu;
+const uint kTextureOfChannelShift = 24u;
+
+// A texture, see texture.glsl.
+struct TextureRecord {
+  uint header;  // kTexture*
+  uint first;   // of a picture, where its first texel lies, in multiples of 16 bytes
+  uint width;
+  uint height;
+  vec3 u_row;   // texture coordinates of the surface (u, v, 1) → those of the texture
+  uint uv_set;
+  vec3 v_row;
+  uint pad0;
+  vec3 color0;  // of a checkerboard
+  uint pad1;
+  vec3 color1;
+  uint pad2;
+};
+const uint kTextureRecordTexels = 5u;
+const uint kTextureKindMask = 3u;
+const uint kTextureBitmap = 0u;
+const uint kTextureCheckerboard = 1u;
+const uint kTextureVertexColor = 2u;
+const uint kTextureFaceColor = 3u;
+const uint kTextureWrapUShift = 2u;  // 2 bits each, as in etendue::TextureWrap
+const uint kTextureWrapVShift = 4u;
+const uint kTextureWrapMask = 3u;
+const uint kTextureWrapRepeat = 0u;
+const uint kTextureWrapMirror = 1u;
+const uint kTextureBilinear = 0x40u;
+const uint kTextureSrgb = 0x80u;       // colours are codes of sRGB
+const uint kTextureFormatShift = 8u;   // 2 bits, log2 of the bytes of a number: 8-bit codes, half and single floats
+const uint kTextureFormatMask = 3u;
+const uint kTextureChannelsShift = 10u;  // 3 bits
+const uint kTextureChannelsMask = 7u;
+// What the textures of a scene make use of: kernels are built for that alone, without any texture for nothing.
+const uint kTexturesBitmap = 0x1u;
+const uint kTexturesCheckerboard = 0x2u;
+const uint kTexturesAttribute = 0x4u;
+const uint kTexturesBilinear = 0x8u;
+const uint kTexturesSrgb = 0x10u;
+const uint kTexturesThreeChannels = 0x20u;  // a texel may lie in two loads
+const uint kTexturesRadiance = 0x40u;       // an emitter has one
+const uint kTexturesSphere = 0x80u;         // a sphere has one
+
+// What the textures of an instance need of its shape; empty where the scene has no textures. Each primitive has a block of texels: for each set of
+// texture coordinates (u, v) of the three corners in two texels, then the colours of the corners, then that of the face. A sphere has the rows of the
+// rotation from the world into its own space.
+struct InstanceAttributes {
+  uint first;             // texel of the attributes
+  uint layout_bits;       // kAttributes*
+  uint radiance_texture;  // index of the texture that its radiance is multiplied with, or kNone
+  uint pad0;
+};
+const uint kInstanceAttributesTexels = 1u;
+const uint kAttributesSetsMask = 0xffu;  // sets of texture coordinates
+const uint kAttributesVertexColors = 0x100u;
+const uint kAttributesFaceColors = 0x200u;
+const uint kAttributesSphere = 0x400u;
+const uint kSrgbCodes = 256u;  // light of each, four a texel
 
 // An instance that emits: chosen when `threshold <= word`, the last one that satisfies it.
 struct LightInstance {
@@ -474,6 +551,9 @@ static_assert(sizeof(Primitive) == kRecordTexels * kTexelBytes);
 static_assert(sizeof(Place) == kPlaceTexels * kTexelBytes);
 static_assert(sizeof(Instance) == kInstanceTexels * kTexelBytes);
 static_assert(sizeof(MaterialRecord) == kMaterialTexels * kTexelBytes);
+static_assert(sizeof(MaterialTextures) == kMaterialTexturesTexels * kTexelBytes);
+static_assert(sizeof(TextureRecord) == kTextureRecordTexels * kTexelBytes);
+static_assert(sizeof(InstanceAttributes) == kInstanceAttributesTexels * kTexelBytes);
 static_assert(sizeof(LightInstance) == kLightInstanceTexels * kTexelBytes);
 static_assert(sizeof(LightPrimitive) == kLightPrimitiveTexels * kTexelBytes);
 static_assert(sizeof(LightBounds) == kLightBoundsTexels * kTexelBytes);

@@ -78,7 +78,13 @@ const uint kMutantDiskSquare = 62u;
 const uint kMutantDiskAreaOfASquare = 63u;
 const uint kMutantCylinderHalfArea = 64u;
 const uint kMutantCylinderOutsideOnly = 65u;
-const uint kMutantCount = 66u;
+const uint kMutantHalfTexel = 66u;
+const uint kMutantRowsSwapped = 67u;
+const uint kMutantWrapOffByOne = 68u;
+const uint kMutantUvTransformInverted = 69u;
+const uint kMutantSrgbLeftOut = 70u;
+const uint kMutantLightTextureIgnored = 71u;
+const uint kMutantCount = 72u;
 #endif
 
 #ifdef __cplusplus

@@ -23,6 +23,12 @@ TABLE(table, kBindingTables)
 // Where tables begin, in texels. The triangle indices are the first of the geometry, the instances of the tables.
 layout(constant_id = kConstantNormalsAt) const uint kNormalsAt = 0u;
 layout(constant_id = kConstantMaterialsAt) const uint kMaterialsAt = 0u;
+layout(constant_id = kConstantMaterialTexturesAt) const uint kMaterialTexturesAt = 0u;
+layout(constant_id = kConstantTexturesAt) const uint kTexturesAt = 0u;
+layout(constant_id = kConstantInstanceAttributesAt) const uint kInstanceAttributesAt = 0u;
+layout(constant_id = kConstantSrgbAt) const uint kSrgbAt = 0u;
+layout(constant_id = kConstantAttributesAt) const uint kAttributesAt = 0u;
+layout(constant_id = kConstantTexelsAt) const uint kTexelsAt = 0u;
 layout(constant_id = kConstantLightInstancesAt) const uint kLightInstancesAt = 0u;
 layout(constant_id = kConstantLightPrimitivesAt) const uint kLightPrimitivesAt = 0u;
 layout(constant_id = kConstantLightPairsAt) const uint kLightPairsAt = 0u;
@@ -66,6 +72,25 @@ MaterialRecord fetch_material(uint i, bool whole) {
   const vec4 d = whole ? uintBitsToFloat(load_table(first + 3u)) : none;
   return MaterialRecord(uintBitsToFloat(a.xyz), a.w, b.xyz, b.w, c.xyz, c.w, d.xyz, d.w);
 }
+MaterialTextures fetch_material_textures(uint i) {
+  const uint first = kMaterialTexturesAt + kMaterialTexturesTexels * i;
+  return MaterialTextures(load_table(first), load_table(first + 1u));
+}
+TextureRecord fetch_texture(uint i) {
+  const uint first = kTexturesAt + kTextureRecordTexels * i;
+  const uvec4 a = load_table(first), b = load_table(first + 1u), c = load_table(first + 2u), d = load_table(first + 3u), e = load_table(first + 4u);
+  return TextureRecord(a.x, a.y, a.z, a.w, uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xyz), c.w, uintBitsToFloat(d.xyz), d.w,
+                       uintBitsToFloat(e.xyz), e.w);
+}
+InstanceAttributes fetch_instance_attributes(uint i) {
+  const uvec4 a = load_table(kInstanceAttributesAt + kInstanceAttributesTexels * i);
+  return InstanceAttributes(a.x, a.y, a.z, a.w);
+}
+// Light of an 8-bit code of sRGB.
+float fetch_srgb(uint code) { return uintBitsToFloat(load_table(kSrgbAt + code / 4u)[code & 3u]); }
+vec4 fetch_attribute(uint i) { return uintBitsToFloat(load_geometry(kAttributesAt + i)); }
+// 16 bytes of the pictures.
+uvec4 fetch_picture(uint i) { return load_geometry(kTexelsAt + i); }
 LightInstance fetch_light_instance(uint i) {
   const uvec4 a = load_table(kLightInstancesAt + kLightInstanceTexels * i);
   return LightInstance(a.x, a.y, a.z, a.w);

@@ -10,6 +10,7 @@
 
 #include "../microfacets.glsl"
 #include "../scene.glsl"
+#include "../texture.glsl"
 
 // A material at a point, its parameters evaluated there: all that sample, eval and pdf know of it.
 struct Material {
@@ -80,8 +81,8 @@ Material rich_material(MaterialRecord r) {
   return Material(r.header, r.params, r.eta.x, r.eta.y, vec2(r.alpha_u, r.alpha_v), r.specular, r.share, r.eta, r.k);
 }
 
-// The material of an instance, evaluated once per hit.
-Material evaluate_material(Instance instance) {
+// The material of an instance without its textures.
+Material stored_material(Instance instance) {
   if (kBsdfsUsed != 0u && (kBsdfsUsed & kRichTypes) == 0u) {
     const MaterialRecord r = fetch_material(instance.material, false);
     return plain_material(r.header, r.params);
@@ -89,6 +90,13 @@ Material evaluate_material(Instance instance) {
   const MaterialRecord r = fetch_material(instance.material, true);
   Material m = rich_material(r);
   if (!bsdf_among(m, kRichTypes)) m = plain_material(r.header, r.params);
+  return m;
+}
+
+// The material of an instance at a point, evaluated once per hit. The first texture is that of the albedo.
+Material evaluate_material(Instance instance, SurfacePoint at) {
+  Material m = stored_material(instance);
+  if (kTextured && material_has(m, kMaterialTextured)) m.albedo *= color_factor(fetch_material_textures(instance.material).first.x, at);
   return m;
 }
 

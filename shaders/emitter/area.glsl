@@ -7,6 +7,9 @@ vec3 area_radiance(Instance instance, vec3 ns, vec3 w) {
   return dot(w, ns) > 0.0 ? instance.radiance : vec3(0.0);
 }
 
+// What the radiance of a lamp is multiplied with at a point of it.
+vec3 radiance_factor(SurfacePoint at) { return color_factor(fetch_instance_attributes(at.instance).radiance_texture, at); }
+
 // 1 − cos of the half angle of the cone that a sphere fills, seen from outside; 0 when p is not outside.
 float sphere_one_minus_cos(vec3 p, vec3 center, float radius) {
   const vec3 v = center - p;
@@ -114,6 +117,9 @@ LightSample area_sample(vec3 p, Primitive prim, Instance instance, LightChoice c
   MUTATE(kMutantLightChoiceForgotten, ls.pdf_w /= choice.instance_prob);
   MUTATE(kMutantLightPdfScaled, ls.pdf_w *= 1.02);
   ls.radiance = instance.radiance;
+  bool textured = textures_have(kTexturesRadiance);
+  MUTATE(kMutantLightTextureIgnored, textured = false);
+  if (textured) ls.radiance *= radiance_factor(SurfacePoint(prim.instance, prim.primitive, square_to_triangle(u), ls.ng));
   ls.instance = prim.instance;
   ls.primitive = prim.primitive;
   return ls;

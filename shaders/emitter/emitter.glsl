@@ -4,6 +4,7 @@
 
 #include "../sampler.glsl"
 #include "../surface.glsl"
+#include "../texture.glsl"
 #include "../warp.glsl"
 
 struct LightSample {

@@ -82,8 +82,9 @@ float light_sample_count() {
 float bsdf_sample_count() { return kIntegrator == kIntegratorDirect ? float(frame.bsdf_samples) : 1.0; }
 
 // Step 2: emission met by chance.
-vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim) {
-  const vec3 le = area_radiance(instance, s.frame.n, -path.ray.d);
+vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim, SurfacePoint at) {
+  vec3 le = area_radiance(instance, s.frame.n, -path.ray.d);
+  if (textures_have(kTexturesRadiance) && max_component(le) > 0.0) le *= radiance_factor(at);
   MUTATE(kMutantEmissionTwice, return path.beta * le);
   if (path.full_emission || instance.light_prob == 0.0) return path.beta * le;
   if (!kMis) return vec3(0.0);
@@ -200,11 +201,12 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     shade_first_hit(path, s, hit);
     return;
   }
+  const SurfacePoint at = SurfacePoint(s.instance, s.primitive, hit.weights, s.ng);
   if (hidden_from_camera(path, instance)) {
     pass_through(path, s, hit);
     return;
   }
-  if (!no_light_to_camera(path)) path.radiance += gather_emission(path, s, instance, hit.geometry);
+  if (!no_light_to_camera(path)) path.radiance += gather_emission(path, s, instance, hit.geometry, at);
   uint max_depth = frame.max_depth;
   MUTATE(kMutantDepthOffByOne, ++max_depth);
   if (kIntegrator == kIntegratorDirect && !is_camera_segment(path)) {
@@ -212,7 +214,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     return;
   }
   if (path.segment >= max_depth) return;
-  const Material material = evaluate_material(instance);
+  const Material material = evaluate_material(instance, at);
   const vec3 wo = to_local(s.frame, -path.ray.d);
   if (material_has(material, kMaterialOneSided) && wo.z <= 0.0) {
     decisions.lobe = kLobeNone;

@@ -77,7 +77,7 @@ void write_ply(const PlacedMesh& mesh, bool mirror, const std::string& path) {
 
 Json bsdf_json(const Bsdf& bsdf) {
   if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf))
-    return {{"type", "diffuse"}, {"albedo", json(diffuse->albedo)}};
+    return {{"type", "diffuse"}, {"albedo", json(diffuse->albedo.value)}};
   if (const auto* glass = std::get_if<DielectricBsdf>(&bsdf))
     return {{"type", "dielectric"}, {"int_ior", glass->int_ior}, {"ext_ior", glass->ext_ior}};
   if (std::holds_alternative<MirrorBsdf>(bsdf)) return {{"type", "mirror"}};
@@ -125,7 +125,7 @@ Json camera_json(const Scene& scene) {
 
 Json instance_json(const Scene& scene, const Instance& instance, bool mirror, const std::string& ply) {
   Json out = {{"name", instance.name}, {"bsdf", bsdf_json(scene.bsdf_of(instance))}, {"radiance", nullptr}};
-  if (const AreaEmitter* emitter = scene.emitter_of(instance)) out["radiance"] = json(emitter->radiance);
+  if (const AreaEmitter* emitter = scene.emitter_of(instance)) out["radiance"] = json(emitter->radiance.value);
   if (const auto* sphere = std::get_if<Sphere>(&scene.shape_of(instance))) {
     const Sphere placed = placed_sphere(*sphere, instance);
     out["sphere"] = {{"center", json(mirrored(placed.center, mirror))}, {"radius", placed.radius}};

@@ -25,8 +25,10 @@
 #include "core/memory.h"
 #include "scene/film_unit.h"
 #include "scene/invariants.h"
+#include "scene/parameters.h"
 #include "scene/placed.h"
 #include "scene/sharing.h"
+#include "scene/texture_facts.h"
 
 namespace etendue {
 namespace {
@@ -38,7 +40,7 @@ double luminance(const glm::dvec3& rgb) {
 }
 
 gpu::MaterialRecord flatten(const DiffuseBsdf& bsdf) {
-  return {.params = glm::vec3(bsdf.albedo), .header = gpu::kBsdfDiffuse | gpu::kMaterialOneSided};
+  return {.params = glm::vec3(bsdf.albedo.value), .header = gpu::kBsdfDiffuse | gpu::kMaterialOneSided};
 }
 gpu::MaterialRecord flatten(const MirrorBsdf&) {
   return {.header = gpu::kBsdfMirror | gpu::kMaterialDelta | gpu::kMaterialOneSided};
@@ -216,13 +218,19 @@ class Compiler {
     for (const Material& material : scene_.materials)
       out_.materials.push_back(std::visit([](const auto& bsdf) { return flatten(bsdf); }, material.bsdf));
     if (out_.materials.empty()) out_.materials.push_back({});
+    out_.textures = compile_textures(scene_);
+    if (out_.textures.features == 0) return;
+    for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+      out_.material_textures.push_back(material_textures(scene_.materials[i].bsdf));
+      if (is_textured(scene_.materials[i].bsdf)) out_.materials[i].header |= gpu::kMaterialTextured;
+    }
   }
 
   void flatten_instances() {
     for (const Instance& instance : scene_.instances) {
       const AreaEmitter* emitter = scene_.emitter_of(instance);
       gpu::Instance flat{};
-      flat.radiance = emitter != nullptr ? glm::vec3(emitter->radiance) : glm::vec3(0.0f);
+      flat.radiance = emitter != nullptr ? glm::vec3(emitter->radiance.value) : glm::vec3(0.0f);
       flat.material = instance.material;
       flat.first_triangle = gpu::kNone;
       flat.place = gpu::kNone;
@@ -427,15 +435,21 @@ class Compiler {
     std::vector<double> areas;
     for (const Instance& instance : scene_.instances) {
       const AreaEmitter* emitter = scene_.emitter_of(instance);
-      double area = 0.0;
+      double area = 0.0, power = 0.0;
       if (emitter != nullptr && sharing_.has_instance(areas.size())) {
         area = placed_area(shared_light(instance.shape).light, instance);
+        power = luminance(EmitterRadiance(scene_, instance).mean_of_all()) * area;
       } else if (emitter != nullptr) {
         const Placed placed(scene_, instance);
-        for (std::size_t i = 0; i < placed.primitive_count(); ++i) area += placed.area(i);
+        const EmitterRadiance radiance(scene_, instance);
+        for (std::size_t i = 0; i < placed.primitive_count(); ++i) {
+          area += placed.area(i);
+          if (!radiance.uniform()) power += luminance(radiance.mean(i)) * placed.area(i);
+        }
+        if (radiance.uniform()) power = luminance(radiance.mean()) * area;
       }
       areas.push_back(area);
-      weights.push_back(emitter != nullptr ? luminance(emitter->radiance) * area : 0.0);
+      weights.push_back(power);
     }
     for (const double weight : weights) lights_power_ += weight;
     const std::vector<std::uint64_t> thresholds = integer_thresholds(weights);
@@ -494,10 +508,10 @@ class Compiler {
     for (std::size_t l = 0; l < out_.light_instances.size(); ++l) {
       const gpu::LightInstance& light = out_.light_instances[l];
       const Instance& instance = scene_.instances[light.instance];
-      const double radiance = luminance(scene_.emitter_of(instance)->radiance);
+      const EmitterRadiance radiance(scene_, instance);
       if (sharing_.has_instance(light.instance)) {
         leaves.push_back(placed_light_leaf(*meshes_[instance.shape], instance));
-        leaves.back().power *= radiance;
+        leaves.back().power *= luminance(radiance.mean_of_all());
         leaves.back().light_primitive = gpu::kLightLeafShared | static_cast<gpu::uint>(l);
         if (!(leaves.back().power > 0.0)) leaves.pop_back();
         continue;
@@ -505,7 +519,7 @@ class Compiler {
       const Placed placed(scene_, instance);
       for (gpu::uint i = light.first_primitive; i < light.first_primitive + light.primitive_count; ++i) {
         LightLeaf leaf = light_leaf(placed, out_.light_primitives[i].primitive.primitive);
-        leaf.power *= radiance;
+        leaf.power *= luminance(radiance.mean(out_.light_primitives[i].primitive.primitive));
         if (!(leaf.power > 0.0)) continue;
         leaf.light_primitive = i;
         leaves.push_back(leaf);

@@ -6,6 +6,7 @@
 
 #include "compile/environment.h"
 #include "compile/normalization.h"
+#include "compile/textures.h"
 #include "gpu_types.h"
 #include "scene/bounds.h"
 #include "scene/scene.h"
@@ -23,6 +24,8 @@ struct CompiledScene {
   std::vector<gpu::Instance> instances;
   std::vector<gpu::Place> places;  ///< of the instances of shared meshes; empty in flattened scenes
   std::vector<gpu::MaterialRecord> materials;
+  std::vector<gpu::MaterialTextures> material_textures;  ///< one for each material, or empty where none has any
+  CompiledTextures textures;
   std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
   std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
   std::vector<gpu::LightInstance> light_instances;

@@ -20,6 +20,11 @@ struct Table {
   const char* what;
   std::uint32_t at;  // the constant that says where it begins
   std::span<const std::byte> bytes;
+
+  /// Bytes up to the next table: whole texels.
+  std::uint64_t size() const {
+    return (bytes.size() + sizeof(gpu::uvec4) - 1) / sizeof(gpu::uvec4) * sizeof(gpu::uvec4);
+  }
 };
 
 // The tables of one buffer, one behind the other.
@@ -30,7 +35,7 @@ struct TableGroup {
 
   std::uint64_t bytes() const {
     std::uint64_t sum = 0;
-    for (const Table& table : tables) sum += table.bytes.size();
+    for (const Table& table : tables) sum += table.size();
     return sum;
   }
 };
@@ -43,21 +48,31 @@ Table table(const char* what, std::uint32_t at, const std::vector<T>& entries) {
 
 // Everything that shaders/scene.glsl reads.
 std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
-  return {
+  const CompiledTextures& t = s.textures;
+  std::array<TableGroup, 3> groups{
       {{gpu::kBindingRecords, "tree", {table("tree", kFirst, s.records)}},
        {gpu::kBindingGeometry,
         "geometry",
-        {table("triangle indices", kFirst, s.triangles), table("vertex normals", gpu::kConstantNormalsAt, s.normals)}},
+        {table("triangle indices", kFirst, s.triangles), table("vertex normals", gpu::kConstantNormalsAt, s.normals),
+         table("attributes", gpu::kConstantAttributesAt, t.attributes)}},
        {gpu::kBindingTables,
         "instances, materials, lights and environment",
         {table("instances", kFirst, s.instances), table("materials", gpu::kConstantMaterialsAt, s.materials),
          table("places of instances", gpu::kConstantPlacesAt, s.places),
+         table("textures of materials", gpu::kConstantMaterialTexturesAt, s.material_textures),
          table("emitters", gpu::kConstantLightInstancesAt, s.light_instances),
          table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
          table("light tree", gpu::kConstantLightPairsAt, s.light_pairs),
          table("trails of the light tree", gpu::kConstantLightTrailsAt, s.light_trails),
          table("rows of the environment", gpu::kConstantEnvironmentRowsAt, s.environment.rows),
-         table("picture of the environment", gpu::kConstantEnvironmentTexelsAt, s.environment.texels)}}}};
+         table("picture of the environment", gpu::kConstantEnvironmentTexelsAt, s.environment.texels),
+         table("textures", gpu::kConstantTexturesAt, t.textures),
+         table("attributes of instances", gpu::kConstantInstanceAttributesAt, t.instances),
+         table("sRGB", gpu::kConstantSrgbAt, t.srgb)}}}};
+  for (const auto& bitmap : t.bitmaps)
+    groups[1].tables.push_back({"pictures", bitmap == t.bitmaps.front() ? gpu::kConstantTexelsAt : kFirst,
+                                std::as_bytes(std::span(bitmap->texels))});
+  return groups;
 }
 
 // What the materials that surfaces have are: kernels are built for them and no others.
@@ -145,7 +160,7 @@ std::vector<vulkan::Specialization> table_places(const CompiledScene& scene) {
     std::size_t texels = 0;
     for (const Table& table : group.tables) {
       if (table.at != kFirst) places.push_back({table.at, static_cast<std::uint32_t>(texels)});
-      texels += table.bytes.size() / sizeof(gpu::uvec4);
+      texels += table.size() / sizeof(gpu::uvec4);
     }
   }
   return places;
@@ -168,6 +183,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantSphereLights, has_lights(scene, gpu::kPrimitiveSphere) ? 1u : 0u},
                                      {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},
                                      {gpu::kConstantInstanced, scene.places.empty() ? 0u : 1u},
+                                     {gpu::kConstantTextureFeatures, scene.textures.features},
                                      {gpu::kConstantTreeRoot, scene.tree_root}});
   const EnvironmentFacts& sky = scene.environment.facts;
   constants.insert(constants.end(), {{gpu::kConstantEnvironment, sky.kind},
@@ -218,7 +234,7 @@ DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene&
     std::uint64_t at = 0;
     for (const Table& table : group.tables) {
       device_->commands.upload(entry.buffer, at, table.bytes);
-      at += table.bytes.size();
+      at += table.size();
     }
     if (texels) {
       entry.view = vulkan::make_texel_view(*device_->context, entry.buffer, VK_FORMAT_R32G32B32A32_UINT);

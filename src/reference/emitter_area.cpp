@@ -8,6 +8,7 @@
 #include "reference/intersect.h"
 #include "reference/lights.h"
 #include "reference/sampling.h"
+#include "reference/texture.h"
 #include "scene/sharing.h"
 
 namespace etendue::reference {
@@ -18,8 +19,8 @@ double largest_coordinate(const Vec3& v) {
 }
 
 /// A point of the sphere, uniform in the solid angle the sphere fills from outside.
-void sample_sphere(const Sphere& sphere, const AreaLight& light, double prob, const Vec3& from,
-                   const SampleRandom::Light& random, LightSample& sample) {
+void sample_sphere(const Sphere& sphere, double prob, const Vec3& from, const SampleRandom::Light& random,
+                   LightSample& sample) {
   const Vec3 to_center = sphere.center - from;
   const double distance = glm::length(to_center);
   if (distance <= sphere.radius) return;  // nothing is emitted inward
@@ -35,7 +36,6 @@ void sample_sphere(const Sphere& sphere, const AreaLight& light, double prob, co
   sample.surface.p = sphere.center + sphere.radius * normal;
   sample.surface.magnitude = largest_coordinate(sphere.center) + sphere.radius;
   sample.pdf_w = sample.pdf_w_mis = prob * cone.pdf_w();
-  sample.radiance = light.radiance;
 }
 
 double primitive_area(const Scene& scene, const AreaLight& light, std::uint32_t primitive) {
@@ -96,6 +96,7 @@ void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, con
   if (shared && chosen.light->placement.turned()) std::swap(b.y, b.z);
   sample.surface.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
   sample.surface.ng = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+  sample.surface.weights = b;
   sample.surface.ns = chosen.light->placement.shading_normal(mesh, chosen.primitive, b, sample.surface.ng);
   for (const Vec3& vertex : p)
     sample.surface.magnitude = std::max(sample.surface.magnitude, largest_coordinate(vertex));
@@ -139,7 +140,6 @@ void Lights::see_from(const Vec3& from, const Chosen& chosen, bool shared, Light
   const double area_to_solid_angle = distance * distance / cos_light;
   sample.pdf_w = chosen.pdf_a * area_to_solid_angle;
   sample.pdf_w_mis = chosen.pdf_a_mis * area_to_solid_angle;
-  sample.radiance = chosen.light->radiance;
 }
 
 std::optional<LightSample> Lights::sample(const Scene& scene, const Vec3& from, const Vec3& ns,
@@ -156,6 +156,8 @@ std::optional<LightSample> Lights::sample(const Scene& scene, const Vec3& from, 
     sample_triangle(*mesh, *chosen, from, random, sample);
   else
     sample_round(shape, *chosen, from, random, sample);
+  if (sample.pdf_w > 0.0)
+    sample.radiance = at_point(scene, scene.emitter_of(scene.instances[sample.instance])->radiance, sample.surface);
   return sample;
 }
 
@@ -182,8 +184,9 @@ double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, c
   return cos_light == 0.0 ? 0.0 : prob_light / area * distance2 / cos_light;
 }
 
-Vec3 emitted_radiance(const AreaEmitter* emitter, const Surface& surface, const Vec3& wo) {
-  return emitter != nullptr && glm::dot(surface.ns, wo) > 0.0 ? emitter->radiance : Vec3(0.0);
+Vec3 emitted_radiance(const Scene& scene, const Surface& surface, const Vec3& wo) {
+  const AreaEmitter* emitter = scene.emitter_of(scene.instances[surface.instance]);
+  return emitter != nullptr && glm::dot(surface.ns, wo) > 0.0 ? at_point(scene, emitter->radiance, surface) : Vec3(0.0);
 }
 
 }  // namespace etendue::reference

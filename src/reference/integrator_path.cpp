@@ -3,6 +3,7 @@
 
 #include "reference/frame.h"
 #include "reference/integrator.h"
+#include "reference/texture.h"
 
 namespace etendue::reference {
 namespace {
@@ -33,7 +34,7 @@ class Scatterer {
   }
 
  private:
-  const Bsdf& bsdf_;
+  const Bsdf& bsdf_;  // its parameters are constants
   Frame frame_;
   Vec3 wo_;
 };
@@ -85,8 +86,7 @@ class Path {
       const std::optional<Surface> end = world_.closest_hit(ray);
       log_.segment(end);
       if (end) {
-        radiance_ +=
-            beta_ * emission(world_.scene().emitter_of(world_.scene().instances[end->instance]), *end, -ray.direction);
+        radiance_ += beta_ * emission(*end, -ray.direction);
       } else {
         leave(ray, false);
       }
@@ -108,7 +108,7 @@ class Path {
       log_.segment(hit);
       if (!hit || !integrator_.hide_emitters) return hit;
       const AreaEmitter* emitter = world_.scene().emitter_of(world_.scene().instances[hit->instance]);
-      if (emitter == nullptr || is_zero(emitter->radiance)) return hit;
+      if (emitter == nullptr || is_zero(emitter->radiance.value)) return hit;
       log_.radiance(radiance_);
       const double passed = glm::dot(hit->p - ray.origin, ray.direction);
       ray = {.origin = hit->offset_toward(ray.direction), .direction = ray.direction, .t_max = ray.t_max - passed};
@@ -118,9 +118,9 @@ class Path {
   /// The first segment of a round; true when `ray` has become that of a material sample.
   bool direct_round(const Surface& surface, std::uint32_t round, Ray& ray) {
     const Instance& instance = world_.scene().instances[surface.instance];
-    const Bsdf& bsdf = world_.scene().bsdf_of(instance);
+    const Bsdf bsdf = at_point(world_.scene(), world_.scene().bsdf_of(instance), surface);
     const Vec3 wo = -ray.direction;
-    if (round == 0) radiance_ += beta_ * emission(world_.scene().emitter_of(instance), surface, wo);
+    if (round == 0) radiance_ += beta_ * emission(surface, wo);
     const Scatterer scatterer(bsdf, surface, wo);
     black_ = scatterer.black();
     if (black_) {
@@ -156,9 +156,9 @@ class Path {
   /// Gathers light at vertex `depth` − 1 and turns `ray` into the next segment; false when the path ends.
   bool scatter(const Surface& surface, std::uint32_t depth, Ray& ray) {
     const Instance& instance = world_.scene().instances[surface.instance];
-    const Bsdf& bsdf = world_.scene().bsdf_of(instance);
+    const Bsdf bsdf = at_point(world_.scene(), world_.scene().bsdf_of(instance), surface);
     const Vec3 wo = -ray.direction;
-    radiance_ += beta_ * emission(world_.scene().emitter_of(instance), surface, wo);
+    radiance_ += beta_ * emission(surface, wo);
     if (depth == max_depth_) return false;
     const Scatterer scatterer(bsdf, surface, wo);
     if (scatterer.black()) {
@@ -183,8 +183,8 @@ class Path {
   }
 
   /// Radiance emitted toward `wo`, times the share that finding it by chance has in the estimate.
-  Vec3 emission(const AreaEmitter* emitter, const Surface& surface, const Vec3& wo) const {
-    const Vec3 Le = emitted_radiance(emitter, surface, wo);
+  Vec3 emission(const Surface& surface, const Vec3& wo) const {
+    const Vec3 Le = emitted_radiance(world_.scene(), surface, wo);
     if (is_zero(Le) || !found_by_sampling()) return Le;
     if (!weighs_) return Vec3(0.0);
     const double pdf_light = world_.environment().lights_prob() *

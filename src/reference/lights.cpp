@@ -6,6 +6,7 @@
 
 #include "reference/intersect.h"
 #include "scene/sharing.h"
+#include "scene/texture_facts.h"
 
 namespace etendue::reference {
 
@@ -16,12 +17,7 @@ using SharedLights = std::map<std::uint32_t, std::shared_ptr<const MeshLight>>;
 
 AreaLight make_light(const Scene& scene, std::uint32_t index, bool shared, SharedLights& shared_lights) {
   const Instance& instance = scene.instances[index];
-  AreaLight light{.instance = index,
-                  .placement = Placement(instance),
-                  .radiance = scene.emitter_of(instance)->radiance,
-                  .area = 0.0,
-                  .triangles = {},
-                  .shared = {}};
+  AreaLight light{.instance = index, .placement = Placement(instance), .area = 0.0, .triangles = {}, .shared = {}};
   if (const auto* object = std::get_if<Sphere>(&scene.shape_of(instance))) {
     const Sphere sphere = light.placement.sphere(*object);
     light.area = 4.0 * kPi * sphere.radius * sphere.radius;
@@ -90,18 +86,30 @@ LightLeaf round_leaf(const Shape& shape, const Placement& placement) {
   return leaf;
 }
 
+/// Luminance times area, of the whole instance.
+double power(const Scene& scene, const AreaLight& light) {
+  const EmitterRadiance radiance(scene, scene.instances[light.instance]);
+  if (radiance.uniform() || light.shared) return luminance(radiance.mean_of_all()) * light.area;
+  const auto& mesh = std::get<TriangleMesh>(scene.shape_of(scene.instances[light.instance]));
+  double sum = 0.0;
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto [p0, p1, p2] = light.placement.triangle(mesh, i);
+    sum += luminance(radiance.mean(i)) * triangle_area(p0, p1, p2);
+  }
+  return sum;
+}
+
 /// Every primitive that emits, in the order of the scene.
 std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLight>& lights) {
   std::vector<LightLeaf> leaves;
   for (std::uint32_t l = 0; l < lights.size(); ++l) {
-    const double radiance = luminance(lights[l].radiance);
+    const EmitterRadiance radiance(scene, scene.instances[lights[l].instance]);
     const Shape& shape = scene.shape_of(scene.instances[lights[l].instance]);
-    if (!(radiance > 0.0)) continue;
     if (const auto* object = std::get_if<Sphere>(&shape)) {
       const Sphere sphere = lights[l].placement.sphere(*object);
       leaves.push_back({.light = l,
                         .primitive = 0,
-                        .power = radiance * kPi * sphere.radius * sphere.radius,
+                        .power = luminance(radiance.mean()) * kPi * sphere.radius * sphere.radius,
                         .lower = sphere.center - sphere.radius,
                         .upper = sphere.center + sphere.radius});
       continue;
@@ -109,13 +117,13 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
     if (std::holds_alternative<Disk>(shape) || std::holds_alternative<Cylinder>(shape)) {
       leaves.push_back(round_leaf(shape, lights[l].placement));
       leaves.back().light = l;
-      leaves.back().power *= radiance;
+      leaves.back().power *= luminance(radiance.mean());
       continue;
     }
     if (lights[l].shared) {
       LightLeaf leaf = lights[l].shared->leaf(lights[l].placement);
       leaf.light = l;
-      leaf.power *= radiance;
+      leaf.power *= luminance(radiance.mean_of_all());
       if (leaf.power > 0.0) leaves.push_back(leaf);
       continue;
     }
@@ -125,13 +133,14 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
       if (is_degenerate(p0, p1, p2)) continue;
       leaves.push_back({.light = l,
                         .primitive = i,
-                        .power = radiance * triangle_area(p0, p1, p2),
+                        .power = luminance(radiance.mean(i)) * triangle_area(p0, p1, p2),
                         .lower = glm::min(p0, glm::min(p1, p2)),
                         .upper = glm::max(p0, glm::max(p1, p2)),
                         .normal = glm::normalize(glm::cross(p1 - p0, p2 - p0))});
       if (!mesh.normals.empty()) shine_by_vertex_normals(mesh, i, lights[l].placement, leaves.back());
     }
   }
+  std::erase_if(leaves, [](const LightLeaf& leaf) { return !(leaf.power > 0.0); });
   return leaves;
 }
 
@@ -157,7 +166,7 @@ Lights::Lights(const Scene& scene) : of_instance_(scene.instances.size()) {
     if (!scene.instances[i].emitter) continue;
     of_instance_[i] = lights_.size();
     lights_.push_back(make_light(scene, i, sharing.has_instance(i), shared));
-    weights.push_back(luminance(lights_.back().radiance) * lights_.back().area);
+    weights.push_back(power(scene, lights_.back()));
     power_ += weights.back();
   }
   choice_ = DiscreteChoice(weights);

@@ -21,7 +21,6 @@ namespace etendue::reference {
 struct AreaLight {
   std::uint32_t instance = 0;
   Placement placement;
-  Vec3 radiance{0.0};
   double area = 0.0;                        ///< of the whole instance, in world space
   DiscreteChoice triangles;                 ///< empty for other shapes than meshes
   std::shared_ptr<const MeshLight> shared;  ///< of an instance of a shared mesh, instead of `triangles`
@@ -82,7 +81,7 @@ class Lights {
   std::vector<std::optional<std::size_t>> of_instance_;  ///< instance → index into lights_
 };
 
-/// Radiance that a surface with the emitter, null for none, sends toward `wo`.
-Vec3 emitted_radiance(const AreaEmitter* emitter, const Surface& surface, const Vec3& wo);
+/// Radiance that a surface sends toward `wo`.
+Vec3 emitted_radiance(const Scene& scene, const Surface& surface, const Vec3& wo);
 
 }  // namespace etendue::reference

@@ -23,6 +23,7 @@ struct Surface {
   double magnitude = 0.0;  ///< largest coordinate of the primitive: what rounding errors are proportional to
   std::uint32_t instance = 0;
   std::uint32_t primitive = 0;
+  Vec3 weights{0.0};  ///< of the triangle's vertices
 
   /// Where a ray toward `w` starts (or one from there ends): off the surface, to the side of `w`, by far more than the
   /// rounding error of `p` (a few 2^-53 of `magnitude`) and far less than anything visible. Coplanar neighbours that

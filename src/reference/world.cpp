@@ -250,7 +250,8 @@ Surface World::triangle_surface(const Found& found) const {
   Surface surface{.p = b.x * p[0] + b.y * p[1] + b.z * p[2],
                   .ng = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0])),
                   .instance = found.instance,
-                  .primitive = found.index};
+                  .primitive = found.index,
+                  .weights = b};
   for (const Vec3& vertex : p) surface.magnitude = std::max(surface.magnitude, largest_coordinate(vertex));
   if (shared) surface.magnitude *= kMostCondition;
   surface.ns = placement.shading_normal(mesh, found.index, b, surface.ng);

@@ -27,7 +27,7 @@ bool is_dark(const glm::dvec3& radiance) {
 void check_light(const Scene& scene, Diagnostics& diagnostics) {
   const bool sky = !is_dark(scene.sky);
   const bool emitter = std::any_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& instance) {
-    return instance.emitter && !is_dark(scene.emitter_of(instance)->radiance);
+    return instance.emitter && !is_dark(scene.emitter_of(instance)->radiance.value);
   });
   if (sky || emitter) return;
   diagnostics.warning(scene.position,

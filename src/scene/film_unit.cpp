@@ -5,6 +5,8 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include "scene/texture_facts.h"
+
 namespace etendue {
 namespace {
 
@@ -54,8 +56,7 @@ int depth_exponent(const Camera& camera) {
 int radiance_exponent(const Scene& scene) {
   double largest = largest_of(scene.sky);
   for (const Instance& instance : scene.instances) {
-    if (const AreaEmitter* emitter = scene.emitter_of(instance))
-      largest = std::max(largest, largest_component(emitter->radiance));
+    if (instance.emitter) largest = std::max(largest, EmitterRadiance(scene, instance).largest());
   }
   return exponent_above(largest);
 }

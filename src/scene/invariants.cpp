@@ -13,6 +13,7 @@
 #include "scene/bounds.h"
 #include "scene/limits.h"
 #include "scene/placed.h"
+#include "scene/texture_checks.h"
 
 namespace etendue {
 namespace {
@@ -63,13 +64,15 @@ class Checker {
     check_camera();
     check_sampler_and_integrator();
     check_sky();
-    for (const AreaEmitter& emitter : scene_.emitters) check_radiance(emitter.radiance, emitter.position, "radiance");
+    for (const AreaEmitter& emitter : scene_.emitters)
+      check_radiance(emitter.radiance.value, emitter.position, "radiance");
     for (const Material& material : scene_.materials)
       std::visit([&](const auto& bsdf) { check_bsdf(bsdf, material); }, material.bsdf);
     check_totals();
     if (tables_fit()) {
       shapes_.resize(scene_.shapes.size());
       for (const Instance& instance : scene_.instances) check_instance(instance);
+      check_textures(scene_, sink_, locate_);
     }
   }
 
@@ -225,9 +228,9 @@ class Checker {
   }
 
   void check_bsdf(const DiffuseBsdf& bsdf, const Material& material) {
-    if (!is_finite(bsdf.albedo))
-      error(material.position, "albedo",
-            fmt::format("albedo {} {} {} is not finite", bsdf.albedo.x, bsdf.albedo.y, bsdf.albedo.z));
+    const glm::dvec3& albedo = bsdf.albedo.value;
+    if (!is_finite(albedo))
+      error(material.position, "albedo", fmt::format("albedo {} {} {} is not finite", albedo.x, albedo.y, albedo.z));
   }
   void check_bsdf(const MirrorBsdf&, const Material&) {}
   void check_bsdf(const DielectricBsdf& bsdf, const Material& material) {

@@ -24,4 +24,10 @@ inline constexpr double kMaxConductorIndex = 1000.0;
 inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 25;
 inline constexpr std::size_t kMaxVertices = std::size_t{1} << 25;
 
+/// Textures of a scene; kernels keep their numbers in 24 bits.
+inline constexpr std::size_t kMaxTextures = std::size_t{1} << 24;
+/// Largest |texture coordinate| of a mesh, and entry of a texture's transform: their products stay finite in single
+/// precision.
+inline constexpr double kMaxTextureCoordinate = 1e9;
+
 }  // namespace etendue

@@ -64,8 +64,12 @@ void hash(Hasher& h, const Cylinder& cylinder) {
   h.value(cylinder.p1);
   h.value(cylinder.radius);
 }
+void hash(Hasher& h, const ColorParameter& parameter) {
+  h.value(parameter.value);
+  if (parameter.texture) h.value(*parameter.texture);
+}
 void hash(Hasher& h, const DiffuseBsdf& bsdf) {
-  h.value(bsdf.albedo);
+  hash(h, bsdf.albedo);
 }
 void hash(Hasher&, const MirrorBsdf&) {}
 void hash(Hasher& h, const DielectricBsdf& bsdf) {
@@ -125,6 +129,37 @@ void hash_rest(Hasher& h, const Camera& camera) {
   h.value(camera.aperture.rotation);
 }
 
+void hash(Hasher& h, const BitmapTexture& texture) {
+  h.value(texture.bitmap);
+  h.value(texture.wrap_u);
+  h.value(texture.wrap_v);
+  h.value(texture.filter);
+  h.value(texture.color_space.has_value());
+  if (texture.color_space) h.value(*texture.color_space);
+}
+void hash(Hasher& h, const CheckerboardTexture& texture) {
+  h.value(texture.color0);
+  h.value(texture.color1);
+}
+void hash(Hasher& h, const AttributeTexture& texture) {
+  h.value(texture.source);
+}
+
+void hash(Hasher& h, const Texture& texture) {
+  hash(h, texture.source);
+  for (int column = 0; column < 3; ++column) h.value(texture.uv_transform[column]);
+  h.value(texture.uv_set);
+}
+
+void hash(Hasher& h, const Bitmap& bitmap) {
+  h.value(bitmap.width);
+  h.value(bitmap.height);
+  h.value(bitmap.channels);
+  h.value(bitmap.format);
+  h.value(bitmap.color_space);
+  h.bytes(bitmap.texels.data(), bitmap.texels.size());
+}
+
 /// A gradient that is not turned goes in as it always did.
 void hash(Hasher& h, const Sky& sky) {
   h.value(sky.top);
@@ -135,14 +170,8 @@ void hash(Hasher& h, const Sky& sky) {
     for (int column = 0; column < 3; ++column) h.value(glm::dvec3(sky.world_from_sky[column]));
   }
   if (!sky.picture) return;
-  const Bitmap& bitmap = *sky.picture->bitmap;
   h.value('P');
-  h.value(bitmap.width);
-  h.value(bitmap.height);
-  h.value(bitmap.channels);
-  h.value(bitmap.format);
-  h.value(bitmap.color_space);
-  h.bytes(bitmap.texels.data(), bitmap.texels.size());
+  hash(h, *sky.picture->bitmap);
   h.value(sky.picture->scale);
   h.value(sky.picture->rows);
 }
@@ -196,8 +225,11 @@ std::uint64_t scene_hash(const Scene& scene) {
     h.value(instance.flip_normals);
     hash(h, scene.bsdf_of(instance));
     h.value(instance.emitter.has_value());
-    if (const AreaEmitter* emitter = scene.emitter_of(instance)) h.value(emitter->radiance);
+    if (const AreaEmitter* emitter = scene.emitter_of(instance)) hash(h, emitter->radiance);
   }
+  // Nothing where there is none: scenes without textures have the numbers they had before there were any.
+  for (const Texture& texture : scene.textures) hash(h, texture);
+  for (const auto& bitmap : scene.bitmaps) hash(h, *bitmap);
   return h.digest();
 }
 

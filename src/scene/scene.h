@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -11,21 +12,17 @@
 
 #include <glm/glm.hpp>
 
+#include "image/bitmap.h"
 #include "scene/bsdfs.h"
 #include "scene/sky.h"
+#include "scene/source_position.h"
+#include "scene/texture.h"
 
 namespace etendue {
 
-/// Where a thing stands in a text file; line and column count from 1 (0: unknown).
-struct SourcePosition {
-  std::string file;
-  int line = 0;
-  int column = 0;
-};
-
 /// Lambertian reflection, one-sided. `albedo` in [0,1] per Rec. 709 component.
 struct DiffuseBsdf {
-  glm::dvec3 albedo{0.5};
+  ColorParameter albedo{glm::dvec3(0.5)};
 };
 /// Perfect specular reflection with reflectance 1, one-sided.
 struct MirrorBsdf {};
@@ -43,9 +40,9 @@ struct Material {
   SourcePosition position;  ///< the tag that makes it; that of its instance where it stands by default
 };
 
-/// Emits `radiance` (W·sr⁻¹·m⁻², Rec. 709) uniformly on the side of the shading normal.
+/// Emits `radiance` (W·sr⁻¹·m⁻², Rec. 709) in all directions alike, on the side of the shading normal.
 struct AreaEmitter {
-  glm::dvec3 radiance{0.0};
+  ColorParameter radiance;
   SourcePosition position;
 };
 
@@ -219,6 +216,8 @@ struct Scene {
   Sky sky;
   std::vector<Shape> shapes;
   std::vector<Material> materials;
+  std::vector<Texture> textures;
+  std::vector<std::shared_ptr<const Bitmap>> bitmaps;  ///< shared by copies of the scene: they may be large
   std::vector<AreaEmitter> emitters;
   std::vector<Instance> instances;  ///< in file order; area lights follow from those with an emitter
   Instancing instancing = Instancing::automatic;

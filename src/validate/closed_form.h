@@ -34,11 +34,12 @@ enum class SceneFamily {
   integrator,   ///< what the other integrators say of simple scenes
   environment,  ///< a diffuse square under a small picture of all directions, turned, in half of the scenes beside a
                 ///< lamp
+  texture,      ///< a textured floor under a textured lamp
 };
-inline constexpr std::array<SceneFamily, 11> kSceneFamilies{
-    SceneFamily::direct, SceneFamily::furnace,    SceneFamily::interior,   SceneFamily::sky,
-    SceneFamily::sheet,  SceneFamily::glass,      SceneFamily::coverage,   SceneFamily::crowd,
-    SceneFamily::camera, SceneFamily::integrator, SceneFamily::environment};
+inline constexpr std::array<SceneFamily, 12> kSceneFamilies{
+    SceneFamily::direct, SceneFamily::furnace,    SceneFamily::interior,    SceneFamily::sky,
+    SceneFamily::sheet,  SceneFamily::glass,      SceneFamily::coverage,    SceneFamily::crowd,
+    SceneFamily::camera, SceneFamily::integrator, SceneFamily::environment, SceneFamily::texture};
 const char* scene_family_name(SceneFamily family);
 
 /// How light is found: naive (by chance), nee (sampled) or mis (both, weighted).

@@ -124,5 +124,6 @@ ClosedFormScene integrator_scene(Dice& dice, LightStrategy strategy);
 /// Of the family direct, for others to look at differently.
 ClosedFormScene direct_light_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene environment_scene(Dice& dice, LightStrategy strategy);
+ClosedFormScene texture_scene(Dice& dice, LightStrategy strategy);
 
 }  // namespace etendue::closed_form

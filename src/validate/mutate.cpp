@@ -152,6 +152,16 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "picture of round shapes"},
     {gpu::kMutantCylinderOutsideOnly, "cylinder from outside only",
      "a ray that passes over the near wall of a cylinder does not meet the far one", "picture of round shapes"},
+    {gpu::kMutantHalfTexel, "half a texel off", "bilinear filtering takes corners of texels for their centres",
+     "textures, lamp bilinear"},
+    {gpu::kMutantRowsSwapped, "rows swapped", "pictures stand on their heads", "textures, lamp bilinear"},
+    {gpu::kMutantWrapOffByOne, "wrap off by one", "a repeated picture's last texel is filtered with itself",
+     "textures, lamp bilinear"},
+    {gpu::kMutantUvTransformInverted, "uv transform inverted",
+     "textures are transformed by the inverse of their transform", "textures, lamp bilinear"},
+    {gpu::kMutantSrgbLeftOut, "sRGB left out", "codes of sRGB are taken for light", "textures, lamp bilinear"},
+    {gpu::kMutantLightTextureIgnored, "light's texture ignored", "a sampled lamp shines as if it had no texture",
+     "textures, lamp bilinear"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -438,6 +448,8 @@ std::vector<SuiteTest> make_suite() {
       scene_test(SceneFamily::integrator, mis, "ao under"),
       scene_test(SceneFamily::integrator, mis, "av under"),
       scene_test(SceneFamily::integrator, mis, "floor seen"),
+      scene_test(SceneFamily::texture, mis, "lamp bilinear repeat repeat sRGB"),
+      scene_test(SceneFamily::texture, nee, "lamp nearest mirror clamp"),
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),

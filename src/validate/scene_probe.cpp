@@ -184,7 +184,7 @@ void probe_scene(Scene scene, Diagnostics& diagnostics) {
   }
   const bool has_emitter = std::ranges::any_of(scene.instances, [&](const Instance& instance) {
     const AreaEmitter* emitter = scene.emitter_of(instance);
-    return emitter != nullptr && emitter->radiance != glm::dvec3(0.0);
+    return emitter != nullptr && emitter->radiance.value != glm::dvec3(0.0);
   });
   const bool has_sky = !is_dark(scene.sky);
   if (!path_tracing || (!has_emitter && !has_sky)) return;

@@ -171,7 +171,8 @@ double area_of(const Shape& shape) {
 double power_of(const Scene& scene, const Instance& instance) {
   const AreaEmitter* emitter = scene.emitter_of(instance);
   if (emitter == nullptr) return 0.0;
-  return area_of(scene.shape_of(instance)) * glm::dot(emitter->radiance, glm::dvec3(0.212671, 0.715160, 0.072169));
+  return area_of(scene.shape_of(instance)) *
+         glm::dot(emitter->radiance.value, glm::dvec3(0.212671, 0.715160, 0.072169));
 }
 
 TEST_F(DeviceEmitter, LightsAreChosenInProportionToTheirPower) {

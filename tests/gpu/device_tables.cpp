@@ -47,6 +47,15 @@ CompiledScene numbered_scene() {
     scene.light_instances[i].instance = i;
     scene.materials[i].header = 3 * i << 8 | i % 3;
   }
+  scene.material_textures = numbered<gpu::MaterialTextures>(10);
+  scene.textures.textures = numbered<gpu::TextureRecord>(11);
+  scene.textures.instances = numbered<gpu::InstanceAttributes>(12);
+  scene.textures.srgb = numbered<gpu::vec4>(13);
+  scene.textures.attributes = numbered<gpu::vec4>(14);
+  auto picture = std::make_shared<Bitmap>();
+  const auto texels = numbered<gpu::uvec4>(15);
+  picture->texels.assign(std::as_bytes(std::span(texels)).begin(), std::as_bytes(std::span(texels)).end());
+  scene.textures.bitmaps = {picture};
   scene.triangles = numbered<gpu::uvec4>(7);
   scene.normals = numbered<gpu::vec4>(8);
   scene.places = numbered<gpu::Place>(10);
@@ -59,6 +68,7 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   std::memcpy(static_cast<void*>(&a.record), &scene.records[std::size_t{i} * gpu::kRecordTexels], sizeof a.record);
   a.instance = scene.instances[i];
   a.material = scene.materials[i];
+  a.material_textures = scene.material_textures[i];
   a.light_instance = scene.light_instances[i];
   a.light_primitive = scene.light_primitives[i];
   a.light_threshold.x = scene.light_primitives[i].threshold;
@@ -70,6 +80,12 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   a.filter_knot.x = knots[i];
   a.place = scene.places[i];
   a.place_again = gpu::vec4(scene.places[i].origin, std::bit_cast<float>(scene.instances[i].place));
+  a.texture_record = scene.textures.textures[i];
+  a.instance_attributes = scene.textures.instances[i];
+  a.srgb.x = scene.textures.srgb[i / 4][static_cast<int>(i % 4)];
+  a.attributes = scene.textures.attributes[i];
+  std::memcpy(static_cast<void*>(&a.picture), &scene.textures.bitmaps[0]->texels[16 * std::size_t{i}],
+              sizeof a.picture);
   return a;
 }
 

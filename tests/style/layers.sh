@@ -26,7 +26,7 @@ compile scene image core
 vulkan core
 gpu compile vulkan render scene image core
 reference render scene image core
-sculpt core
+sculpt image core
 validate gpu compile vulkan reference render scene image core
 bench gpu compile vulkan reference render scene image core
 library etendue formats validate gpu compile vulkan reference render scene image core

@@ -150,8 +150,34 @@ const BadInput kGrammar[] = {
      "not supported; supported are: path, path_mats"},
     {"Medium", scene_around("<medium type=\"homogeneous\"/>"), 2, 1, "<medium> is not supported"},
     {"Phase", scene_around("<phase type=\"hg\"/>"), 2, 1, "<phase> is not supported"},
-    {"Texture", in_mesh("<bsdf type=\"diffuse\"><texture type=\"bitmap\"/></bsdf>"), 3, 22,
-     "<texture> is not supported"},
+    {"TextureWithoutFile", in_mesh("<bsdf type=\"diffuse\"><texture name=\"albedo\" type=\"bitmap\"/></bsdf>"), 3, 22,
+     "needs its property \"filename\""},
+    {"TextureFileMissing",
+     in_mesh("<bsdf type=\"diffuse\"><texture name=\"albedo\" type=\"bitmap\">\n<string name=\"filename\" "
+             "value=\"no-such.png\"/></texture></bsdf>"),
+     4, 32, "no-such.png"},
+    {"TextureWrap",
+     in_mesh("<bsdf type=\"diffuse\"><texture name=\"albedo\" type=\"bitmap\">\n<string name=\"wrap_mode\" "
+             "value=\"miror\"/><string name=\"filename\" value=\"no-such.png\"/></texture></bsdf>"),
+     4, 33, "did you mean \"mirror\"?"},
+    {"TextureFilter",
+     in_mesh("<bsdf type=\"diffuse\"><texture name=\"albedo\" type=\"bitmap\">\n<string name=\"filter_type\" "
+             "value=\"cubic\"/><string name=\"filename\" value=\"no-such.png\"/></texture></bsdf>"),
+     4, 35, "known are bilinear and nearest"},
+    {"TextureScale",
+     in_mesh("<bsdf type=\"diffuse\"><texture name=\"albedo\" type=\"checkerboard_color\">\n<vector name=\"scale\" "
+             "value=\"0,1\"/></texture></bsdf>"),
+     4, 29, "a scale of 0 leaves no squares"},
+    {"TexturePair",
+     in_mesh("<bsdf type=\"diffuse\"><texture name=\"albedo\" type=\"checkerboard_color\">\n<point name=\"delta\" "
+             "value=\"0 0 0\"/></texture></bsdf>"),
+     4, 28, "expected 2 numbers, found 3"},
+    {"TextureAttribute",
+     in_mesh("<bsdf type=\"diffuse\"><texture name=\"albedo\" type=\"mesh_attribute\">\n<string name=\"attribute\" "
+             "value=\"colour\"/></texture></bsdf>"),
+     4, 33, "known are vertex_color and face_color"},
+    {"TextureOfASphere", in_mesh("<bsdf type=\"diffuse\"><texture name=\"albedo\" type=\"mesh_attribute\"/></bsdf>"), 2,
+     1, "has no colours of vertices, which its albedo needs"},
     {"MissingType", scene_around("<mesh/>"), 2, 1, "<mesh> lacks its attribute \"type\""},
     {"MistypedAttribute", scene_around("<mesh tpye=\"sphere\"/>"), 2, 7,
      "no attribute \"tpye\"; did you mean \"type\"?"},

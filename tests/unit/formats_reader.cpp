@@ -85,14 +85,14 @@ TEST(SceneReader, EverythingThatCanBeSaid) {
   EXPECT_EQ(scene.instances[0].position.column, 3);
   expect_near(mesh_of(scene, 0).positions[1], {1, 0, 0});
   expect_near(PlacedMesh(mesh_of(scene, 0), scene.instances[0]).position(1), {2, 2, 3});
-  expect_near(std::get<DiffuseBsdf>(bsdf_of(scene, 0)).albedo, {0.1, 0.2, 0.3});
-  expect_near(scene.emitter_of(scene.instances[0])->radiance, {1, 20, 3.5});
+  expect_near(std::get<DiffuseBsdf>(bsdf_of(scene, 0)).albedo.value, {0.1, 0.2, 0.3});
+  expect_near(scene.emitter_of(scene.instances[0])->radiance.value, {1, 20, 3.5});
   expect_near(sphere_of(scene, 1).center, {1, 2, 3});
   EXPECT_EQ(sphere_of(scene, 1).radius, 2.5);
   EXPECT_EQ(std::get<DielectricBsdf>(bsdf_of(scene, 1)).int_ior, 1.33);
   EXPECT_EQ(std::get<DielectricBsdf>(bsdf_of(scene, 1)).ext_ior, 1.1);
   EXPECT_TRUE(std::holds_alternative<MirrorBsdf>(bsdf_of(scene, 2)));
-  expect_near(std::get<DiffuseBsdf>(bsdf_of(scene, 3)).albedo, glm::dvec3(0.5));
+  expect_near(std::get<DiffuseBsdf>(bsdf_of(scene, 3)).albedo.value, glm::dvec3(0.5));
   EXPECT_FALSE(scene.instances[3].emitter.has_value());
   EXPECT_EQ(scene.integrator.type, Integrator::Type::path);
   EXPECT_EQ(scene.integrator.max_depth, 7u);
@@ -128,7 +128,7 @@ TEST(SceneReader, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(scene.integrator.rr_depth, 5u);
   EXPECT_EQ(scene.sky.top, glm::dvec3(0.0));
   EXPECT_EQ(scene.sky.horizon, glm::dvec3(0.0));
-  EXPECT_EQ(std::get<DiffuseBsdf>(bsdf_of(scene, 0)).albedo, glm::dvec3(0.5));
+  EXPECT_EQ(std::get<DiffuseBsdf>(bsdf_of(scene, 0)).albedo.value, glm::dvec3(0.5));
   EXPECT_EQ(std::get<DielectricBsdf>(bsdf_of(scene, 1)).int_ior, 1.5046);
   EXPECT_EQ(std::get<DielectricBsdf>(bsdf_of(scene, 1)).ext_ior, 1.000277);
   EXPECT_EQ(sphere_of(scene, 0).radius, 1.0);

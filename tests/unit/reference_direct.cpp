@@ -68,7 +68,7 @@ double add_random_lights(Scene& scene, int count, std::mt19937_64& random) {
     add(scene, triangle(p[0], p[1], p[2]), diffuse(0.0), Vec3(radiance));
   }
   const auto& floor = std::get<DiffuseBsdf>(scene.materials[0].bsdf);
-  return reflected * luminance(floor.albedo) / kPi;
+  return reflected * luminance(floor.albedo.value) / kPi;
 }
 
 TEST(ReferenceDirect, RandomLightsOfMixedShape) {

@@ -54,8 +54,10 @@ const char* tag_of(ParameterType type) {
     case number_list:
       return "string";
     case point:
+    case point2:
       return "point";
     case vector:
+    case vector2:
       return "vector";
     case color:
       return "color";

@@ -83,11 +83,25 @@ std::vector<ListedNumber> parse_numbers(std::string_view text) {
   return numbers;
 }
 
-glm::dvec3 parse_triple(std::string_view text, const Range& range) {
-  const std::vector<ListedNumber> numbers = parse_numbers(text);
-  if (numbers.size() != 3) throw ValueError{0, fmt::format("expected 3 numbers, found {}", numbers.size())};
+namespace {
+
+std::vector<ListedNumber> parse_exactly(std::size_t count, std::string_view text, const Range& range) {
+  std::vector<ListedNumber> numbers = parse_numbers(text);
+  if (numbers.size() != count) throw ValueError{0, fmt::format("expected {} numbers, found {}", count, numbers.size())};
   for (const ListedNumber& n : numbers) check_range(n, range);
+  return numbers;
+}
+
+}  // namespace
+
+glm::dvec3 parse_triple(std::string_view text, const Range& range) {
+  const std::vector<ListedNumber> numbers = parse_exactly(3, text, range);
   return {numbers[0].value, numbers[1].value, numbers[2].value};
+}
+
+glm::dvec3 parse_pair(std::string_view text, const Range& range) {
+  const std::vector<ListedNumber> numbers = parse_exactly(2, text, range);
+  return {numbers[0].value, numbers[1].value, 0.0};
 }
 
 Value parse_value(ParameterType type, const Range& range, std::string_view text) {
@@ -107,6 +121,9 @@ Value parse_value(ParameterType type, const Range& range, std::string_view text)
     case vector:
     case color:
       return parse_triple(text, range);
+    case point2:
+    case vector2:
+      return parse_pair(text, range);
     case transform:
     case object:
       break;

@@ -12,8 +12,22 @@
 
 namespace etendue {
 
-/// `object` has no value: only an object can stand for it, see Parameter::child.
-enum class ParameterType { boolean, integer, real, string, number_list, point, vector, color, transform, object };
+/// `object` has no value: only an object can stand for it, see Parameter::child. Points and vectors of the plane are
+/// read as such with z = 0.
+enum class ParameterType {
+  boolean,
+  integer,
+  real,
+  string,
+  number_list,
+  point,
+  vector,
+  color,
+  transform,
+  object,
+  point2,
+  vector2
+};
 
 /// Allowed values; applies to every number of a list, point or color.
 struct Range {
@@ -45,5 +59,7 @@ struct ListedNumber {
 std::vector<ListedNumber> parse_numbers(std::string_view text);
 /// Exactly three numbers. Throws ValueError.
 glm::dvec3 parse_triple(std::string_view text, const Range& range = {});
+/// Exactly two numbers; z is 0. Throws ValueError.
+glm::dvec3 parse_pair(std::string_view text, const Range& range);
 
 }  // namespace etendue

@@ -18,10 +18,12 @@
 #include "formats/dialect/object.h"
 #include "formats/mesh/builtin_meshes.h"
 #include "formats/nori/plugins.h"
+#include "formats/nori/texture_reader.h"
 #include "formats/xml/xml_document.h"
 #include "scene/invariants.h"
 #include "scene/limits.h"
 #include "scene/metals.h"
+#include "scene/parameters.h"
 
 namespace etendue {
 namespace {
@@ -30,8 +32,6 @@ namespace fs = std::filesystem;
 
 /// Errors after which meshes are no longer opened: a file that names one broken mesh a million times ends soon.
 constexpr std::size_t kMaxErrorsBeforeMeshes = 100;
-/// What materials and emitters use of meshes, beside their surface.
-constexpr MeshContent kContent = {.uv = false, .colors = false};
 /// Bytes of all mesh files together: some minutes of reading.
 constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{1} << 34;
 
@@ -44,7 +44,15 @@ std::uint32_t to_uint32(std::int64_t value) {
 class SceneReader {
  public:
   SceneReader(ReadContext& context, const MeshLoader& load_mesh)
-      : context_(context), sink_(context.diagnostics), load_mesh_(load_mesh), path_(context.document.file()) {}
+      : context_(context),
+        sink_(context.diagnostics),
+        load_mesh_(load_mesh),
+        path_(context.document.file()),
+        textures_(context, [this](const std::string& filename, const SourcePosition& position) {
+          const fs::path path = find_file(filename, position);
+          note_if_outside(path, position);
+          return path.string();
+        }) {}
 
   std::optional<SceneFile> read(const XmlElement& root) {
     if (root.name != "scene" && root.name != "test") {
@@ -75,6 +83,7 @@ class SceneReader {
     scene.instancing = read_instancing(object);
     if (const auto emitter = read_only_child(object, "emitter")) read_environment(*emitter, object, scene);
     materials_.clear();
+    textures_.begin_scene();
     meshes_.clear();
     groups_.clear();
     for (const XmlElement* mesh : object.children("mesh")) read_placed(*mesh, scene);
@@ -423,13 +432,14 @@ class SceneReader {
     const std::vector<const XmlElement*> bsdfs = object.children("bsdf");
     const auto shared = bsdfs.empty() ? materials_.end() : materials_.find(bsdfs.front());
     std::optional<Material> material;
-    if (shared == materials_.end() && !bsdfs.empty()) material = read_material(*bsdfs.front());
+    if (shared == materials_.end() && !bsdfs.empty()) material = read_material(*bsdfs.front(), &scene);
     if (!material) material = Material{.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = object.position()};
     std::optional<AreaEmitter> area_emitter;
     const auto emitter = read_only_child(object, "emitter");
-    if (emitter) area_emitter = read_emitter(*emitter);
+    if (emitter) area_emitter = read_emitter(*emitter, scene);
     std::string name = object.plugin().type;
-    const std::optional<std::uint32_t> shape = read_shape(object, name, scene);
+    const Bsdf& bsdf = shared != materials_.end() ? scene.materials[shared->second].bsdf : material->bsdf;
+    const std::optional<std::uint32_t> shape = read_shape(object, content_for(bsdf, area_emitter, scene), name, scene);
     if (!shape) return std::nullopt;
     Instance instance;
     if (shared != materials_.end()) {
@@ -452,14 +462,28 @@ class SceneReader {
     return instance;
   }
 
+  /// What the textures of a material and an emitter read of a mesh, beside its surface.
+  static MeshContent content_for(const Bsdf& bsdf, const std::optional<AreaEmitter>& emitter, const Scene& scene) {
+    MeshContent content{.uv = false, .colors = false};
+    const auto add = [&](const char*, const auto& parameter) {
+      if (!parameter.texture) return;
+      const bool colors = std::holds_alternative<AttributeTexture>(scene.textures[*parameter.texture].source);
+      (colors ? content.colors : content.uv) = true;
+    };
+    each_parameter(bsdf, add);
+    if (emitter) each_parameter(*emitter, add);
+    return content;
+  }
+
   /// The row of the scene's shapes: a new one, or that of a mesh file which was read before.
-  std::optional<std::uint32_t> read_shape(const Object& object, std::string& name, Scene& scene) {
-    const std::string file = mesh_file_key(object);
+  std::optional<std::uint32_t> read_shape(const Object& object, const MeshContent& content, std::string& name,
+                                          Scene& scene) {
+    const std::string file = mesh_file_key(object, content);
     if (const auto known = meshes_.find(file); known != meshes_.end()) {
       name = known->second.name;
       return known->second.shape;
     }
-    std::optional<Shape> shape = make_shape(object, name);
+    std::optional<Shape> shape = make_shape(object, content, name);
     if (!shape) return std::nullopt;
     const auto row = static_cast<std::uint32_t>(scene.shapes.size());
     scene.shapes.push_back(std::move(*shape));
@@ -468,16 +492,17 @@ class SceneReader {
   }
 
   /// What tells whether two objects show the same mesh: the file and how it is read. "" for what is no mesh file.
-  std::string mesh_file_key(const Object& object) {
+  std::string mesh_file_key(const Object& object, const MeshContent& content) {
     const std::string_view type = object.plugin().type;
     if (find_mesh_format(type) == nullptr || !object.given("filename")) return "";
-    return fmt::format("{}:{}", type, text::trim(object.get<std::string>("filename")));
+    return fmt::format("{}:{}{}:{}", type, content.uv ? "u" : "", content.colors ? "c" : "",
+                       text::trim(object.get<std::string>("filename")));
   }
 
-  std::optional<Shape> make_shape(const Object& object, std::string& name) {
+  std::optional<Shape> make_shape(const Object& object, const MeshContent& content, std::string& name) {
     const std::string_view type = object.plugin().type;
     if (const MeshFormat* format = find_mesh_format(type)) {
-      std::optional<TriangleMesh> mesh = read_mesh(object, *format, name);
+      std::optional<TriangleMesh> mesh = read_mesh(object, *format, content, name);
       if (!mesh) return std::nullopt;
       if (mesh->triangles.empty()) {
         empty_meshes_.push_back({object.position_of("filename"), name});
@@ -502,11 +527,11 @@ class SceneReader {
   }
 
   /// The material of a <bsdf>, which becomes a row of the table once an instance uses it.
-  std::optional<Material> read_material(const XmlElement& element) {
+  std::optional<Material> read_material(const XmlElement& element, Scene* scene) {
     const auto object = Object::read(element, context_);
     if (!object) return std::nullopt;
     const XmlAttribute* id = element.find("id");
-    return Material{.bsdf = read_bsdf(*object),
+    return Material{.bsdf = read_bsdf(*object, scene),
                     .name = id != nullptr ? id->value : object->plugin().type,
                     .position = object->position()};
   }
@@ -538,7 +563,8 @@ class SceneReader {
     }
   }
 
-  Bsdf read_bsdf(const Object& object) {
+  /// Without a scene, which has the textures, parameters are constants.
+  Bsdf read_bsdf(const Object& object, Scene* scene) {
     const std::string_view type = object.plugin().type;
     if (type == "mirror") return MirrorBsdf{};
     if (type == "dielectric") return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR")};
@@ -548,6 +574,7 @@ class SceneReader {
       return RoughConductorBsdf{read_metal(object), read_roughness(object),
                                 object.get<glm::dvec3>("specular_reflectance")};
     if (type != "diffuse") throw std::logic_error(fmt::format("the reader has no material {}", type));
+    if (object.child_of("albedo") != nullptr) return DiffuseBsdf{read_textured(object, "albedo", scene)};
     const auto albedo = object.get<glm::dvec3>("albedo");
     const double least = std::min({albedo.x, albedo.y, albedo.z}), most = std::max({albedo.x, albedo.y, albedo.z});
     if (most > 1.0) {
@@ -608,6 +635,18 @@ class SceneReader {
                   "the roughness is given twice; use alpha for both directions, or alpha_u and alpha_v");
     }
     return roughness;
+  }
+
+  /// A colour that a texture stands for.
+  ColorParameter read_textured(const Object& object, const char* property, Scene* scene) {
+    remember_fields(object, {property});
+    if (scene == nullptr) {
+      sink_.error(object.position_of(property),
+                  "a test of materials has no surface to look up a texture on; use a color");
+      return glm::dvec3(1.0);
+    }
+    const std::optional<std::uint32_t> texture = textures_.read(object, property, *scene);
+    return texture ? ColorParameter(glm::dvec3(1.0), *texture) : ColorParameter(glm::dvec3(1.0));
   }
 
   /// Light from outside: an emitter of the scene itself.
@@ -672,13 +711,14 @@ class SceneReader {
     return picture;
   }
 
-  AreaEmitter read_emitter(const Object& object) {
+  AreaEmitter read_emitter(const Object& object, Scene& scene) {
     if (std::string_view(object.plugin().type) != "area") {
       sink_.error(object.position(),
                   fmt::format("{} is light from all around the scene, not of a mesh; move it into <scene>, or use area",
                               object.plugin().type));
       return {};
     }
+    if (object.child_of("radiance") != nullptr) return {read_textured(object, "radiance", &scene), object.position()};
     const auto radiance = object.get<glm::dvec3>("radiance");
     remember_fields(object, {"radiance"});
     if (object.given("radiance") && radiance == glm::dvec3(0.0)) {
@@ -687,7 +727,8 @@ class SceneReader {
     return {radiance, object.position()};
   }
 
-  std::optional<TriangleMesh> read_mesh(const Object& object, const MeshFormat& format, std::string& name) {
+  std::optional<TriangleMesh> read_mesh(const Object& object, const MeshFormat& format, const MeshContent& content,
+                                        std::string& name) {
     const auto text = object.get<std::string>("filename");
     const std::string filename(text::trim(text));
     if (!object.given("filename")) return std::nullopt;
@@ -700,7 +741,7 @@ class SceneReader {
     name = path.filename().string();
     note_if_outside(path, "mesh", position);
     if (sink_.error_count() >= kMaxErrorsBeforeMeshes) return std::nullopt;
-    return load_mesh(format, path.string(), position);
+    return load_mesh(format, path.string(), content, position);
   }
 
   /// Names are relative to the folder of the scene. Where no file has the name as it is written, its backslashes are
@@ -715,7 +756,7 @@ class SceneReader {
     return folder / slashed;
   }
 
-  std::optional<TriangleMesh> load_mesh(const MeshFormat& format, const std::string& path,
+  std::optional<TriangleMesh> load_mesh(const MeshFormat& format, const std::string& path, const MeshContent& content,
                                         const SourcePosition& position) {
     if (too_many_meshes_) return std::nullopt;
     std::error_code unknown;
@@ -724,7 +765,7 @@ class SceneReader {
     if (exceeds(mesh_bytes_, kMaxMeshBytes, "bytes of mesh files", position)) return std::nullopt;
     std::optional<TriangleMesh> mesh;
     try {
-      mesh = load_mesh_(format, path, kContent, sink_);
+      mesh = load_mesh_(format, path, content, sink_);
     } catch (const Error& error) {  // the file cannot be opened or read: say who asked for it
       const bool missing = !fs::exists(path, unknown) && !unknown;
       const char* remedy = missing ? "; names are relative to the folder of the scene file" : "";
@@ -767,8 +808,8 @@ class SceneReader {
     for (const XmlElement* element : test.children("bsdf")) {
       const auto object = Object::read(*element, context_);
       if (!object) continue;
-      bsdfs.push_back(
-          {read_bsdf(*object), fmt::format("{} {}", object->plugin().type, bsdfs.size() + 1), object->position()});
+      bsdfs.push_back({read_bsdf(*object, nullptr), fmt::format("{} {}", object->plugin().type, bsdfs.size() + 1),
+                       object->position()});
     }
     return bsdfs;
   }
@@ -863,6 +904,7 @@ class SceneReader {
   std::map<const XmlElement*, std::vector<Instance>> groups_;  ///< of that scene, in their own space
   const MeshLoader& load_mesh_;
   std::string path_;
+  TextureReader textures_;
   std::size_t triangles_ = 0, vertices_ = 0;
   std::uintmax_t mesh_bytes_ = 0;
   bool too_many_meshes_ = false;

@@ -298,7 +298,8 @@ std::vector<Plugin> object_plugins() {
       {"emitter",
        "area",
        "Makes its mesh a light that shines on the side of the geometric normal.",
-       {{"radiance", color, nullptr, between(0, kMaxRadiance), "emitted radiance, the same in all directions"}},
+       {{"radiance", color, nullptr, between(0, kMaxRadiance), "emitted radiance, the same in all directions",
+         "texture"}},
        {}},
       {"emitter",
        "constant",
@@ -411,6 +412,7 @@ std::vector<Plugin> make_plugins() {
   for (Plugin& row : instance_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : object_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : bsdf_plugins()) rows.push_back(std::move(row));
+  for (Plugin& row : texture_plugins()) rows.push_back(std::move(row));
   return rows;
 }
 
@@ -433,7 +435,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
 const Dialect& nori_dialect() {
   static const Dialect kDialect = {.plugins = make_plugins(),
                                    .unsupported_types = unsupported_types(),
-                                   .unsupported_tags = {"medium", "phase", "texture"},
+                                   .unsupported_tags = {"medium", "phase"},
                                    .aliases = {{"shape", "mesh"}},
                                    .mesh_facts = {.smooth_without_normals = false, .v_origin = VOrigin::bottom}};
   return kDialect;

@@ -8,5 +8,7 @@ namespace etendue {
 const Dialect& nori_dialect();
 /// The rows of materials.
 std::vector<Plugin> bsdf_plugins();
+/// The rows of textures.
+std::vector<Plugin> texture_plugins();
 
 }  // namespace etendue

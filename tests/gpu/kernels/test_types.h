@@ -213,11 +213,26 @@ struct LoopAnswer {
   uint pad0;
 };
 
+struct TextureCase {
+  uint instance;
+  uint primitive;
+  uint pad0;
+  uint pad1;
+  vec3 weights;
+  uint pad2;
+  vec3 n;
+  uint pad3;
+};
+struct TextureAnswer {
+  vec4 value;
+};
+
 // One entry of each table of the scene, as the kernels fetch it.
 struct TablesAnswer {
   Record record;
   Instance instance;
   MaterialRecord material;
+  MaterialTextures material_textures;
   LightInstance light_instance;
   LightPrimitive light_primitive;
   uvec4 light_threshold;  // x: that of the light primitive, fetched alone
@@ -229,10 +244,16 @@ struct TablesAnswer {
   vec4 filter_knot;  // x
   Place place;
   vec4 place_again;  // xyz: its origin, w: that of the instance, each fetched alone
+  TextureRecord texture_record;
+  InstanceAttributes instance_attributes;
+  vec4 srgb;  // x
+  vec4 attributes;
+  uvec4 picture;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 544);
+static_assert(sizeof(TablesAnswer) == 720);
+static_assert(sizeof(TextureCase) == 48 && sizeof(TextureAnswer) == 16);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);
 static_assert(sizeof(FrameCase) == 32 && sizeof(FrameAnswer) == 64);

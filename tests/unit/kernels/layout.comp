@@ -24,6 +24,9 @@ layout(set = 0, binding = 15, std430) buffer LightPairBuffer { LightPair light_p
 layout(set = 0, binding = 16, std430) buffer LightBoundsBuffer { LightBounds light_bounds[]; };
 layout(set = 0, binding = 17, std430) buffer LightTrailBuffer { LightTrail light_trails[]; };
 layout(set = 0, binding = 19, std430) buffer MaterialBuffer { MaterialRecord materials[]; };
+layout(set = 0, binding = 21, std430) buffer TextureBuffer { TextureRecord texture_records[]; };
+layout(set = 0, binding = 22, std430) buffer InstanceAttributesBuffer { InstanceAttributes instance_attributes[]; };
+layout(set = 0, binding = 20, std430) buffer MaterialTexturesBuffer { MaterialTextures material_textures[]; };
 
 layout(set = 0, binding = 20, std430) buffer PlaceBuffer { Place places[]; };
 layout(set = 0, binding = 22, std430) buffer EnvironmentRowBuffer { EnvironmentRow environment_rows[]; };
@@ -37,6 +40,9 @@ void main() {
   instances[0].material = 0u;
   places[0].side = 0.0;
   materials[0].header = 0u;
+  material_textures[0].first.x = 0u;
+  texture_records[0].header = 0u;
+  instance_attributes[0].first = 0u;
   light_instances[0].threshold = 0u;
   light_primitives[0].threshold = 0u;
   film[0].tail.x = 0u;

@@ -1,0 +1,151 @@
+// Textures at a point: docs/conventions.md, "Textures". Filtering is done here, from the texels as they were stored, so that every device and the reference
+// choose the same ones and give them the same weights.
+#ifndef TEXTURE_GLSL
+#define TEXTURE_GLSL
+
+#include "math.glsl"
+#include "mutants.h"
+#include "scene.glsl"
+
+layout(constant_id = kConstantTextureFeatures) const uint kTextureFeatures = 0u;
+const bool kTextured = kTextureFeatures != 0u;
+
+bool textures_have(uint feature) { return (kTextureFeatures & feature) != 0u; }
+
+// A point of a surface as its attributes see it.
+struct SurfacePoint {
+  uint instance;
+  uint primitive;
+  vec3 weights;  // of the triangle's corners
+  vec3 n;        // on a sphere, the direction from its centre
+};
+
+// (b, a) shifted right by `bits` < 32: the low word.
+uint funnel(uint a, uint b, uint bits) { return a >> bits | (b << 1u) << (31u - bits); }
+
+// The bytes from `at` on behind the 16 bytes number `first`: as many as a texel has; what follows them is anything.
+uvec4 load_texel(uint first, uint at, uint bytes) {
+  const uvec4 a = fetch_picture(first + at / 16u);
+  uvec4 b = a;
+  if (textures_have(kTexturesThreeChannels)) b = fetch_picture(first + (at + bytes - 1u) / 16u);
+  const uint words[9] = uint[9](a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, 0u);
+  const uint w = (at & 15u) / 4u, bits = 8u * (at & 3u);
+  return uvec4(funnel(words[w], words[w + 1u], bits), funnel(words[w + 1u], words[w + 2u], bits), funnel(words[w + 2u], words[w + 3u], bits),
+               words[w + 3u]);
+}
+
+// The numbers of a texel as they were stored: 8-bit codes as 0 … 255.
+vec4 unpack_texel(uvec4 raw, uint format) {
+  const vec4 bytes = vec4(raw.x & 255u, raw.x >> 8u & 255u, raw.x >> 16u & 255u, raw.x >> 24u);
+  const vec4 halves = vec4(unpackHalf2x16(raw.x), unpackHalf2x16(raw.y));
+  return format == 0u ? bytes : format == 1u ? halves : uintBitsToFloat(raw);
+}
+
+// Red, green, blue and alpha of the texel in column x and row y.
+vec4 texel(TextureRecord t, uint x, uint y) {
+  const uint channels = t.header >> kTextureChannelsShift & kTextureChannelsMask;
+  const uint format = t.header >> kTextureFormatShift & kTextureFormatMask;
+  const uint bytes = channels << format;
+  vec4 v = unpack_texel(load_texel(t.first, (y * t.width + x) * bytes, bytes), format);
+  if (channels < 3u) v = vec4(v.xxx, v.y);
+  if (format == 0u) {
+    const uvec3 codes = uvec3(v.xyz);
+    v *= 1.0 / 255.0;
+    bool coded = textures_have(kTexturesSrgb) && (t.header & kTextureSrgb) != 0u;
+    MUTATE(kMutantSrgbLeftOut, coded = false);
+    if (coded) v.xyz = vec3(fetch_srgb(codes.x), fetch_srgb(codes.y), fetch_srgb(codes.z));
+  }
+  v.w = channels == 2u || channels == 4u ? v.w : 1.0;
+  return v;
+}
+
+// A texture coordinate brought into one period of its wrap: a subtraction without rounding but for tiny negative ones, however large it is.
+float into_period(float u, uint wrap) {
+  if (wrap == kTextureWrapRepeat) return u - floor(u);
+  if (wrap == kTextureWrapMirror) return u - 2.0 * floor(0.5 * u);
+  return clamp(u, 0.0, 1.0);
+}
+
+// The texel that stands at place i of a row of n, for i from −1 to one behind the period.
+uint wrap_texel(int i, int n, uint wrap) {
+  MUTATE(kMutantWrapOffByOne, i = i >= n && wrap == kTextureWrapRepeat ? n - 1 : i);
+  if (wrap == kTextureWrapRepeat) i = i < 0 ? i + n : i >= n ? i - n : i;
+  if (wrap == kTextureWrapMirror) {
+    i = i < 0 ? -1 - i : i >= 2 * n ? i - 2 * n : i;
+    i = i >= n ? 2 * n - 1 - i : i;
+  }
+  return uint(clamp(i, 0, n - 1));
+}
+
+vec4 bitmap_value(TextureRecord t, vec2 uv) {
+  const uint wrap_u = t.header >> kTextureWrapUShift & kTextureWrapMask, wrap_v = t.header >> kTextureWrapVShift & kTextureWrapMask;
+  MUTATE(kMutantRowsSwapped, uv.y = 1.0 - uv.y);
+  const ivec2 size = ivec2(t.width, t.height);
+  const vec2 place = vec2(into_period(uv.x, wrap_u), into_period(uv.y, wrap_v)) * vec2(size);
+  const bool bilinear = textures_have(kTexturesBilinear) && (t.header & kTextureBilinear) != 0u;
+  // Texel i covers [i, i + 1) and has its centre at i + 1/2.
+  vec2 shifted = bilinear ? place - 0.5 : place;
+  MUTATE(kMutantHalfTexel, shifted = place);
+  const vec2 lower = floor(shifted);
+  const uint x0 = wrap_texel(int(lower.x), size.x, wrap_u), y0 = wrap_texel(int(lower.y), size.y, wrap_v);
+  const vec4 v00 = texel(t, x0, y0);
+  if (!bilinear) return v00;
+  const uint x1 = wrap_texel(int(lower.x) + 1, size.x, wrap_u), y1 = wrap_texel(int(lower.y) + 1, size.y, wrap_v);
+  const vec2 f = shifted - lower;
+  return mix(mix(v00, texel(t, x1, y0), f.x), mix(texel(t, x0, y1), texel(t, x1, y1), f.x), f.y);
+}
+
+vec4 checkerboard_value(TextureRecord t, vec2 uv) {
+  const vec2 cell = uv - floor(uv);
+  return vec4((cell.x >= 0.5) == (cell.y >= 0.5) ? t.color0 : t.color1, 1.0);
+}
+
+// Texels of the attributes of a primitive.
+uint attribute_stride(uint layout_bits) {
+  return 2u * (layout_bits & kAttributesSetsMask) + ((layout_bits & kAttributesVertexColors) != 0u ? 3u : 0u) +
+         ((layout_bits & kAttributesFaceColors) != 0u ? 1u : 0u);
+}
+
+// Texture coordinates of the surface. On a sphere u is the angle around its z axis from x toward y, as a share of a turn, v the angle from −z over π.
+vec2 surface_uv(InstanceAttributes a, SurfacePoint at, uint set) {
+  if (textures_have(kTexturesSphere) && (a.layout_bits & kAttributesSphere) != 0u) {
+    const vec3 d = vec3(dot(fetch_attribute(a.first).xyz, at.n), dot(fetch_attribute(a.first + 1u).xyz, at.n),
+                        dot(fetch_attribute(a.first + 2u).xyz, at.n));
+    return vec2(turn_of(d.x, d.y), 2.0 * turn_of(-d.z, length(d.xy)));
+  }
+  const uint stride = attribute_stride(a.layout_bits);
+  const uint first = a.first + stride * at.primitive + 2u * set;
+  const vec4 corners = fetch_attribute(first);
+  return at.weights.x * corners.xy + at.weights.y * corners.zw + at.weights.z * fetch_attribute(first + 1u).xy;
+}
+
+vec4 attribute_value(InstanceAttributes a, SurfacePoint at, uint kind) {
+  uint first = a.first + attribute_stride(a.layout_bits) * at.primitive + 2u * (a.layout_bits & kAttributesSetsMask);
+  if (kind == kTextureFaceColor) return vec4(fetch_attribute(first + ((a.layout_bits & kAttributesVertexColors) != 0u ? 3u : 0u)).xyz, 1.0);
+  return vec4(at.weights.x * fetch_attribute(first).xyz + at.weights.y * fetch_attribute(first + 1u).xyz +
+                  at.weights.z * fetch_attribute(first + 2u).xyz, 1.0);
+}
+
+vec4 texture_value(uint index, SurfacePoint at) {
+  const TextureRecord t = fetch_texture(index);
+  const InstanceAttributes a = fetch_instance_attributes(at.instance);
+  const uint kind = t.header & kTextureKindMask;
+  if (textures_have(kTexturesAttribute) && kind >= kTextureVertexColor) return attribute_value(a, at, kind);
+  const vec3 surface = vec3(surface_uv(a, at, t.uv_set), 1.0);
+  vec2 uv = vec2(dot(t.u_row, surface), dot(t.v_row, surface));
+  MUTATE(kMutantUvTransformInverted, uv = inverse(mat2(t.u_row.x, t.v_row.x, t.u_row.y, t.v_row.y)) * (surface.xy - vec2(t.u_row.z, t.v_row.z)));
+  if (textures_have(kTexturesCheckerboard) && kind == kTextureCheckerboard) return checkerboard_value(t, uv);
+  return textures_have(kTexturesBitmap) ? bitmap_value(t, uv) : vec4(0.0);
+}
+
+// What a parameter is multiplied with: 1 where it has no texture.
+vec3 color_factor(uint texture_of, SurfacePoint at) { return texture_of == kNone ? vec3(1.0) : texture_value(texture_of & kTextureOfIndexMask, at).xyz; }
+
+float scalar_factor(uint texture_of, SurfacePoint at) {
+  if (texture_of == kNone) return 1.0;
+  const vec4 value = texture_value(texture_of & kTextureOfIndexMask, at);
+  const uint channel = texture_of >> kTextureOfChannelShift;
+  return channel > 3u ? luminance(value.xyz) : value[channel];
+}
+
+#endif

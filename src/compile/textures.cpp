@@ -1,0 +1,250 @@
+#include "compile/textures.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "core/errors.h"
+#include "scene/parameters.h"
+#include "scene/placed.h"
+#include "scene/sharing.h"
+
+namespace etendue {
+namespace {
+
+gpu::uint format_bits(const Bitmap& bitmap) {
+  const auto log2_bytes = static_cast<gpu::uint>(std::countr_zero(bytes_of(bitmap.format)));
+  return log2_bytes << gpu::kTextureFormatShift | bitmap.channels << gpu::kTextureChannelsShift;
+}
+
+/// Floats coded by the curve of sRGB become light here: kernels know the curve of 8-bit codes alone.
+std::shared_ptr<const Bitmap> linear_floats(const Bitmap& coded) {
+  auto linear = std::make_shared<Bitmap>();
+  linear->width = coded.width;
+  linear->height = coded.height;
+  linear->channels = coded.channels;
+  linear->format = BitmapFormat::f32;
+  const std::size_t numbers = std::size_t{coded.width} * coded.height * coded.channels;
+  linear->texels.resize(numbers * sizeof(float));
+  std::size_t at = 0;
+  for (std::uint32_t y = 0; y < coded.height; ++y) {
+    for (std::uint32_t x = 0; x < coded.width; ++x) {
+      for (std::uint32_t c = 0; c < coded.channels; ++c, at += sizeof(float)) {
+        const bool alpha = coded.has_alpha() && c + 1 == coded.channels;
+        const float stored = coded.stored(x, y, c);
+        const auto light = alpha ? stored : static_cast<float>(linear_from_srgb(static_cast<double>(stored)));
+        std::memcpy(&linear->texels[at], &light, sizeof light);
+      }
+    }
+  }
+  return linear;
+}
+
+/// What the textures of an instance read of its shape.
+struct Needs {
+  std::uint32_t sets = 0;
+  bool vertex_colors = false, face_colors = false;
+  bool any = false;
+};
+
+class TextureCompiler {
+ public:
+  explicit TextureCompiler(const Scene& scene) : scene_(scene), sharing_(scene) {}
+
+  CompiledTextures compile() {
+    for (const Instance& instance : scene_.instances) find_needs(instance);
+    if (!textured_) return {};
+    for (const Texture& texture : scene_.textures) out_.textures.push_back(flatten(texture));
+    for (const Instance& instance : scene_.instances) out_.instances.push_back(flatten(instance));
+    if ((out_.features & gpu::kTexturesSrgb) != 0) add_srgb();
+    return std::move(out_);
+  }
+
+ private:
+  /// Instances of one shape and winding have the same attributes. Weights of a mesh that lies in its own space are
+  /// those of its vertices as they stand there.
+  std::pair<std::uint32_t, bool> key(const Instance& instance) const {
+    const auto index = static_cast<std::size_t>(&instance - scene_.instances.data());
+    return {instance.shape, turns_winding(instance) && !sharing_.has_instance(index)};
+  }
+
+  void find_needs(const Instance& instance) {
+    Needs& needs = needs_[key(instance)];
+    const auto add = [&](const char*, const auto& parameter) {
+      if (parameter.texture) add_need(scene_.textures[*parameter.texture], instance, needs);
+    };
+    each_parameter(scene_.bsdf_of(instance), add);
+    const AreaEmitter* emitter = scene_.emitter_of(instance);
+    if (emitter == nullptr) return;
+    each_parameter(*emitter, add);
+    if (is_textured(*emitter)) out_.features |= gpu::kTexturesRadiance;
+  }
+
+  void add_need(const Texture& texture, const Instance& instance, Needs& needs) {
+    textured_ = needs.any = true;
+    if (const auto* attribute = std::get_if<AttributeTexture>(&texture.source)) {
+      const bool faces = attribute->source == AttributeTexture::Source::face_color;
+      (faces ? needs.face_colors : needs.vertex_colors) = true;
+    } else if (std::holds_alternative<Sphere>(scene_.shape_of(instance))) {
+      out_.features |= gpu::kTexturesSphere;
+    } else {
+      needs.sets = std::max(needs.sets, texture.uv_set + 1);
+    }
+  }
+
+  gpu::TextureRecord flatten(const Texture& texture) {
+    gpu::TextureRecord record{};
+    const glm::dmat3 rows = glm::transpose(texture.uv_transform);
+    record.u_row = glm::vec3(rows[0]);
+    record.v_row = glm::vec3(rows[1]);
+    record.uv_set = texture.uv_set;
+    std::visit([&](const auto& source) { flatten_source(source, texture, record); }, texture.source);
+    return record;
+  }
+
+  void flatten_source(const BitmapTexture& picture, const Texture& texture, gpu::TextureRecord& record) {
+    // Texels count rows from the top, texture coordinates from the bottom.
+    record.v_row = glm::vec3(glm::dvec3(0.0, 0.0, 1.0) - glm::transpose(texture.uv_transform)[1]);
+    const Bitmap& bitmap = *scene_.bitmaps[picture.bitmap];
+    const ColorSpace color_space = picture.color_space.value_or(bitmap.color_space);
+    const bool codes = color_space == ColorSpace::srgb && bitmap.format == BitmapFormat::u8;
+    const bool decode = color_space == ColorSpace::srgb && !codes;
+    const auto [place, added] = places_.try_emplace({picture.bitmap, decode}, next_place_);
+    if (added) add_bitmap(decode ? linear_floats(bitmap) : scene_.bitmaps[picture.bitmap], texture);
+    const Bitmap& stored = *placed_[{picture.bitmap, decode}];
+    record.first = static_cast<gpu::uint>(place->second);
+    record.width = stored.width;
+    record.height = stored.height;
+    record.header = gpu::kTextureBitmap | static_cast<gpu::uint>(picture.wrap_u) << gpu::kTextureWrapUShift |
+                    static_cast<gpu::uint>(picture.wrap_v) << gpu::kTextureWrapVShift | format_bits(stored);
+    out_.features |= gpu::kTexturesBitmap;
+    const auto feature = [&](bool has, gpu::uint flag, gpu::uint of_all) {
+      if (!has) return;
+      record.header |= flag;
+      out_.features |= of_all;
+    };
+    feature(picture.filter == TextureFilter::bilinear, gpu::kTextureBilinear, gpu::kTexturesBilinear);
+    feature(codes, gpu::kTextureSrgb, gpu::kTexturesSrgb);
+    feature(stored.channels == 3, 0u, gpu::kTexturesThreeChannels);
+  }
+  void flatten_source(const CheckerboardTexture& board, const Texture&, gpu::TextureRecord& record) {
+    record.header = gpu::kTextureCheckerboard;
+    record.color0 = glm::vec3(board.color0);
+    record.color1 = glm::vec3(board.color1);
+    out_.features |= gpu::kTexturesCheckerboard;
+  }
+  void flatten_source(const AttributeTexture& attribute, const Texture&, gpu::TextureRecord& record) {
+    const bool faces = attribute.source == AttributeTexture::Source::face_color;
+    record.header = faces ? gpu::kTextureFaceColor : gpu::kTextureVertexColor;
+    out_.features |= gpu::kTexturesAttribute;
+  }
+
+  void add_bitmap(std::shared_ptr<const Bitmap> bitmap, const Texture& texture) {
+    constexpr std::uint64_t kAddressable = std::uint64_t{1} << 32;  // bytes of a picture: kernels count them in 32 bits
+    const std::uint64_t bytes = bitmap->texels.size();
+    next_place_ += (bytes + sizeof(gpu::uvec4) - 1) / sizeof(gpu::uvec4);
+    if (bytes >= kAddressable || next_place_ >= kAddressable)
+      throw Error(ErrorKind::scene,
+                  fmt::format("The picture {} has {} bytes; kernels address fewer than {} in one, and "
+                              "16 times as many in all. Use a smaller one or --device reference.",
+                              texture.name, bytes, kAddressable));
+    const auto* picture = std::get_if<BitmapTexture>(&texture.source);
+    placed_[{picture->bitmap, bitmap != scene_.bitmaps[picture->bitmap]}] = bitmap;
+    out_.bitmaps.push_back(std::move(bitmap));
+  }
+
+  gpu::InstanceAttributes flatten(const Instance& instance) {
+    gpu::InstanceAttributes flat{.first = 0, .layout_bits = 0, .radiance_texture = gpu::kNone, .pad0 = 0};
+    const AreaEmitter* emitter = scene_.emitter_of(instance);
+    if (emitter != nullptr && emitter->radiance.texture) flat.radiance_texture = *emitter->radiance.texture;
+    const Needs& needs = needs_[key(instance)];
+    if (!needs.any) return flat;
+    if (std::holds_alternative<Sphere>(scene_.shape_of(instance))) {
+      flat.first = static_cast<gpu::uint>(out_.attributes.size());
+      flat.layout_bits = gpu::kAttributesSphere;
+      add_rotation(instance);
+      return flat;
+    }
+    flat.layout_bits = needs.sets | (needs.vertex_colors ? gpu::kAttributesVertexColors : 0u) |
+                       (needs.face_colors ? gpu::kAttributesFaceColors : 0u);
+    const auto [place, added] = meshes_.try_emplace(key(instance), static_cast<gpu::uint>(out_.attributes.size()));
+    flat.first = place->second;
+    if (added) add_mesh(instance, needs);
+    return flat;
+  }
+
+  /// Rows of the rotation from the world into the sphere's space; a mirror is part of it.
+  void add_rotation(const Instance& instance) {
+    const glm::dmat3 axes(instance.world_from_object);
+    for (int row = 0; row < 3; ++row) out_.attributes.emplace_back(glm::vec3(glm::normalize(axes[row])), 0.0f);
+  }
+
+  void add_mesh(const Instance& instance, const Needs& needs) {
+    const auto& mesh = std::get<TriangleMesh>(scene_.shape_of(instance));
+    const bool turned = key(instance).second;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      glm::uvec3 t = mesh.triangles[i];
+      if (turned) std::swap(t.y, t.z);
+      for (std::uint32_t set = 0; set < needs.sets; ++set) {
+        const std::vector<glm::vec2>& uvs = mesh.uv_sets[set];
+        out_.attributes.emplace_back(uvs[t.x], uvs[t.y]);
+        out_.attributes.emplace_back(uvs[t.z], 0.0f, 0.0f);
+      }
+      for (int k = 0; k < 3 && needs.vertex_colors; ++k) out_.attributes.emplace_back(mesh.vertex_colors[t[k]], 0.0f);
+      if (needs.face_colors) out_.attributes.emplace_back(mesh.face_colors[i], 0.0f);
+    }
+  }
+
+  void add_srgb() {
+    for (gpu::uint code = 0; code < gpu::kSrgbCodes; code += 4) {
+      gpu::vec4& four = out_.srgb.emplace_back();
+      for (gpu::uint k = 0; k < 4; ++k)
+        four[static_cast<int>(k)] = static_cast<float>(linear_from_srgb(static_cast<double>(code + k) / 255.0));
+    }
+  }
+
+  using BitmapUse = std::pair<std::uint32_t, bool>;  // index, and whether its floats were decoded
+  const Scene& scene_;
+  Sharing sharing_;
+  CompiledTextures out_;
+  bool textured_ = false;
+  std::map<std::pair<std::uint32_t, bool>, Needs> needs_;
+  std::map<std::pair<std::uint32_t, bool>, gpu::uint> meshes_;  // first texel of their attributes
+  std::map<BitmapUse, std::uint64_t> places_;                   // in multiples of 16 bytes
+  std::map<BitmapUse, std::shared_ptr<const Bitmap>> placed_;
+  std::uint64_t next_place_ = 0;
+};
+
+gpu::uint texture_of(const ColorParameter& parameter) {
+  return parameter.texture.value_or(gpu::kNone);
+}
+[[maybe_unused]]  // no material has one yet
+gpu::uint
+texture_of(const ScalarParameter& parameter) {
+  if (!parameter.texture) return gpu::kNone;
+  return *parameter.texture | static_cast<gpu::uint>(parameter.channel) << gpu::kTextureOfChannelShift;
+}
+
+}  // namespace
+
+CompiledTextures compile_textures(const Scene& scene) {
+  return TextureCompiler(scene).compile();
+}
+
+gpu::MaterialTextures material_textures(const Bsdf& bsdf) {
+  gpu::MaterialTextures textures{.first = gpu::uvec4(gpu::kNone), .second = gpu::uvec4(gpu::kNone)};
+  int i = 0;
+  each_parameter(bsdf, [&](const char*, const auto& parameter) {
+    (i < 4 ? textures.first : textures.second)[i % 4] = texture_of(parameter);
+    ++i;
+  });
+  return textures;
+}
+
+}  // namespace etendue

@@ -1,0 +1,52 @@
+#include "formats/nori/plugins.h"
+#include "scene/limits.h"
+
+namespace etendue {
+namespace {
+
+using enum ParameterType;
+
+constexpr Range kColor{-1000, 1000, false, false};
+constexpr Range kCoordinate{-kMaxTextureCoordinate, kMaxTextureCoordinate, false, false};
+
+Parameter to_uv() {
+  return {"to_uv", transform, "", {}, "texture coordinates of the surface to those of the texture; z is not used"};
+}
+
+}  // namespace
+
+std::vector<Plugin> texture_plugins() {
+  return {
+      {"texture",
+       "bitmap",
+       "A picture: PNG, JPEG, OpenEXR or Radiance HDR. Its first row is on top, where v is 1.",
+       {{"filename", string, nullptr, {}, "the picture, relative to the folder of the scene file"},
+        {"wrap_mode", string, "repeat", {}, "what lies beyond its edges: repeat, mirror or clamp"},
+        {"filter_type", string, "bilinear", {}, "between texels: bilinear or nearest"},
+        {"raw", boolean, "false", {}, "8-bit numbers are no sRGB colours but numbers"},
+        to_uv()},
+       {}},
+      {"texture",
+       "checkerboard",
+       "Squares of side 1/2 in texture coordinates.",
+       {{"color0", color, "0.4 0.4 0.4", kColor, "of the square at (0,0), and of those that touch it at a corner"},
+        {"color1", color, "0.2 0.2 0.2", kColor, "of the others"},
+        to_uv()},
+       {}},
+      {"texture",
+       "checkerboard_color",
+       "Nori's checkerboard: squares of side 1 in uv / scale − delta.",
+       {{"value1", color, "0 0 0", kColor, "of the square at (0,0), and of those that touch it at a corner"},
+        {"value2", color, "1 1 1", kColor, "of the others"},
+        {"scale", vector2, "1 1", kCoordinate, "size of the squares, not 0"},
+        {"delta", point2, "0 0", kCoordinate, "offset in squares"}},
+       {}},
+      {"texture",
+       "mesh_attribute",
+       "Colours that the mesh's file has.",
+       {{"attribute", string, "vertex_color", {}, "vertex_color, interpolated, or face_color"}},
+       {}},
+  };
+}
+
+}  // namespace etendue

@@ -1,0 +1,139 @@
+#include "formats/nori/texture_reader.h"
+
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "core/text.h"
+
+namespace etendue {
+namespace {
+
+/// Of a transform the part that texture coordinates see.
+glm::dmat3 plane_transform(const glm::dmat4& m) {
+  return {m[0][0], m[0][1], 0.0, m[1][0], m[1][1], 0.0, m[3][0], m[3][1], 1.0};
+}
+
+/// Nori's words for a checkerboard: squares of side 1 in uv / scale − delta. Ours have side 1/2.
+glm::dmat3 square_transform(const glm::dvec3& scale, const glm::dvec3& delta) {
+  return {0.5 / scale.x, 0.0, 0.0, 0.0, 0.5 / scale.y, 0.0, -0.5 * delta.x, -0.5 * delta.y, 1.0};
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> TextureReader::read(const Object& owner, const char* property, Scene& scene) {
+  const XmlElement* element = owner.child_of(property);
+  if (element == nullptr) return std::nullopt;
+  const auto [entry, is_new] = textures_.try_emplace(element);
+  if (!is_new) return entry->second;
+  const std::optional<Object> object = Object::read(*element, context_);
+  std::optional<Texture> texture = object ? read_texture(*object, scene) : std::nullopt;
+  if (!texture) return std::nullopt;
+  entry->second = static_cast<std::uint32_t>(scene.textures.size());
+  scene.textures.push_back(std::move(*texture));
+  return entry->second;
+}
+
+std::optional<Texture> TextureReader::read_texture(const Object& object, Scene& scene) {
+  const std::string_view type = object.plugin().type;
+  if (type == "bitmap") return read_bitmap_texture(object, scene);
+  Texture texture{.source = CheckerboardTexture{}, .name = object.plugin().type, .position = object.position()};
+  if (type == "checkerboard") {
+    texture.source = CheckerboardTexture{object.get<glm::dvec3>("color0"), object.get<glm::dvec3>("color1")};
+    texture.uv_transform = plane_transform(object.matrix("to_uv"));
+    return texture;
+  }
+  if (type == "checkerboard_color") {
+    const auto scale = object.get<glm::dvec3>("scale");
+    if (scale.x == 0.0 || scale.y == 0.0) {
+      context_.diagnostics.error(object.position_of("scale"), "a scale of 0 leaves no squares; use another number");
+      return std::nullopt;
+    }
+    texture.source = CheckerboardTexture{object.get<glm::dvec3>("value1"), object.get<glm::dvec3>("value2")};
+    texture.uv_transform = square_transform(scale, object.get<glm::dvec3>("delta"));
+    return texture;
+  }
+  if (type != "mesh_attribute") throw std::logic_error(fmt::format("the reader has no texture {}", type));
+  const auto attribute = object.get<std::string>("attribute");
+  if (attribute != "vertex_color" && attribute != "face_color") {
+    context_.diagnostics.error(
+        object.position_of("attribute"),
+        fmt::format("{} is no attribute of a mesh{}; known are vertex_color and face_color", text::quoted(attribute),
+                    text::did_you_mean(attribute, {"vertex_color", "face_color"})));
+    return std::nullopt;
+  }
+  texture.source = AttributeTexture{attribute == "face_color" ? AttributeTexture::Source::face_color
+                                                              : AttributeTexture::Source::vertex_color};
+  return texture;
+}
+
+std::optional<Texture> TextureReader::read_bitmap_texture(const Object& object, Scene& scene) {
+  Texture texture{.source = BitmapTexture{}, .name = "bitmap", .position = object.position()};
+  auto& picture = std::get<BitmapTexture>(texture.source);
+  set_wrap(object, picture);
+  set_filter(object, picture);
+  if (object.get<bool>("raw")) picture.color_space = ColorSpace::linear;
+  texture.uv_transform = plane_transform(object.matrix("to_uv"));
+  const std::optional<std::uint32_t> bitmap = read_picture(object, texture, scene);
+  if (!bitmap) return std::nullopt;
+  picture.bitmap = *bitmap;
+  return texture;
+}
+
+void TextureReader::set_wrap(const Object& object, BitmapTexture& picture) {
+  const std::string word(text::trim(object.get<std::string>("wrap_mode")));
+  TextureWrap wrap = TextureWrap::repeat;
+  if (word == "mirror") {
+    wrap = TextureWrap::mirror;
+  } else if (word == "clamp") {
+    wrap = TextureWrap::clamp;
+  } else if (word != "repeat") {
+    context_.diagnostics.error(
+        object.position_of("wrap_mode"),
+        fmt::format("{} is no way to go on beyond an edge{}; known are repeat, mirror and clamp", text::quoted(word),
+                    text::did_you_mean(word, {"repeat", "mirror", "clamp"})));
+  }
+  picture.wrap_u = picture.wrap_v = wrap;
+}
+
+void TextureReader::set_filter(const Object& object, BitmapTexture& picture) {
+  const std::string word(text::trim(object.get<std::string>("filter_type")));
+  if (word == "nearest") {
+    picture.filter = TextureFilter::nearest;
+  } else if (word != "bilinear") {
+    context_.diagnostics.error(object.position_of("filter_type"),
+                               fmt::format("{} is no filter of textures{}; known are bilinear and nearest",
+                                           text::quoted(word), text::did_you_mean(word, {"bilinear", "nearest"})));
+  }
+}
+
+std::optional<std::uint32_t> TextureReader::read_picture(const Object& object, Texture& texture, Scene& scene) {
+  if (!object.given("filename")) return std::nullopt;
+  const auto given = object.get<std::string>("filename");
+  const std::string filename(text::trim(given));
+  const SourcePosition position = object.position_of("filename");
+  if (filename.empty()) {
+    context_.diagnostics.error(position, "\"filename\" is empty; give the path of a picture");
+    return std::nullopt;
+  }
+  const std::string path = find_file_(filename, position);
+  texture.name = std::filesystem::path(path).filename().string();
+  const auto [entry, is_new] = bitmaps_.try_emplace(path);
+  if (!is_new) return entry->second;
+  try {
+    auto bitmap = std::make_shared<Bitmap>(read_bitmap(path));
+    for (const std::string& note : std::exchange(bitmap->notes, {})) context_.diagnostics.note(position, note);
+    entry->second = static_cast<std::uint32_t>(scene.bitmaps.size());
+    scene.bitmaps.push_back(std::move(bitmap));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::file) throw;
+    context_.diagnostics.error(position, error.what());
+  }
+  return entry->second;
+}
+
+}  // namespace etendue

@@ -1,0 +1,46 @@
+#pragma once
+/// <texture> → tables of a scene.
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "formats/dialect/object.h"
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// Fills Scene::textures and Scene::bitmaps: an element that many refer to becomes one texture, a file that many name
+/// one picture.
+class TextureReader {
+ public:
+  /// Turns a name in the file into a path.
+  using FindFile = std::function<std::string(const std::string& filename, const SourcePosition& position)>;
+
+  TextureReader(ReadContext& context, FindFile find_file) : context_(context), find_file_(std::move(find_file)) {}
+
+  /// Forgets the textures of another scene.
+  void begin_scene() {
+    textures_.clear();
+    bitmaps_.clear();
+  }
+
+  /// The texture that stands for a property of the object; nothing where there is none or it is unusable, which is
+  /// reported.
+  std::optional<std::uint32_t> read(const Object& owner, const char* property, Scene& scene);
+
+ private:
+  std::optional<Texture> read_texture(const Object& object, Scene& scene);
+  std::optional<Texture> read_bitmap_texture(const Object& object, Scene& scene);
+  std::optional<std::uint32_t> read_picture(const Object& object, Texture& texture, Scene& scene);
+  void set_wrap(const Object& object, BitmapTexture& picture);
+  void set_filter(const Object& object, BitmapTexture& picture);
+
+  ReadContext& context_;
+  FindFile find_file_;
+  std::map<const XmlElement*, std::optional<std::uint32_t>> textures_;
+  std::map<std::string, std::optional<std::uint32_t>> bitmaps_;  ///< by path
+};
+
+}  // namespace etendue

@@ -1,0 +1,19 @@
+#pragma once
+/// Textures at points of surfaces; docs/conventions.md, "Textures".
+
+#include "reference/ray.h"
+#include "scene/scene.h"
+
+namespace etendue::reference {
+
+/// Red, green, blue and alpha of a texture at a point.
+glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const Surface& surface);
+
+/// A parameter at a point.
+Vec3 at_point(const Scene& scene, const ColorParameter& parameter, const Surface& surface);
+double at_point(const Scene& scene, const ScalarParameter& parameter, const Surface& surface);
+
+/// A material at a point: all of its parameters are constants.
+Bsdf at_point(const Scene& scene, const Bsdf& bsdf, const Surface& surface);
+
+}  // namespace etendue::reference

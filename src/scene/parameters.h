@@ -1,0 +1,43 @@
+#pragma once
+/// The parameters of materials and emitters that may be textured, so that whoever wants all of them need not know the
+/// types: hashing, invariants, evaluation at a point.
+
+#include <concepts>
+#include <type_traits>
+#include <variant>
+
+#include "scene/scene.h"
+
+namespace etendue {
+
+template <typename T, typename Struct>
+concept MaybeConst = std::same_as<std::remove_const_t<T>, Struct>;
+
+/// Calls f(name, parameter) for each ColorParameter and ScalarParameter, in the order of the struct; `name` is the
+/// field's in scene.h. A material without any says so, too: there is no default.
+template <MaybeConst<DiffuseBsdf> T, typename F>
+void each_parameter(T& bsdf, F&& f) {
+  f("albedo", bsdf.albedo);
+}
+template <typename T, typename F>
+requires MaybeConst<T, MirrorBsdf> || MaybeConst<T, DielectricBsdf> || MaybeConst<T, MicrofacetBsdf> ||
+    MaybeConst<T, ConductorBsdf> || MaybeConst<T, RoughConductorBsdf>
+void each_parameter(T&, F&&) {}
+template <MaybeConst<Bsdf> T, typename F>
+void each_parameter(T& bsdf, F&& f) {
+  std::visit([&](auto& of_type) { each_parameter(of_type, f); }, bsdf);
+}
+template <MaybeConst<AreaEmitter> T, typename F>
+void each_parameter(T& emitter, F&& f) {
+  f("radiance", emitter.radiance);
+}
+
+/// Whether any parameter has a texture.
+template <typename T>
+bool is_textured(const T& owner) {
+  bool textured = false;
+  each_parameter(owner, [&](const char*, const auto& parameter) { textured |= parameter.texture.has_value(); });
+  return textured;
+}
+
+}  // namespace etendue

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace etendue {
+
+/// Where a thing stands in a text file; line and column count from 1 (0: unknown).
+struct SourcePosition {
+  std::string file;
+  int line = 0;
+  int column = 0;
+};
+
+}  // namespace etendue

@@ -1,0 +1,183 @@
+#include "scene/texture_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "scene/limits.h"
+#include "scene/parameters.h"
+#include "scene/texture_facts.h"
+
+namespace etendue {
+namespace {
+
+bool is_finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+class TextureChecker {
+ public:
+  TextureChecker(const Scene& scene, Diagnostics& sink, const LocateField& locate)
+      : scene_(scene), sink_(sink), locate_(locate) {}
+
+  bool check() {
+    const std::size_t errors = sink_.error_count();
+    if (scene_.textures.size() > kMaxTextures)
+      sink_.error(scene_.position, fmt::format("the scene has {} textures; at most {} are supported",
+                                               scene_.textures.size(), kMaxTextures));
+    for (const auto& bitmap : scene_.bitmaps) check_bitmap(bitmap.get());
+    if (sink_.error_count() != errors) return false;
+    for (const Texture& texture : scene_.textures) check_texture(texture);
+    for (const Material& material : scene_.materials) check_owner(material.bsdf, material.position);
+    for (const AreaEmitter& emitter : scene_.emitters) check_owner(emitter, emitter.position);
+    if (sink_.error_count() != errors) return false;
+    for (const Instance& instance : scene_.instances) check_instance(instance);
+    if (sink_.error_count() != errors) return false;
+    for (const Material& material : scene_.materials) check_values(material);
+    for (const AreaEmitter& emitter : scene_.emitters) check_values(emitter);
+    return sink_.error_count() == errors;
+  }
+
+ private:
+  void error(const SourcePosition& object, std::string_view field, std::string message) {
+    const auto position = locate_ ? locate_(object, field) : std::nullopt;
+    sink_.error(position.value_or(object), std::move(message));
+  }
+
+  void check_bitmap(const Bitmap* bitmap) {
+    if (bitmap == nullptr) return sink_.error(scene_.position, "a picture of the scene is missing: a null pointer");
+    const bool sound = bitmap->width >= 1 && bitmap->height >= 1 && bitmap->channels >= 1 && bitmap->channels <= 4 &&
+                       bitmap->texels.size() == bitmap->row_bytes() * bitmap->height;
+    if (sound) return;
+    sink_.error(scene_.position,
+                fmt::format("a picture of the scene has {} × {} texels of {} channels in {} bytes, which do not match",
+                            bitmap->width, bitmap->height, bitmap->channels, bitmap->texels.size()));
+  }
+
+  void check_texture(const Texture& texture) {
+    const std::string name = text::quoted(texture.name);
+    const glm::dmat3& m = texture.uv_transform;
+    bool usable = m[0][2] == 0.0 && m[1][2] == 0.0 && m[2][2] == 1.0;
+    for (int column = 0; column < 3; ++column) {
+      for (int row = 0; row < 2; ++row) usable = usable && std::abs(m[column][row]) <= kMaxTextureCoordinate;
+    }
+    if (!usable)
+      error(texture.position, "uv_transform",
+            fmt::format("the transform of the texture {} is not affine with entries up to {}", name,
+                        kMaxTextureCoordinate));
+    if (const auto* board = std::get_if<CheckerboardTexture>(&texture.source)) {
+      if (!is_finite(board->color0) || !is_finite(board->color1))
+        error(texture.position, "color0", fmt::format("a colour of the checkerboard {} is not finite", name));
+    }
+    const auto* picture = std::get_if<BitmapTexture>(&texture.source);
+    if (picture != nullptr && picture->bitmap >= scene_.bitmaps.size())
+      sink_.error(texture.position, fmt::format("the texture {} refers to number {} of the scene's pictures, of which "
+                                                "there are {}",
+                                                name, picture->bitmap, scene_.bitmaps.size()));
+  }
+
+  template <typename Owner>
+  void check_owner(const Owner& owner, const SourcePosition& position) {
+    each_parameter(owner, [&](const char* field, const auto& parameter) {
+      if (!parameter.texture || *parameter.texture < scene_.textures.size()) return;
+      error(position, field,
+            fmt::format("{} refers to number {} of the scene's textures, of which there are {}", field,
+                        *parameter.texture, scene_.textures.size()));
+    });
+  }
+
+  void check_instance(const Instance& instance) {
+    const auto add = [&](const char* field, const auto& parameter) {
+      if (parameter.texture) check_attributes(scene_.textures[*parameter.texture], field, instance);
+    };
+    each_parameter(scene_.bsdf_of(instance), add);
+    if (const AreaEmitter* emitter = scene_.emitter_of(instance)) each_parameter(*emitter, add);
+  }
+
+  /// Whether the shape has what the texture reads.
+  void check_attributes(const Texture& texture, const char* field, const Instance& instance) {
+    const auto lacks = [&](const std::string& what) {
+      sink_.error(instance.position, fmt::format("{} has no {}, which its {} needs for the texture {}",
+                                                 text::quoted(instance.name), what, field, text::quoted(texture.name)));
+    };
+    const auto* attribute = std::get_if<AttributeTexture>(&texture.source);
+    const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
+    const bool faces = attribute != nullptr && attribute->source == AttributeTexture::Source::face_color;
+    if (attribute != nullptr) {
+      const char* what = faces ? "colours of faces" : "colours of vertices";
+      if (mesh == nullptr || (faces ? mesh->face_colors : mesh->vertex_colors).empty()) return lacks(what);
+      return check_colors(faces ? mesh->face_colors : mesh->vertex_colors, field, instance);
+    }
+    // Disks and cylinders have none yet.
+    const bool sphere = std::holds_alternative<Sphere>(scene_.shape_of(instance));
+    if (sphere ? texture.uv_set > 0 : mesh == nullptr || texture.uv_set >= mesh->uv_sets.size())
+      return lacks(texture.uv_set == 0 ? "texture coordinates"
+                                       : fmt::format("set {} of texture coordinates", texture.uv_set));
+    if (mesh != nullptr) check_coordinates(*mesh, texture.uv_set, instance);
+  }
+
+  void check_coordinates(const TriangleMesh& mesh, std::uint32_t set, const Instance& instance) {
+    if (!looked_at_.insert({instance.shape, set}).second) return;
+    for (const glm::vec2& uv : mesh.uv_sets[set]) {
+      if (std::abs(uv.x) <= kMaxTextureCoordinate && std::abs(uv.y) <= kMaxTextureCoordinate) continue;
+      return sink_.error(instance.position,
+                         fmt::format("{} has texture coordinates {} {}; up to {} are supported",
+                                     text::quoted(instance.name), uv.x, uv.y, kMaxTextureCoordinate));
+    }
+  }
+
+  void check_colors(const std::vector<glm::vec3>& colors, const char* field, const Instance& instance) {
+    const bool light = std::string_view(field) == "radiance";
+    for (const glm::vec3& color : colors) {
+      const glm::dvec3 c(color);
+      if (is_finite(c) && (!light || std::min({c.x, c.y, c.z}) >= 0.0)) continue;
+      return sink_.error(instance.position, fmt::format("{} has a colour {} {} {}, which its {} cannot have",
+                                                        text::quoted(instance.name), c.x, c.y, c.z, field));
+    }
+  }
+
+  void check_values(const Material& material) {
+    each_parameter(material.bsdf, [&](const char* field, const auto& parameter) {
+      if (!parameter.texture) return;
+      const Texture& texture = scene_.textures[*parameter.texture];
+      const auto* picture = std::get_if<BitmapTexture>(&texture.source);
+      // 8-bit codes cannot be anything else.
+      if (picture == nullptr || scene_.bitmaps[picture->bitmap]->format == BitmapFormat::u8) return;
+      if (!texture_facts(scene_, texture).finite)
+        error(material.position, field,
+              fmt::format("the texture {} has texels that are not finite", text::quoted(texture.name)));
+    });
+  }
+
+  void check_values(const AreaEmitter& emitter) {
+    if (!emitter.radiance.texture) return;
+    const Texture& texture = scene_.textures[*emitter.radiance.texture];
+    const TextureFacts facts = texture_facts(scene_, texture);
+    const glm::dvec3 most = emitter.radiance.value * facts.largest;
+    const double least = std::min({facts.least.x, facts.least.y, facts.least.z});
+    const double largest = std::max({most.x, most.y, most.z});
+    if (facts.finite && least >= 0.0 && largest <= kMaxRadiance) return;
+    error(emitter.position, "radiance",
+          facts.finite ? fmt::format("with the texture {} the radiance is {} to {}; use 0 to {}",
+                                     text::quoted(texture.name), least, largest, kMaxRadiance)
+                       : fmt::format("the texture {} has texels that are not finite", text::quoted(texture.name)));
+  }
+
+  const Scene& scene_;
+  Diagnostics& sink_;
+  const LocateField& locate_;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> looked_at_;  // shapes and their sets
+};
+
+}  // namespace
+
+bool check_textures(const Scene& scene, Diagnostics& diagnostics, const LocateField& locate) {
+  return TextureChecker(scene, diagnostics, locate).check();
+}
+
+}  // namespace etendue

@@ -1,0 +1,122 @@
+#include "scene/texture_facts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "scene/placed.h"
+
+namespace etendue {
+namespace {
+
+double largest_component(const glm::dvec3& v) {
+  return std::max({v.x, v.y, v.z});
+}
+
+bool is_finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Light of all 8-bit codes: a curve for every texel of a large picture would take minutes.
+const std::array<double, 256>& code_lights() {
+  static const std::array<double, 256> lights = [] {
+    std::array<double, 256> all{};
+    for (std::size_t code = 0; code < all.size(); ++code)
+      all[code] = linear_from_srgb(static_cast<double>(code) / 255.0);
+    return all;
+  }();
+  return lights;
+}
+
+TextureFacts bitmap_facts(const Bitmap& bitmap, ColorSpace color_space) {
+  TextureFacts facts{.mean = glm::dvec3(0.0), .least = glm::dvec3(INFINITY), .largest = glm::dvec3(-INFINITY)};
+  for (std::uint32_t y = 0; y < bitmap.height; ++y) {
+    glm::dvec3 row(0.0);  // summed by rows, so that large pictures lose no digits
+    for (std::uint32_t x = 0; x < bitmap.width; ++x) {
+      const glm::dvec3 color(texel_color(bitmap, color_space, x, y));
+      if (!is_finite(color)) {
+        facts.finite = false;
+        continue;
+      }
+      row += color;
+      facts.least = glm::min(facts.least, color);
+      facts.largest = glm::max(facts.largest, color);
+    }
+    facts.mean += row;
+  }
+  facts.mean /= static_cast<double>(bitmap.width) * static_cast<double>(bitmap.height);
+  return facts;
+}
+
+}  // namespace
+
+glm::dvec4 texel_color(const Bitmap& bitmap, ColorSpace color_space, std::uint32_t x, std::uint32_t y) {
+  const auto color = [&](std::uint32_t channel) {
+    const auto stored = static_cast<double>(bitmap.stored(x, y, channel));
+    if (color_space == ColorSpace::linear) return stored;
+    if (bitmap.format == BitmapFormat::u8) return code_lights()[static_cast<std::size_t>(std::lround(255.0 * stored))];
+    return linear_from_srgb(stored);
+  };
+  const double alpha = bitmap.has_alpha() ? static_cast<double>(bitmap.stored(x, y, bitmap.channels - 1)) : 1.0;
+  if (bitmap.channels < 3) return glm::dvec4(glm::dvec3(color(0)), alpha);
+  return {color(0), color(1), color(2), alpha};
+}
+
+TextureFacts texture_facts(const Scene& scene, const Texture& texture) {
+  if (const auto* picture = std::get_if<BitmapTexture>(&texture.source)) {
+    const Bitmap& bitmap = *scene.bitmaps[picture->bitmap];
+    return bitmap_facts(bitmap, picture->color_space.value_or(bitmap.color_space));
+  }
+  if (const auto* board = std::get_if<CheckerboardTexture>(&texture.source))
+    return {.mean = 0.5 * (board->color0 + board->color1),
+            .least = glm::min(board->color0, board->color1),
+            .largest = glm::max(board->color0, board->color1),
+            .finite = is_finite(board->color0) && is_finite(board->color1)};
+  return {};
+}
+
+EmitterRadiance::EmitterRadiance(const Scene& scene, const Instance& instance) {
+  const ColorParameter& radiance = scene.emitter_of(instance)->radiance;
+  value_ = mean_ = largest_ = radiance.value;
+  if (!radiance.texture) return;
+  const Texture& texture = scene.textures[*radiance.texture];
+  if (const auto* attribute = std::get_if<AttributeTexture>(&texture.source)) {
+    colors_ = &std::get<TriangleMesh>(scene.shape_of(instance));
+    source_ = attribute->source;
+    return;
+  }
+  const TextureFacts facts = texture_facts(scene, texture);
+  mean_ = value_ * facts.mean;
+  largest_ = value_ * facts.largest;
+}
+
+glm::dvec3 EmitterRadiance::mean(std::size_t primitive) const {
+  if (uniform()) return mean_;
+  if (source_ == AttributeTexture::Source::face_color) return value_ * glm::dvec3(colors_->face_colors[primitive]);
+  const glm::uvec3 t = colors_->triangles[primitive];
+  const std::vector<glm::vec3>& colors = colors_->vertex_colors;
+  return value_ * (glm::dvec3(colors[t.x]) + glm::dvec3(colors[t.y]) + glm::dvec3(colors[t.z])) / 3.0;
+}
+
+glm::dvec3 EmitterRadiance::mean_of_all() const {
+  if (uniform()) return mean_;
+  glm::dvec3 sum(0.0);
+  double area = 0.0;
+  for (std::size_t i = 0; i < colors_->triangles.size(); ++i) {
+    const double own = triangle_area(*colors_, colors_->triangles[i]);
+    sum += own * mean(i);
+    area += own;
+  }
+  return area > 0.0 ? sum / area : sum;
+}
+
+double EmitterRadiance::largest() const {
+  if (uniform()) return largest_component(largest_);
+  const bool faces = source_ == AttributeTexture::Source::face_color;
+  double largest = 0.0;
+  for (const glm::vec3& color : faces ? colors_->face_colors : colors_->vertex_colors)
+    largest = std::max(largest, largest_component(value_ * glm::dvec3(color)));
+  return largest;
+}
+
+}  // namespace etendue

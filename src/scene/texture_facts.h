@@ -1,0 +1,48 @@
+#pragma once
+/// What is true of a texture as a whole: how bright lamps are that have one, and what a scene must not hold.
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// Of the colours of all its texels, linear.
+struct TextureFacts {
+  glm::dvec3 mean{1.0};
+  glm::dvec3 least{1.0};
+  glm::dvec3 largest{1.0};
+  bool finite = true;  ///< otherwise the others are those of the finite numbers
+};
+
+/// Of a picture or a checkerboard; that of colours of a mesh is up to the mesh. Looks at every texel.
+TextureFacts texture_facts(const Scene& scene, const Texture& texture);
+
+/// Radiance of the primitives of an emitting instance, averaged so that it is positive wherever they shine: what lights
+/// are chosen by. Of a picture it is the mean over all of the picture.
+class EmitterRadiance {
+ public:
+  /// The instance has an emitter, and the scene outlives this.
+  EmitterRadiance(const Scene& scene, const Instance& instance);
+
+  /// The same for all primitives.
+  bool uniform() const { return colors_ == nullptr; }
+  glm::dvec3 mean(std::size_t primitive = 0) const;
+  /// The mean over all of the shape, by area in its own space.
+  glm::dvec3 mean_of_all() const;
+  /// Largest component anywhere.
+  double largest() const;
+
+ private:
+  const TriangleMesh* colors_ = nullptr;  ///< the mesh whose colours the texture is
+  AttributeTexture::Source source_ = AttributeTexture::Source::vertex_color;
+  glm::dvec3 value_{0.0};
+  glm::dvec3 mean_{0.0};
+  glm::dvec3 largest_{0.0};
+};
+
+/// The colour of a texel with alpha, linear; 8-bit codes and floats alike.
+glm::dvec4 texel_color(const Bitmap& bitmap, ColorSpace color_space, std::uint32_t x, std::uint32_t y);
+
+}  // namespace etendue

@@ -1,0 +1,196 @@
+/// Texture lookups on the device against the reference: every format, wrap and filter, sizes that divide nothing,
+/// transforms, spheres, attributes, through texel buffers and through storage buffers.
+
+#include <bit>
+#include <cmath>
+
+#include <glm/gtc/packing.hpp>
+
+#include "device_test.h"
+#include "kernels_storage.h"
+#include "reference/texture.h"
+
+namespace etendue::test {
+namespace {
+
+class DeviceTextures : public DeviceTest {};
+
+std::shared_ptr<Bitmap> random_bitmap(Random& random, std::uint32_t width, std::uint32_t height) {
+  auto bitmap = std::make_shared<Bitmap>();
+  bitmap->width = width;
+  bitmap->height = height;
+  bitmap->channels = 1 + random.below(4);
+  bitmap->format = static_cast<BitmapFormat>(random.below(3));
+  bitmap->color_space = random.below(2) == 0 ? ColorSpace::linear : ColorSpace::srgb;
+  bitmap->texels.resize(bitmap->row_bytes() * height);
+  std::size_t at = 0;
+  while (at < bitmap->texels.size()) {
+    const float value = random.unit();
+    const std::uint32_t half = glm::packHalf2x16(glm::vec2(value, 0.0f)), word = std::bit_cast<std::uint32_t>(value);
+    const std::uint32_t code = random.below(256);
+    const std::uint32_t* stored = bitmap->format == BitmapFormat::u8    ? &code
+                                  : bitmap->format == BitmapFormat::f16 ? &half
+                                                                        : &word;
+    std::memcpy(&bitmap->texels[at], stored, bytes_of(bitmap->format));
+    at += bytes_of(bitmap->format);
+  }
+  return bitmap;
+}
+
+// One triangle with coordinates up to `reach`, with colours, and a sphere turned somehow; all of it untextured so far.
+Scene bodies(Random& random, float reach) {
+  Scene scene;
+  TriangleMesh mesh{
+      .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}, .normals = {}, .triangles = {{0, 1, 2}, {3, 2, 1}}};
+  for (int set = 0; set < 2; ++set) {
+    auto& uvs = mesh.uv_sets.emplace_back();
+    for (int i = 0; i < 4; ++i) uvs.emplace_back(random.uniform(-reach, reach), random.uniform(-reach, reach));
+  }
+  for (int i = 0; i < 4; ++i) mesh.vertex_colors.emplace_back(random.unit(), random.unit(), random.unit());
+  for (int i = 0; i < 2; ++i) mesh.face_colors.emplace_back(random.unit(), random.unit(), random.unit());
+  scene.add(mesh);
+  Instance mirrored = scene.instances[0];
+  mirrored.world_from_object[0][0] = -1.0;
+  scene.instances.push_back(mirrored);
+  const glm::dvec3 z = random.direction(), x = glm::normalize(glm::cross(z, glm::dvec3(0.3, 1.0, 0.2)));
+  Instance& sphere = scene.add(Sphere{});
+  sphere.world_from_object =
+      glm::dmat4(glm::dvec4(2.0 * x, 0), glm::dvec4(2.0 * glm::cross(z, x), 0), glm::dvec4(2.0 * z, 0), {3, 4, 5, 1});
+  return scene;
+}
+
+glm::dmat3 random_transform(Random& random) {
+  const auto entry = [&] { return static_cast<double>(random.uniform(-2.0f, 2.0f)); };
+  return {entry(), entry(), 0.0, entry(), entry(), 0.0, entry(), entry(), 1.0};
+}
+
+void use(Scene& scene) {
+  for (Material& material : scene.materials) {
+    auto& albedo = std::get<DiffuseBsdf>(material.bsdf).albedo;
+    albedo.texture = std::uint32_t{0};
+  }
+}
+
+// What the reference says nearby: a device's coordinates are as exact as single precision, and a texel may begin there.
+struct Bracket {
+  glm::dvec4 low{INFINITY}, high{-INFINITY};
+};
+Bracket around(const Scene& scene, Texture texture, const reference::Surface& surface, double error) {
+  Bracket bracket;
+  const glm::dmat3 transform = texture.uv_transform;
+  for (const glm::dvec2& step : {glm::dvec2(0, 0), {-1, -1}, {-1, 1}, {1, -1}, {1, 1}}) {
+    texture.uv_transform[2] = transform[2] + error * glm::dvec3(step, 0.0);
+    const glm::dvec4 value = reference::texture_value(scene, texture, surface);
+    bracket.low = glm::min(bracket.low, value);
+    bracket.high = glm::max(bracket.high, value);
+  }
+  return bracket;
+}
+
+double reach_of(const Scene& scene, const Texture& texture) {
+  double uv = 1.0;
+  for (const Shape& shape : scene.shapes) {
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+      for (const glm::vec2& p : mesh->uv_sets[texture.uv_set])
+        uv = std::max({uv, std::abs(static_cast<double>(p.x)), std::abs(static_cast<double>(p.y))});
+    }
+  }
+  const glm::dmat3& m = texture.uv_transform;
+  double sum = 1.0;
+  for (int row = 0; row < 2; ++row)
+    sum = std::max(sum, uv * (std::abs(m[0][row]) + std::abs(m[1][row])) + std::abs(m[2][row]));
+  return sum;
+}
+
+TEST_F(DeviceTextures, LookupsAreThoseOfTheReference) {
+  Random random(5);
+  struct Size {
+    std::uint32_t width, height;
+  };
+  const std::vector<Size> sizes = {{1, 1}, {3, 1}, {1, 2}, {2, 2}, {5, 3}, {16, 16}, {257, 63}, {8191, 37}};
+  for (std::uint32_t round = 0; round < 96; ++round) {
+    const Size size = sizes[round % sizes.size()];
+    // So many texels a unit that rounding stays within one.
+    const float reach = size.width > 1000 || round % 3 == 0 ? 1.0f : round % 3 == 1 ? 4.0f : 300.0f;
+    Scene scene = bodies(random, reach);
+    Texture& texture = scene.textures.emplace_back();
+    texture.uv_set = 0;
+    if (round % 2 == 0) texture.uv_transform = random_transform(random);
+    if (round % 12 == 11) {
+      texture.source = CheckerboardTexture{{0.1, 0.5, 0.9}, {0.7, 0.2, 0.3}};
+    } else {
+      scene.bitmaps.push_back(random_bitmap(random, size.width, size.height));
+      texture.source = BitmapTexture{.bitmap = 0,
+                                     .wrap_u = static_cast<TextureWrap>(random.below(3)),
+                                     .wrap_v = static_cast<TextureWrap>(random.below(3)),
+                                     .filter = static_cast<TextureFilter>(random.below(2)),
+                                     .color_space = {}};
+    }
+    use(scene);
+    const CompiledScene compiled = compile_scene(scene);
+    std::vector<gpu::TextureCase> cases(256);
+    for (gpu::TextureCase& c : cases) {
+      c.instance = random.below(3);
+      c.primitive = c.instance < 2 ? random.below(2) : 0u;
+      const float a = random.unit(), b = (1.0f - a) * random.unit();
+      c.weights = {a, b, 1.0f - a - b};
+      c.n = glm::vec3(random.direction());
+    }
+    const double error = 4e-7 * reach_of(scene, texture);
+    // What rounding does between two texels, at worst near the centre of one, where none of the neighbours is so low.
+    const double tolerance = 2e-6 + 0.5 * error * std::max(size.width, size.height);
+    for (const TableLoads loads : {TableLoads::texel_buffer, TableLoads::storage_buffer}) {
+      const bool texels = loads == TableLoads::texel_buffer;
+      KernelRun kernel{texels ? kernels::textures : kernels::textures_storage, "textures", &compiled};
+      kernel.loads = loads;
+      const auto answers = run<gpu::TextureAnswer>(kernel, cases);
+      for (std::size_t i = 0; i < cases.size(); ++i) {
+        const gpu::TextureCase& c = cases[i];
+        const reference::Surface surface{.ns = glm::normalize(glm::dvec3(c.n)),
+                                         .instance = c.instance,
+                                         .primitive = c.primitive,
+                                         .weights = glm::dvec3(c.weights)};
+        const Bracket wanted =
+            around(scene, scene.textures[0], surface, c.instance == 2 ? 20.0 * error : error);  // poles
+        for (int k = 0; k < 4; ++k) {
+          ASSERT_GE(static_cast<double>(answers[i].value[k]), wanted.low[k] - tolerance)
+              << round << " " << i << " " << k << " instance " << c.instance;
+          ASSERT_LE(static_cast<double>(answers[i].value[k]), wanted.high[k] + tolerance)
+              << round << " " << i << " " << k << " instance " << c.instance;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(DeviceTextures, AttributesAreThoseOfTheReference) {
+  Random random(6);
+  for (const auto source : {AttributeTexture::Source::vertex_color, AttributeTexture::Source::face_color}) {
+    Scene scene = bodies(random, 1.0f);
+    scene.instances.pop_back();  // a sphere has no colours
+    scene.textures.push_back({.source = AttributeTexture{source}});
+    scene.textures.push_back({.source = CheckerboardTexture{}, .uv_set = 1});  // so that sets lie before the colours
+    std::get<DiffuseBsdf>(scene.materials[0].bsdf).albedo.texture = std::uint32_t{0};
+    scene.emitters.push_back({ColorParameter(glm::dvec3(1.0), 1)});
+    scene.instances[0].emitter = 0;
+    const CompiledScene compiled = compile_scene(scene);
+    std::vector<gpu::TextureCase> cases(64);
+    for (gpu::TextureCase& c : cases) {
+      c.instance = random.below(2);
+      c.primitive = random.below(2);
+      const float a = random.unit(), b = (1.0f - a) * random.unit();
+      c.weights = {a, b, 1.0f - a - b};
+    }
+    const auto answers = run<gpu::TextureAnswer>({kernels::textures, "textures", &compiled}, cases);
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const gpu::TextureCase& c = cases[i];
+      const reference::Surface surface{
+          .instance = c.instance, .primitive = c.primitive, .weights = glm::dvec3(c.weights)};
+      const glm::dvec4 wanted = reference::texture_value(scene, scene.textures[0], surface);
+      for (int k = 0; k < 4; ++k) ASSERT_NEAR(static_cast<double>(answers[i].value[k]), wanted[k], 1e-6);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace etendue::test
