@@ -97,6 +97,7 @@ const uint kConstantHasCylinders = 56u;
 const uint kConstantFewDisks = 57u;
 const uint kConstantFewCylinders = 58u;
 const uint kConstantCylinderLights = 59u;
+const uint kConstantTransmittancesAt = 60u;
 const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -109,13 +110,19 @@ const uint kBsdfDielectric = 2u;
 const uint kBsdfMicrofacet = 3u;
 const uint kBsdfConductor = 4u;
 const uint kBsdfRoughConductor = 5u;
+const uint kBsdfRoughDielectric = 6u;
+const uint kBsdfThinDielectric = 7u;
+const uint kBsdfPlastic = 8u;
+const uint kBsdfRoughPlastic = 9u;
 
 // A material's header: its type, kBsdf*, and what holds for it at every point.
 const uint kMaterialTypeMask = 0xffu;
 const uint kMaterialDelta = 0x100u;     // nothing but delta lobes: sampling a light finds nothing
 const uint kMaterialOneSided = 0x200u;  // black seen from behind
-const uint kMaterialTextured = 0x400u;  // a parameter has a texture: see MaterialTextures
-const uint kMaterialBeckmann = 0x10000u;  // microfacets by Beckmann's distribution, else GGX
+const uint kMaterialTextured = 0x400u;        // a parameter has a texture: see MaterialTextures
+const uint kMaterialBeckmann = 0x10000u;      // microfacets by Beckmann's distribution, else GGX
+const uint kMaterialTransmissive = 0x20000u;  // lights on both sides reach it, and not only by delta lobes
+const uint kMaterialNonlinear = 0x40000u;     // light takes the colour of the base each time that it meets it below a coat
 
 // Lobes as folded into the path signature.
 const uint kLobeNone = 0u;
@@ -247,17 +254,19 @@ const uint kInstanceTexels = 2u;
 
 // A material as it is stored; what the parameters are is up to its type. shaders/bsdf/bsdf.glsl makes a Material of it.
 struct MaterialRecord {
-  vec3 params;  // the diffuse albedo; dielectric: interior and exterior index of refraction
+  vec3 params;  // the diffuse albedo, or what a clear boundary lets pass; dielectric: interior and exterior index of refraction
   uint header;  // kMaterial*
   // What only some types have; those that have none of it do not load it.
   vec3 specular;  // specular reflectance
   float share;    // of samples that go to the specular lobe
-  vec3 eta;       // of a metal's complex index of refraction
+  vec3 eta;       // of a metal's complex index of refraction; else the interior and the exterior one
   float alpha_u;
-  vec3 k;
+  vec3 k;         // of a metal; under a coat: share reflected back inside, (ext/int)², first texel of its transmittances
   float alpha_v;
 };
 const uint kMaterialTexels = 4u;
+// What of light a rough coat lets pass on the way in, at cosines even over [0, 1]: a table behind the materials, four nodes a texel.
+const uint kTransmittanceNodes = 64u;
 
 // The textures of a material with kMaterialTextured: a table of its own with the indices of the materials, empty where none has any. The parameters, eight
 // at most, stand in an order that is up to the type; each has a kTextureOf… or kNone.

@@ -84,7 +84,12 @@ const uint kMutantWrapOffByOne = 68u;
 const uint kMutantUvTransformInverted = 69u;
 const uint kMutantSrgbLeftOut = 70u;
 const uint kMutantLightTextureIgnored = 71u;
-const uint kMutantCount = 72u;
+const uint kMutantPaneReflectsOnce = 72u;
+const uint kMutantRefractionJacobian = 73u;
+const uint kMutantRoughEtaOmitted = 74u;
+const uint kMutantInnerReflectionForgotten = 75u;
+const uint kMutantTransmittanceOnce = 76u;
+const uint kMutantCount = 77u;
 #endif
 
 #ifdef __cplusplus

@@ -29,6 +29,7 @@ layout(constant_id = kConstantInstanceAttributesAt) const uint kInstanceAttribut
 layout(constant_id = kConstantSrgbAt) const uint kSrgbAt = 0u;
 layout(constant_id = kConstantAttributesAt) const uint kAttributesAt = 0u;
 layout(constant_id = kConstantTexelsAt) const uint kTexelsAt = 0u;
+layout(constant_id = kConstantTransmittancesAt) const uint kTransmittancesAt = 0u;
 layout(constant_id = kConstantLightInstancesAt) const uint kLightInstancesAt = 0u;
 layout(constant_id = kConstantLightPrimitivesAt) const uint kLightPrimitivesAt = 0u;
 layout(constant_id = kConstantLightPairsAt) const uint kLightPairsAt = 0u;
@@ -91,6 +92,7 @@ float fetch_srgb(uint code) { return uintBitsToFloat(load_table(kSrgbAt + code /
 vec4 fetch_attribute(uint i) { return uintBitsToFloat(load_geometry(kAttributesAt + i)); }
 // 16 bytes of the pictures.
 uvec4 fetch_picture(uint i) { return load_geometry(kTexelsAt + i); }
+vec4 fetch_transmittances(uint i) { return uintBitsToFloat(load_table(kTransmittancesAt + i)); }
 LightInstance fetch_light_instance(uint i) {
   const uvec4 a = load_table(kLightInstancesAt + kLightInstanceTexels * i);
   return LightInstance(a.x, a.y, a.z, a.w);

@@ -8,6 +8,7 @@
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
+#include "../material_flags.glsl"
 #include "../microfacets.glsl"
 #include "../scene.glsl"
 #include "../texture.glsl"
@@ -22,7 +23,7 @@ struct Material {
   vec3 specular;  // specular reflectance
   float share;    // of samples that go to microfacets, the others go to the diffuse base
   vec3 eta;       // complex index of refraction of a metal
-  vec3 k;
+  vec3 k;         // see MaterialRecord
 };
 
 struct BsdfSample {
@@ -46,10 +47,6 @@ bool bsdf_is(Material m, uint bsdf) {
   return (kBsdfsUsed & bit) != 0u && (kBsdfsUsed == bit || (m.header & kMaterialTypeMask) == bsdf);
 }
 
-// The flags that some material of the scene has, and those that all have: where the two agree, nobody asks the material.
-layout(constant_id = kConstantMaterialFlagsSome) const uint kMaterialFlagsSome = 0xffffffffu;
-layout(constant_id = kConstantMaterialFlagsAll) const uint kMaterialFlagsAll = 0u;
-
 bool material_has(Material m, uint flag) {
   return (kMaterialFlagsSome & flag) != 0u && ((kMaterialFlagsAll & flag) != 0u || (m.header & flag) != 0u);
 }
@@ -59,11 +56,15 @@ bool material_has(Material m, uint flag) {
 #include "diffuse.glsl"
 #include "microfacet.glsl"
 #include "mirror.glsl"
+#include "plastic.glsl"
 #include "roughconductor.glsl"
+#include "roughdielectric.glsl"
+#include "roughplastic.glsl"
+#include "thindielectric.glsl"
 
 // Types of more parameters than a first texel holds, and among them those of microfacets.
-const uint kRoughTypes = 1u << kBsdfMicrofacet | 1u << kBsdfRoughConductor;
-const uint kRichTypes = kRoughTypes | 1u << kBsdfConductor;
+const uint kRoughTypes = 1u << kBsdfMicrofacet | 1u << kBsdfRoughConductor | 1u << kBsdfRoughDielectric | 1u << kBsdfRoughPlastic;
+const uint kRichTypes = kRoughTypes | 1u << kBsdfConductor | 1u << kBsdfThinDielectric | 1u << kBsdfPlastic;
 
 bool bsdf_among(Material m, uint types) {
   return (kBsdfsUsed & types) != 0u && ((kBsdfsUsed & ~types) == 0u || (types >> (m.header & kMaterialTypeMask) & 1u) != 0u);
@@ -103,6 +104,7 @@ Material evaluate_material(Instance instance, SurfacePoint at) {
 vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) {
   vec3 value = vec3(0.0);
   if (bsdf_is(m, kBsdfDiffuse)) value = diffuse_eval(m, wo, wi);
+  if (bsdf_is(m, kBsdfPlastic)) value = plastic_eval(m, wo, wi);
   if (bsdf_among(m, kRoughTypes)) value = rough_evaluate(m, wo, wi).value;
   return value;
 }
@@ -110,6 +112,7 @@ vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) {
 float bsdf_pdf(Material m, vec3 wo, vec3 wi) {
   float pdf = 0.0;
   if (bsdf_is(m, kBsdfDiffuse)) pdf = diffuse_pdf(wo, wi);
+  if (bsdf_is(m, kBsdfPlastic)) pdf = plastic_pdf(m, wo, wi);
   if (bsdf_among(m, kRoughTypes)) pdf = rough_evaluate(m, wo, wi).pdf;
   return pdf;
 }
@@ -119,6 +122,8 @@ BsdfSample bsdf_sample(Material m, vec3 wo, float u_lobe, vec2 u) {
   if (bsdf_is(m, kBsdfMirror)) return mirror_sample(wo);
   if (bsdf_is(m, kBsdfDielectric)) return dielectric_sample(m, wo, u_lobe);
   if (bsdf_is(m, kBsdfConductor)) return conductor_sample(m, wo);
+  if (bsdf_is(m, kBsdfThinDielectric)) return thindielectric_sample(m, wo, u_lobe);
+  if (bsdf_is(m, kBsdfPlastic)) return plastic_sample(m, wo, u_lobe, u);
   if (bsdf_among(m, kRoughTypes)) return rough_sample(m, wo, u_lobe, u);
   return kNoBsdfSample;
 }

@@ -1,4 +1,5 @@
 // Choosing among many lights by what each can contribute to a point: docs/conventions.md, "Light tree" [Conty2018].
+#include "../material_flags.glsl"
 #include "../mutants.h"
 
 // Levels of the tree; 0: lights are chosen by power alone. A constant, because lavapipe would compute both choices behind an `if`.
@@ -20,6 +21,8 @@ float light_importance(LightBounds bounds, float power, vec3 p, vec3 n) {
   const float sin_cone = sqrt(max(0.0, 1.0 - bounds.cos_cone * bounds.cos_cone));
   const float above_light = along >= bounds.cos_cone * d ? d : bounds.cos_cone * along + sin_cone * across;  // over the cone of normals
   float above_surface = dot(n, v);
+  // Light from either side reaches a surface that lets some pass: n is 0 there, and the angle to the surface does not count.
+  if ((kMaterialFlagsSome & kMaterialTransmissive) != 0u && dot(n, n) == 0.0) above_surface = d;
   MUTATE(kMutantTreeCullsTooMuch, above_surface -= 0.3 * d + bounds.radius);
   const float reach = bounds.radius + 1e-5 * d;  // rounding must not lose a light at the horizon
   const float inv = 1.0 / (d2 + 0.35 * bounds.radius * bounds.radius + 1e-30);

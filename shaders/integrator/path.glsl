@@ -106,14 +106,15 @@ vec3 gather_environment(Path path) {
   return path.beta * le * power_heuristic(bsdf_sample_count() * path.bsdf_pdf, light_sample_count() * pdf_light);
 }
 
-LightSample sample_environment_or_light(Path path, Surface s) {
+// `n` is the normal by which lights are chosen.
+LightSample sample_environment_or_light(Path path, Surface s, vec3 n) {
   const uint vertex = path.segment - 1u;
   uvec4 words = uvec4(0u);
   if (kHasEnvironment) {
     words = reserved_words(frame.seed, path.pixel, path.sample_index, block_environment(vertex));
     if (chooses_environment(words)) return sample_environment(words);
   }
-  LightSample light = sample_light(s.p, s.frame.n, random_words(frame.seed, path.pixel, path.sample_index, block_light(vertex)));
+  LightSample light = sample_light(s.p, n, random_words(frame.seed, path.pixel, path.sample_index, block_light(vertex)));
   if (kHasEnvironment) {
     light.pdf_w *= lights_prob();
     light.mis_pdf *= lights_prob();
@@ -121,9 +122,12 @@ LightSample sample_environment_or_light(Path path, Surface s) {
   return light;
 }
 
+// The normal by which lights are chosen: 0 where light from both sides counts.
+vec3 light_normal(Surface s, Material material) { return material_has(material, kMaterialTransmissive) ? vec3(0.0) : s.frame.n; }
+
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
 void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo, inout Decisions decisions) {
-  const LightSample light = sample_environment_or_light(path, s);
+  const LightSample light = sample_environment_or_light(path, s, light_normal(s, material));
   decisions.light_instance = light.instance;
   decisions.light_primitive = light.instance != kNone ? light.primitive : kNone;
   decisions.light_contributed = light.instance != kNone ? 0u : kNone;
@@ -171,7 +175,7 @@ void scatter(inout Path path, Surface s, Material material, vec3 wo, inout Decis
   path.full_emission = is_delta(bs.lobe) || !kNee;
   MUTATE(kMutantEmissionAfterDeltaLost, path.full_emission = !kNee);
   path.bsdf_pdf = bs.pdf;
-  path.n = s.frame.n;
+  path.n = light_normal(s, material);
   path.ray = spawn_ray(s.p, s.ng, s.error, wi);
   path.alive = true;
   if (path.segment >= frame.rr_depth) {

@@ -13,6 +13,7 @@
 #include <fmt/core.h>
 
 #include "compile/bvh.h"
+#include "compile/coats.h"
 #include "compile/discrete.h"
 #include "compile/few_primitives.h"
 #include "compile/light_tree.h"
@@ -75,6 +76,52 @@ gpu::MaterialRecord flatten(const RoughConductorBsdf& bsdf) {
           .alpha_u = static_cast<float>(bsdf.roughness.alpha_u),
           .k = glm::vec3(bsdf.index.k),
           .alpha_v = static_cast<float>(bsdf.roughness.alpha_v)};
+}
+
+gpu::MaterialRecord flatten(const RoughDielectricBsdf& bsdf) {
+  return {
+      .params = glm::vec3(bsdf.specular_transmittance),
+      .header = gpu::kBsdfRoughDielectric | gpu::kMaterialTransmissive | distribution_flag(bsdf.roughness.distribution),
+      .specular = glm::vec3(bsdf.specular_reflectance),
+      .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0),
+      .alpha_u = static_cast<float>(bsdf.roughness.alpha_u),
+      .alpha_v = static_cast<float>(bsdf.roughness.alpha_v)};
+}
+gpu::MaterialRecord flatten(const ThinDielectricBsdf& bsdf) {
+  return {.params = glm::vec3(bsdf.specular_transmittance),
+          .header = gpu::kBsdfThinDielectric | gpu::kMaterialDelta,
+          .specular = glm::vec3(bsdf.specular_reflectance),
+          .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0)};
+}
+
+// Share of samples that go to the coat, but for Fresnel's factor.
+template <typename Plastic>
+float coat_share(const Plastic& bsdf) {
+  const auto mean = [](const glm::dvec3& c) { return (c.x + c.y + c.z) / 3.0; };
+  const double coat = mean(bsdf.specular_reflectance), base = mean(bsdf.diffuse_reflectance);
+  return static_cast<float>(coat + base > 0.0 ? coat / (coat + base) : 1.0);
+}
+template <typename Plastic>
+gpu::MaterialRecord flatten_plastic(const Plastic& bsdf, double reflectance_inside) {
+  const double ratio = bsdf.ext_ior / bsdf.int_ior;
+  return {.params = glm::vec3(bsdf.diffuse_reflectance),
+          .header = gpu::kMaterialOneSided | (bsdf.nonlinear ? gpu::kMaterialNonlinear : 0u),
+          .specular = glm::vec3(bsdf.specular_reflectance),
+          .share = coat_share(bsdf),
+          .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0),
+          .k = glm::vec3(reflectance_inside, ratio * ratio, 0.0)};
+}
+gpu::MaterialRecord flatten(const PlasticBsdf& bsdf) {
+  gpu::MaterialRecord record = flatten_plastic(bsdf, diffuse_reflectance_inside(bsdf.int_ior / bsdf.ext_ior));
+  record.header |= gpu::kBsdfPlastic;
+  return record;
+}
+// Its table is added by whoever has the others.
+gpu::MaterialRecord flatten(const RoughPlasticBsdf& bsdf, const RoughCoat& coat) {
+  gpu::MaterialRecord record = flatten_plastic(bsdf, coat.reflectance_inside);
+  record.header |= gpu::kBsdfRoughPlastic | distribution_flag(bsdf.distribution);
+  record.alpha_u = record.alpha_v = static_cast<float>(bsdf.alpha);
+  return record;
 }
 
 // A shape where its instance puts it: one of these, as the shape is.
@@ -216,7 +263,7 @@ class Compiler {
 
   void flatten_materials() {
     for (const Material& material : scene_.materials)
-      out_.materials.push_back(std::visit([](const auto& bsdf) { return flatten(bsdf); }, material.bsdf));
+      out_.materials.push_back(std::visit([&](const auto& bsdf) { return flatten_material(bsdf); }, material.bsdf));
     if (out_.materials.empty()) out_.materials.push_back({});
     out_.textures = compile_textures(scene_);
     if (out_.textures.features == 0) return;
@@ -224,6 +271,20 @@ class Compiler {
       out_.material_textures.push_back(material_textures(scene_.materials[i].bsdf));
       if (is_textured(scene_.materials[i].bsdf)) out_.materials[i].header |= gpu::kMaterialTextured;
     }
+  }
+
+  template <typename T>
+  gpu::MaterialRecord flatten_material(const T& bsdf) {
+    return flatten(bsdf);
+  }
+  gpu::MaterialRecord flatten_material(const RoughPlasticBsdf& bsdf) {
+    const RoughCoat coat = rough_coat({bsdf.distribution, bsdf.alpha, bsdf.alpha}, bsdf.int_ior / bsdf.ext_ior);
+    gpu::MaterialRecord record = flatten(bsdf, coat);
+    record.k.z = static_cast<float>(out_.transmittances.size());
+    for (std::size_t i = 0; i < coat.transmittances.size(); i += 4)
+      out_.transmittances.emplace_back(coat.transmittances[i], coat.transmittances[i + 1], coat.transmittances[i + 2],
+                                       coat.transmittances[i + 3]);
+    return record;
   }
 
   void flatten_instances() {

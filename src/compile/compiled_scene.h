@@ -26,8 +26,9 @@ struct CompiledScene {
   std::vector<gpu::MaterialRecord> materials;
   std::vector<gpu::MaterialTextures> material_textures;  ///< one for each material, or empty where none has any
   CompiledTextures textures;
-  std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
-  std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
+  std::vector<gpu::vec4> transmittances;  ///< tables of rough coats, kTransmittanceNodes floats each
+  std::vector<gpu::uvec4> triangles;      ///< vertex indices of meshes with normals, xyz
+  std::vector<gpu::vec4> normals;         ///< vertex normals, xyz
   std::vector<gpu::LightInstance> light_instances;
   std::vector<gpu::LightPrimitive> light_primitives;
   std::vector<gpu::LightPair> light_pairs;  ///< of the light tree; empty where lights are chosen by power

@@ -62,6 +62,7 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
          table("textures of materials", gpu::kConstantMaterialTexturesAt, s.material_textures),
          table("emitters", gpu::kConstantLightInstancesAt, s.light_instances),
          table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
+         table("transmittances", gpu::kConstantTransmittancesAt, s.transmittances),
          table("light tree", gpu::kConstantLightPairsAt, s.light_pairs),
          table("trails of the light tree", gpu::kConstantLightTrailsAt, s.light_trails),
          table("rows of the environment", gpu::kConstantEnvironmentRowsAt, s.environment.rows),

@@ -59,6 +59,22 @@ Vec3 eval(const RoughConductorBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 double pdf(const RoughConductorBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 BsdfSample sample(const RoughConductorBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
 
+Vec3 eval(const RoughDielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const RoughDielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const RoughDielectricBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
+Vec3 eval(const ThinDielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const ThinDielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const ThinDielectricBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
+Vec3 eval(const PlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const PlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const PlasticBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
+Vec3 eval(const RoughPlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const RoughPlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const RoughPlasticBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
 inline Vec3 eval(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   return std::visit([&](const auto& b) { return eval(b, wo, wi); }, bsdf);
 }
@@ -71,8 +87,9 @@ inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, double u_lobe, const 
 
 /// What holds for a material at every point and for all directions; each has to say it for itself.
 struct BsdfTraits {
-  bool delta = false;      ///< nothing but delta lobes scatter: next-event estimation cannot find light then
-  bool one_sided = false;  ///< the side behind the normal is black
+  bool delta = false;         ///< nothing but delta lobes scatter: next-event estimation cannot find light then
+  bool one_sided = false;     ///< the side behind the normal is black
+  bool transmissive = false;  ///< light from both sides is scattered toward either, and not only by delta lobes
 };
 constexpr BsdfTraits traits(const DiffuseBsdf&) {
   return {.delta = false, .one_sided = true};
@@ -90,6 +107,18 @@ constexpr BsdfTraits traits(const ConductorBsdf&) {
   return {.delta = true, .one_sided = true};
 }
 constexpr BsdfTraits traits(const RoughConductorBsdf&) {
+  return {.delta = false, .one_sided = true};
+}
+constexpr BsdfTraits traits(const RoughDielectricBsdf&) {
+  return {.delta = false, .one_sided = false, .transmissive = true};
+}
+constexpr BsdfTraits traits(const ThinDielectricBsdf&) {
+  return {.delta = true, .one_sided = false};
+}
+constexpr BsdfTraits traits(const PlasticBsdf&) {
+  return {.delta = false, .one_sided = true};
+}
+constexpr BsdfTraits traits(const RoughPlasticBsdf&) {
   return {.delta = false, .one_sided = true};
 }
 inline BsdfTraits traits(const Bsdf& bsdf) {

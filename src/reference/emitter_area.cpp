@@ -151,7 +151,7 @@ std::optional<LightSample> Lights::sample(const Scene& scene, const Vec3& from, 
   sample.primitive = sample.surface.primitive = chosen->primitive;
   const Shape& shape = scene.shape_of(scene.instances[sample.instance]);
   if (const auto* sphere = std::get_if<Sphere>(&shape))
-    sample_sphere(chosen->light->placement.sphere(*sphere), *chosen->light, chosen->prob, from, random, sample);
+    sample_sphere(chosen->light->placement.sphere(*sphere), chosen->prob, from, random, sample);
   else if (const auto* mesh = std::get_if<TriangleMesh>(&shape))
     sample_triangle(*mesh, *chosen, from, random, sample);
   else

@@ -20,6 +20,8 @@ class Scatterer {
   Scatterer(const Bsdf& bsdf, const Surface& surface, const Vec3& wo)
       : bsdf_(bsdf), frame_(surface.ns), wo_(frame_.to_local(wo)) {}
 
+  /// The normal by which lights are chosen; 0 where light from both sides counts.
+  Vec3 light_normal(const Vec3& ns) const { return traits(bsdf_).transmissive ? Vec3(0.0) : ns; }
   /// Nothing scatters toward `wo`.
   bool black() const { return is_one_sided(bsdf_) && wo_.z <= 0.0; }
 
@@ -136,7 +138,10 @@ class Path {
     log_.lobe(bounce.lobe);
     if (bounce.lobe == Lobe::none) return false;
     beta_ *= bounce.weight / static_cast<double>(integrator_.bsdf_samples);
-    previous_ = Previous{.point = surface.p, .ns = surface.ns, .pdf_w = bounce.pdf, .delta = is_delta(bounce.lobe)};
+    previous_ = Previous{.point = surface.p,
+                         .ns = scatterer.light_normal(surface.ns),
+                         .pdf_w = bounce.pdf,
+                         .delta = is_delta(bounce.lobe)};
     ray = {.origin = surface.offset_toward(bounce.wi), .direction = bounce.wi};
     return true;
   }
@@ -177,7 +182,10 @@ class Path {
     eta_scale_ *= bounce.eta * bounce.eta;
     if (!survives(depth, random.roulette)) return false;
 
-    previous_ = Previous{.point = surface.p, .ns = surface.ns, .pdf_w = bounce.pdf, .delta = is_delta(bounce.lobe)};
+    previous_ = Previous{.point = surface.p,
+                         .ns = scatterer.light_normal(surface.ns),
+                         .pdf_w = bounce.pdf,
+                         .delta = is_delta(bounce.lobe)};
     ray = {.origin = surface.offset_toward(bounce.wi), .direction = bounce.wi};
     return true;
   }
@@ -217,7 +225,8 @@ class Path {
 
   /// Reflected radiance due to one sampled point of one light, where no other than those is chosen.
   Vec3 direct_light(const Surface& surface, const Scatterer& scatterer, const SampleRandom::Light& random) const {
-    const std::optional<LightSample> chosen = world_.lights().sample(world_.scene(), surface.p, surface.ns, random);
+    const std::optional<LightSample> chosen =
+        world_.lights().sample(world_.scene(), surface.p, scatterer.light_normal(surface.ns), random);
     if (!chosen) return Vec3(0.0);
     const LightSample& light = *chosen;
     const Vec3 f = light.pdf_w > 0.0 ? scatterer.eval(light.wi) : Vec3(0.0);

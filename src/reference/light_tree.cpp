@@ -142,7 +142,8 @@ double LightTree::importance(const Node& node, const Vec3& p, const Vec3& n) {
   };
   const double angle = std::acos(d > 0.0 ? std::clamp(-glm::dot(node.axis, to_center) / d, -1.0, 1.0) : 1.0);
   const double above_light = d * std::cos(std::max(0.0, angle - std::acos(node.cos_cone)));
-  const double above_surface = glm::dot(n, to_center);
+  // Without a normal light from either side counts, whatever its angle to the surface.
+  const double above_surface = n == Vec3(0.0) ? d : glm::dot(n, to_center);
   const double distance2 = d * d + 0.35 * node.radius * node.radius;
   return node.power * usual_height(above_light) * usual_height(above_surface) / (distance2 * distance2);
 }

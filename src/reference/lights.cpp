@@ -87,7 +87,7 @@ LightLeaf round_leaf(const Shape& shape, const Placement& placement) {
 }
 
 /// Luminance times area, of the whole instance.
-double power(const Scene& scene, const AreaLight& light) {
+double instance_power(const Scene& scene, const AreaLight& light) {
   const EmitterRadiance radiance(scene, scene.instances[light.instance]);
   if (radiance.uniform() || light.shared) return luminance(radiance.mean_of_all()) * light.area;
   const auto& mesh = std::get<TriangleMesh>(scene.shape_of(scene.instances[light.instance]));
@@ -166,7 +166,7 @@ Lights::Lights(const Scene& scene) : of_instance_(scene.instances.size()) {
     if (!scene.instances[i].emitter) continue;
     of_instance_[i] = lights_.size();
     lights_.push_back(make_light(scene, i, sharing.has_instance(i), shared));
-    weights.push_back(power(scene, lights_.back()));
+    weights.push_back(instance_power(scene, lights_.back()));
     power_ += weights.back();
   }
   choice_ = DiscreteChoice(weights);

@@ -67,7 +67,7 @@ double MicrofacetDistribution::density(const Vec3& h) const {
 
 double MicrofacetDistribution::masking(const Vec3& w, const Vec3& h) const {
   if (glm::dot(w, h) * w.z <= 0.0) return 0.0;
-  const double tan_theta = std::hypot(r_.alpha_u * w.x, r_.alpha_v * w.y) / w.z;
+  const double tan_theta = std::hypot(r_.alpha_u * w.x, r_.alpha_v * w.y) / std::abs(w.z);
   if (r_.distribution == Distribution::ggx) return 2.0 / (1.0 + std::sqrt(1.0 + tan_theta * tan_theta));
   const double a = 1.0 / tan_theta;
   if (a >= 1.6) return 1.0;

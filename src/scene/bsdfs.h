@@ -41,4 +41,40 @@ struct RoughConductorBsdf {
   glm::dvec3 specular_reflectance{1.0};
 };
 
+/// Rough boundary between two clear media; the normal points to the exterior.
+struct RoughDielectricBsdf {
+  double int_ior = 1.5046;
+  double ext_ior = 1.000277;  ///< other than int_ior
+  Roughness roughness;
+  glm::dvec3 specular_reflectance{1.0};
+  glm::dvec3 specular_transmittance{1.0};
+};
+/// A pane whose two smooth faces lie together.
+struct ThinDielectricBsdf {
+  double int_ior = 1.5046;
+  double ext_ior = 1.000277;
+  glm::dvec3 specular_reflectance{1.0};
+  glm::dvec3 specular_transmittance{1.0};
+};
+
+/// A diffuse base inside a clear coat, one-sided. `nonlinear`: light that is reflected to and fro below the coat takes
+/// the colour of the base each time.
+struct PlasticBsdf {
+  glm::dvec3 diffuse_reflectance{0.5};
+  glm::dvec3 specular_reflectance{1.0};
+  double int_ior = 1.49;
+  double ext_ior = 1.000277;
+  bool nonlinear = false;
+};
+/// The same with a rough coat.
+struct RoughPlasticBsdf {
+  glm::dvec3 diffuse_reflectance{0.5};
+  glm::dvec3 specular_reflectance{1.0};
+  double int_ior = 1.49;
+  double ext_ior = 1.000277;
+  bool nonlinear = false;
+  Roughness::Distribution distribution = Roughness::Distribution::beckmann;
+  double alpha = 0.1;
+};
+
 }  // namespace etendue

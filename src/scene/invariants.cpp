@@ -279,6 +279,41 @@ class Checker {
     check_roughness(material, "alpha_v", bsdf.roughness.alpha_v);
   }
 
+  void check_bsdf(const RoughDielectricBsdf& bsdf, const Material& material) {
+    check_indices(material, bsdf.int_ior, bsdf.ext_ior);
+    if (!(std::abs(bsdf.int_ior / bsdf.ext_ior - 1.0) >= kMinIndexContrast))
+      error(material.position, "int_ior",
+            fmt::format("the indices of refraction {} and {} of a rough dielectric are equal, or nearly; they must "
+                        "differ by {} of themselves, or nothing is bent",
+                        bsdf.int_ior, bsdf.ext_ior, kMinIndexContrast));
+    check_roughness(material, "alpha_u", bsdf.roughness.alpha_u);
+    check_roughness(material, "alpha_v", bsdf.roughness.alpha_v);
+    check_reflectance(material, "specular_reflectance", bsdf.specular_reflectance);
+    check_reflectance(material, "specular_transmittance", bsdf.specular_transmittance);
+  }
+  void check_bsdf(const ThinDielectricBsdf& bsdf, const Material& material) {
+    check_indices(material, bsdf.int_ior, bsdf.ext_ior);
+    check_reflectance(material, "specular_reflectance", bsdf.specular_reflectance);
+    check_reflectance(material, "specular_transmittance", bsdf.specular_transmittance);
+  }
+  /// Of both plastics.
+  template <typename Plastic>
+  void check_plastic(const Plastic& bsdf, const Material& material) {
+    check_indices(material, bsdf.int_ior, bsdf.ext_ior);
+    check_reflectance(material, "diffuse_reflectance", bsdf.diffuse_reflectance);
+    check_reflectance(material, "specular_reflectance", bsdf.specular_reflectance);
+    if (!(bsdf.int_ior > bsdf.ext_ior) || !(bsdf.int_ior / bsdf.ext_ior <= kMaxCoatIndex))
+      error(material.position, "int_ior",
+            fmt::format("the indices of refraction {} inside and {} outside are no coat of plastic; inside must be "
+                        "more than outside, and at most {} times as much",
+                        bsdf.int_ior, bsdf.ext_ior, kMaxCoatIndex));
+  }
+  void check_bsdf(const PlasticBsdf& bsdf, const Material& material) { check_plastic(bsdf, material); }
+  void check_bsdf(const RoughPlasticBsdf& bsdf, const Material& material) {
+    check_plastic(bsdf, material);
+    check_roughness(material, "alpha", bsdf.alpha);
+  }
+
   void check_totals() {
     std::size_t triangles = 0, vertices = 0;
     for (const Shape& shape : scene_.shapes) {

@@ -18,6 +18,10 @@ inline constexpr double kMinRadiance = 1e-20;
 inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
 /// Least roughness of microfacets: single precision resolves no narrower lobe.
 inline constexpr double kMinRoughness = 1e-3;
+/// Least relative difference of the indices on both sides of a rough dielectric: without any, nothing is bent.
+inline constexpr double kMinIndexContrast = 1e-3;
+/// Largest relative index of the coat of a plastic.
+inline constexpr double kMaxCoatIndex = 10.0;
 /// Largest part of a metal's complex index of refraction.
 inline constexpr double kMaxConductorIndex = 1000.0;
 /// Triangles and vertices, of one mesh and of all meshes of a scene together.

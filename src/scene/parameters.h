@@ -21,7 +21,8 @@ void each_parameter(T& bsdf, F&& f) {
 }
 template <typename T, typename F>
 requires MaybeConst<T, MirrorBsdf> || MaybeConst<T, DielectricBsdf> || MaybeConst<T, MicrofacetBsdf> ||
-    MaybeConst<T, ConductorBsdf> || MaybeConst<T, RoughConductorBsdf>
+    MaybeConst<T, ConductorBsdf> || MaybeConst<T, RoughConductorBsdf> || MaybeConst<T, RoughDielectricBsdf> ||
+    MaybeConst<T, ThinDielectricBsdf> || MaybeConst<T, PlasticBsdf> || MaybeConst<T, RoughPlasticBsdf>
 void each_parameter(T&, F&&) {}
 template <MaybeConst<Bsdf> T, typename F>
 void each_parameter(T& bsdf, F&& f) {

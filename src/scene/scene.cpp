@@ -102,6 +102,36 @@ void hash(Hasher& h, const RoughConductorBsdf& bsdf) {
   h.value(bsdf.specular_reflectance);
 }
 
+void hash(Hasher& h, const RoughDielectricBsdf& bsdf) {
+  h.value(bsdf.int_ior);
+  h.value(bsdf.ext_ior);
+  hash(h, bsdf.roughness);
+  h.value(bsdf.specular_reflectance);
+  h.value(bsdf.specular_transmittance);
+}
+void hash(Hasher& h, const ThinDielectricBsdf& bsdf) {
+  h.value(bsdf.int_ior);
+  h.value(bsdf.ext_ior);
+  h.value(bsdf.specular_reflectance);
+  h.value(bsdf.specular_transmittance);
+}
+void hash(Hasher& h, const PlasticBsdf& bsdf) {
+  h.value(bsdf.diffuse_reflectance);
+  h.value(bsdf.specular_reflectance);
+  h.value(bsdf.int_ior);
+  h.value(bsdf.ext_ior);
+  h.value(bsdf.nonlinear);
+}
+void hash(Hasher& h, const RoughPlasticBsdf& bsdf) {
+  h.value(bsdf.diffuse_reflectance);
+  h.value(bsdf.specular_reflectance);
+  h.value(bsdf.int_ior);
+  h.value(bsdf.ext_ior);
+  h.value(bsdf.nonlinear);
+  h.value(bsdf.distribution);
+  h.value(bsdf.alpha);
+}
+
 template <typename... Ts>
 void hash(Hasher& h, const std::variant<Ts...>& variant) {
   h.value(variant.index());

@@ -162,6 +162,16 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
     {gpu::kMutantSrgbLeftOut, "sRGB left out", "codes of sRGB are taken for light", "textures, lamp bilinear"},
     {gpu::kMutantLightTextureIgnored, "light's texture ignored", "a sampled lamp shines as if it had no texture",
      "textures, lamp bilinear"},
+    {gpu::kMutantPaneReflectsOnce, "pane reflects once", "a thin pane reflects with one of its faces only",
+     "chi2, thindielectric"},
+    {gpu::kMutantRefractionJacobian, "refraction's solid angle", "the density of refraction lacks η²",
+     "chi2, roughdielectric"},
+    {gpu::kMutantRoughEtaOmitted, "η² omitted in rough glass", "radiance is not scaled on rough refraction",
+     "albedo, roughdielectric"},
+    {gpu::kMutantInnerReflectionForgotten, "inner reflection forgotten",
+     "what the coat of a plastic reflects back inside is lost", "albedo, plastic"},
+    {gpu::kMutantTransmittanceOnce, "coat passed once", "light enters a rough coat without loss",
+     "albedo, roughplastic"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -413,6 +423,10 @@ SuiteTest albedo_test(std::string name, const Bsdf& bsdf, const glm::dvec3& wo) 
 const ConductorIndex kGold{{0.143036, 0.375307, 1.44205}, {3.983, 2.38556, 1.60336}};
 const RoughConductorBsdf kRoughGold{kGold, {Roughness::Distribution::ggx, 0.5, 0.3}, glm::dvec3(1.0)};
 const MicrofacetBsdf kCoated{.kd = glm::dvec3(0.2, 0.4, 0.3), .alpha = 0.4};
+const RoughDielectricBsdf kFrosted{
+    .int_ior = 1.5, .ext_ior = 1.0, .roughness = {Roughness::Distribution::ggx, 0.3, 0.5}};
+const PlasticBsdf kPlastic{.diffuse_reflectance = glm::dvec3(0.2, 0.5, 0.7), .nonlinear = true};
+const RoughPlasticBsdf kRoughPlastic{.diffuse_reflectance = glm::dvec3(0.2, 0.5, 0.7), .alpha = 0.3};
 const glm::dvec3 kSlanted = glm::normalize(glm::dvec3(0.8, -0.3, 0.4));
 
 /// The suite: every test is one that users can run by themselves (ttest, chi2, validate, selftest).
@@ -456,6 +470,13 @@ std::vector<SuiteTest> make_suite() {
       material_test("chi2, conductor", ConductorBsdf{.index = kGold}, kSlanted),
       material_test("chi2, roughconductor", kRoughGold, kSlanted),
       material_test("chi2, microfacet", kCoated, kSlanted),
+      material_test("chi2, roughdielectric", kFrosted, -kSlanted),
+      material_test("chi2, thindielectric", ThinDielectricBsdf{}, kSlanted),
+      material_test("chi2, plastic", kPlastic, kSlanted),
+      material_test("chi2, roughplastic", kRoughPlastic, kSlanted),
+      albedo_test("albedo, roughdielectric", kFrosted, kSlanted),
+      albedo_test("albedo, plastic", kPlastic, kSlanted),
+      albedo_test("albedo, roughplastic", kRoughPlastic, kSlanted),
       albedo_test("albedo, roughconductor", kRoughGold, kSlanted),
       albedo_test("albedo, microfacet", kCoated, kSlanted),
       {"picture against the reference",

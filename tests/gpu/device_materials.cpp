@@ -29,7 +29,18 @@ std::vector<Named> materials() {
                          {"white conductor", ConductorBsdf{}},
                          {"microfacet", MicrofacetBsdf{.kd = {0.1, 0.4, 0.2}}, 0.1},
                          {"narrow microfacet", MicrofacetBsdf{.kd = {0.1, 0.4, 0.2}, .alpha = 1e-3}, 1e-3}};
+  all.push_back({"thin dielectric", ThinDielectricBsdf{.specular_transmittance = {0.2, 0.5, 0.9}}});
+  all.push_back({"plastic", PlasticBsdf{.diffuse_reflectance = {0.2, 0.5, 0.9}}});
+  all.push_back({"nonlinear plastic", PlasticBsdf{.diffuse_reflectance = {0.2, 0.5, 0.9}, .nonlinear = true}});
+  all.push_back({"rough plastic", RoughPlasticBsdf{.diffuse_reflectance = {0.2, 0.5, 0.9}}, 0.1});
+  all.push_back({"narrow plastic", RoughPlasticBsdf{.alpha = 1e-3}, 1e-3});
   for (const Distribution d : {Distribution::beckmann, Distribution::ggx}) {
+    for (const auto& [inside, outside] : {std::pair{1.5046, 1.000277}, {1.0, 2.4}, {1.02, 1.0}}) {
+      for (const double alpha : {1e-3, 0.05, 0.5, 1.0})
+        all.push_back({"rough dielectric " + std::to_string(inside) + ' ' + std::to_string(alpha),
+                       RoughDielectricBsdf{.int_ior = inside, .ext_ior = outside, .roughness = {d, alpha, alpha}},
+                       alpha * std::abs(inside / outside - 1.0)});
+    }
     const std::string name = d == Distribution::ggx ? "ggx " : "beckmann ";
     for (const auto& [u, v] : {std::pair{1e-3, 1e-3}, {0.01, 0.4}, {0.3, 0.3}, {1.0, 1.0}})
       all.push_back({name + std::to_string(u), RoughConductorBsdf{gold, {d, u, v}, glm::dvec3(1.0)}, std::min(u, v)});

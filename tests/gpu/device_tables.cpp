@@ -56,6 +56,7 @@ CompiledScene numbered_scene() {
   const auto texels = numbered<gpu::uvec4>(15);
   picture->texels.assign(std::as_bytes(std::span(texels)).begin(), std::as_bytes(std::span(texels)).end());
   scene.textures.bitmaps = {picture};
+  scene.transmittances = numbered<gpu::vec4>(16);
   scene.triangles = numbered<gpu::uvec4>(7);
   scene.normals = numbered<gpu::vec4>(8);
   scene.places = numbered<gpu::Place>(10);
@@ -86,6 +87,7 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   a.attributes = scene.textures.attributes[i];
   std::memcpy(static_cast<void*>(&a.picture), &scene.textures.bitmaps[0]->texels[16 * std::size_t{i}],
               sizeof a.picture);
+  a.transmittances = scene.transmittances[i];
   return a;
 }
 

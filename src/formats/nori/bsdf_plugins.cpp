@@ -34,6 +34,23 @@ std::vector<Parameter> roughness() {
           {"alpha_v", real, "0.1", kRoughness, "roughness across the tangent, in place of alpha"}};
 }
 
+std::vector<Parameter> indices(const char* inside) {
+  return {{"intIOR", real, inside, kIndex, "index of refraction inside"},
+          {"extIOR", real, "1.000277", kIndex, "index of refraction outside"}};
+}
+
+std::vector<Parameter> clear() {
+  return {specular_reflectance(),
+          factor("specular_transmittance", "1 1 1", "factor of what passes; other than 1 is not physical")};
+}
+
+std::vector<Parameter> plastic() {
+  return {
+      factor("diffuse_reflectance", "0.5 0.5 0.5", "albedo of the base"),
+      specular_reflectance(),
+      {"nonlinear", boolean, "false", {}, "whether light takes the base's colour at each reflection below the coat"}};
+}
+
 std::vector<Parameter> joined(std::vector<Parameter> a, const std::vector<Parameter>& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
@@ -70,6 +87,24 @@ std::vector<Plugin> bsdf_plugins() {
        {}},
       {"bsdf", "conductor", "A smooth metal; black from behind. The default reflects everything.", metal(), {}},
       {"bsdf", "roughconductor", "A rough metal; black from behind.", joined(metal(), roughness()), {}},
+      {"bsdf",
+       "roughdielectric",
+       "A rough boundary between two clear media; the normal points to the exterior.",
+       joined(joined(indices("1.5046"), clear()), roughness()),
+       {}},
+      {"bsdf", "thindielectric", "A pane of glass without thickness.", joined(indices("1.5046"), clear()), {}},
+      {"bsdf",
+       "plastic",
+       "A diffuse base inside a smooth clear coat; black from behind.",
+       joined(indices("1.49"), plastic()),
+       {}},
+      {"bsdf",
+       "roughplastic",
+       "A diffuse base inside a rough clear coat; black from behind.",
+       joined(joined(indices("1.49"), plastic()),
+              {{"distribution", string, "beckmann", {}, "of the microfacets' normals: beckmann or ggx"},
+               {"alpha", real, "0.1", kRoughness, "roughness of the coat"}}),
+       {}},
   };
 }
 

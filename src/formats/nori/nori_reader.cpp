@@ -50,7 +50,7 @@ class SceneReader {
         path_(context.document.file()),
         textures_(context, [this](const std::string& filename, const SourcePosition& position) {
           const fs::path path = find_file(filename, position);
-          note_if_outside(path, position);
+          note_if_outside(path, "picture", position);
           return path.string();
         }) {}
 
@@ -573,6 +573,23 @@ class SceneReader {
     if (type == "roughconductor")
       return RoughConductorBsdf{read_metal(object), read_roughness(object),
                                 object.get<glm::dvec3>("specular_reflectance")};
+    if (type == "roughdielectric") {
+      return RoughDielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR"), read_roughness(object),
+                                 object.get<glm::dvec3>("specular_reflectance"),
+                                 object.get<glm::dvec3>("specular_transmittance")};
+    }
+    if (type == "thindielectric") {
+      return ThinDielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR"),
+                                object.get<glm::dvec3>("specular_reflectance"),
+                                object.get<glm::dvec3>("specular_transmittance")};
+    }
+    if (type == "plastic") return read_plastic<PlasticBsdf>(object);
+    if (type == "roughplastic") {
+      auto plastic = read_plastic<RoughPlasticBsdf>(object);
+      plastic.distribution = read_distribution(object);
+      plastic.alpha = object.get<double>("alpha");
+      return plastic;
+    }
     if (type != "diffuse") throw std::logic_error(fmt::format("the reader has no material {}", type));
     if (object.child_of("albedo") != nullptr) return DiffuseBsdf{read_textured(object, "albedo", scene)};
     const auto albedo = object.get<glm::dvec3>("albedo");
@@ -618,15 +635,29 @@ class SceneReader {
     return index.value_or(ConductorIndex{});
   }
 
-  Roughness read_roughness(const Object& object) {
-    Roughness roughness;
-    const auto distribution = object.get<std::string>("distribution");
-    roughness.distribution =
-        text::trim(distribution) == "ggx" ? Roughness::Distribution::ggx : Roughness::Distribution::beckmann;
-    if (text::trim(distribution) != "ggx" && text::trim(distribution) != "beckmann") {
+  template <typename Plastic>
+  Plastic read_plastic(const Object& object) {
+    Plastic plastic;
+    plastic.diffuse_reflectance = object.get<glm::dvec3>("diffuse_reflectance");
+    plastic.specular_reflectance = object.get<glm::dvec3>("specular_reflectance");
+    plastic.int_ior = object.get<double>("intIOR");
+    plastic.ext_ior = object.get<double>("extIOR");
+    plastic.nonlinear = object.get<bool>("nonlinear");
+    return plastic;
+  }
+
+  Roughness::Distribution read_distribution(const Object& object) {
+    const auto name = object.get<std::string>("distribution");
+    if (text::trim(name) == "ggx") return Roughness::Distribution::ggx;
+    if (text::trim(name) != "beckmann") {
       sink_.error(object.position_of("distribution"),
-                  fmt::format("there is no distribution {}; use beckmann or ggx", text::quoted(distribution)));
+                  fmt::format("there is no distribution {}; use beckmann or ggx", text::quoted(name)));
     }
+    return Roughness::Distribution::beckmann;
+  }
+
+  Roughness read_roughness(const Object& object) {
+    Roughness roughness{.distribution = read_distribution(object)};
     const double alpha = object.get<double>("alpha");
     roughness.alpha_u = object.given("alpha_u") ? object.get<double>("alpha_u") : alpha;
     roughness.alpha_v = object.given("alpha_v") ? object.get<double>("alpha_v") : alpha;

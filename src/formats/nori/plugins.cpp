@@ -423,9 +423,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"sampler", {"stratified", "halton", "ldsampler", "multijitter"}},
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"serialized", "heightfield"}},
-      {"bsdf",
-       {"roughdielectric", "plastic", "roughplastic", "phong", "disney", "principled", "twosided", "normalmap",
-        "bumpmap", "blend", "mask", "null", "thindielectric"}},
+      {"bsdf", {"phong", "disney", "principled", "twosided", "normalmap", "bumpmap", "blend", "mask", "null"}},
       {"emitter", {"point", "spot", "directional", "distant", "environment"}},
   };
 }

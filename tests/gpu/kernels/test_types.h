@@ -249,10 +249,11 @@ struct TablesAnswer {
   vec4 srgb;  // x
   vec4 attributes;
   uvec4 picture;
+  vec4 transmittances;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 720);
+static_assert(sizeof(TablesAnswer) == 736);
 static_assert(sizeof(TextureCase) == 48 && sizeof(TextureAnswer) == 16);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);

@@ -1,0 +1,21 @@
+#pragma once
+/// What kernels know of clear coats over a diffuse base; docs/conventions.md, "Coats".
+
+#include <array>
+
+#include "gpu_types.h"
+#include "scene/bsdfs.h"
+
+namespace etendue {
+
+/// Share of diffuse light from inside that a smooth boundary of relative index `eta` (interior over exterior, > 1)
+/// reflects back inside.
+double diffuse_reflectance_inside(double eta);
+
+struct RoughCoat {
+  std::array<float, gpu::kTransmittanceNodes> transmittances{};  ///< from outside, at cosines even over [0, 1]
+  double reflectance_inside = 0.0;                               ///< of diffuse light from inside
+};
+RoughCoat rough_coat(const Roughness& roughness, double eta);
+
+}  // namespace etendue

@@ -1,0 +1,96 @@
+#include "reference/coat.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <tuple>
+
+#include "reference/fresnel.h"
+#include "reference/microfacet_distribution.h"
+
+namespace etendue::reference {
+namespace {
+
+enum class Way { reflected, passed };
+
+/// Share of light from a direction of this cosine that the microfacets reflect, ∫ F G1(wi) of the normals it sees, or
+/// let pass, ∫ (1 − F) G1(wt). By Simpson's rule over the angle of the normal's slope, tan = ρ with ρ in units of the
+/// roughness, and half a turn.
+double share(const Roughness& roughness, double cosine, double n_o, double n_t, Way way) {
+  const MicrofacetDistribution facets(roughness);
+  const Vec3 w(std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), 0.0, cosine);
+  constexpr int kRings = 240, kSectors = 60;  // intervals, even numbers
+  const double step = 0.5 * kPi / kRings, turn = kPi / kSectors;
+  const auto simpson = [](int i, int n) { return i == 0 || i == n ? 1.0 : i % 2 == 1 ? 4.0 : 2.0; };
+  const auto leaves = [&](const Vec3& h) {
+    const double w_h = glm::dot(w, h);
+    if (w_h <= 0.0) return 0.0;
+    const Fresnel fresnel = fresnel_dielectric(std::min(w_h, 1.0), n_o, n_t);
+    if (way == Way::reflected) {
+      const Vec3 wi = 2.0 * w_h * h - w;
+      return wi.z > 0.0 ? fresnel.reflectance * facets.masking(wi, h) : 0.0;
+    }
+    const Vec3 wt = (n_o / n_t * w_h - fresnel.cos_transmitted) * h - n_o / n_t * w;
+    return wt.z < 0.0 ? (1.0 - fresnel.reflectance) * facets.masking(wt, h) : 0.0;
+  };
+  double sum = 0.0;
+  for (int i = 0; i < kRings; ++i) {  // the last ring is at infinity, where nothing is
+    const double angle = step * i, slope = roughness.alpha_u * std::tan(angle);
+    // dω of the normals: h.z³ · slope · d(slope) dφ.
+    const double z = 1.0 / std::hypot(1.0, slope);
+    const double area = z * z * z * slope * roughness.alpha_u / (std::cos(angle) * std::cos(angle));
+    for (int j = 0; j <= kSectors; ++j) {
+      const Vec3 h = z * Vec3(slope * std::cos(turn * j), slope * std::sin(turn * j), 1.0);
+      sum += simpson(i, kRings) * simpson(j, kSectors) * area * facets.visible_density(w, h) * leaves(h);
+    }
+  }
+  return 2.0 * sum * step * turn / 9.0;
+}
+
+}  // namespace
+
+double diffuse_reflectance_inside(double int_ior, double ext_ior) {
+  const double eta = ext_ior / int_ior;
+  return 0.0636 / eta + 0.6681 + 0.7099 * eta - 1.4399 * eta * eta;
+}
+
+RoughCoat::RoughCoat(const Roughness& roughness, double int_ior, double ext_ior) {
+  for (std::size_t i = 0; i < kNodes; ++i) {
+    const double cosine = std::max(1e-6, static_cast<double>(i) / (kNodes - 1));
+    nodes_[i] = share(roughness, cosine, ext_ior, int_ior, Way::passed);
+    inside_ += 2.0 * cosine * share(roughness, cosine, int_ior, ext_ior, Way::reflected) / kNodes;
+  }
+}
+
+double RoughCoat::transmittance(double cosine) const {
+  const double x = std::clamp(cosine, 0.0, 1.0) * (kNodes - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(x), kNodes - 2);
+  const double t = x - static_cast<double>(i);
+  return (1.0 - t) * nodes_[i] + t * nodes_[i + 1];
+}
+
+const RoughCoat& rough_coat(const Roughness& roughness, double int_ior, double ext_ior) {
+  using Key = std::tuple<Roughness::Distribution, double, double, double>;
+  static std::mutex mutex;
+  static std::map<Key, std::unique_ptr<RoughCoat>> coats;
+  thread_local Key last_key{};
+  thread_local const RoughCoat* last = nullptr;  // most calls ask for the coat of the call before
+  const Key key(roughness.distribution, roughness.alpha_u, int_ior, ext_ior);
+  if (last != nullptr && key == last_key) return *last;
+  const std::lock_guard lock(mutex);
+  std::unique_ptr<RoughCoat>& coat = coats[key];
+  if (!coat) coat = std::make_unique<RoughCoat>(roughness, int_ior, ext_ior);
+  last_key = key;
+  last = coat.get();
+  return *coat;
+}
+
+Vec3 coated_base(const Vec3& albedo, bool nonlinear, double inside, double ratio, double enters, double leaves,
+                 double cos_i) {
+  // Radiance that leaves the coat shrinks by (n_outside / n_inside)²; 1/(1 − inside) sums the reflections to and fro.
+  const Vec3 again = nonlinear ? albedo * inside : Vec3(inside);
+  return albedo / (Vec3(1.0) - again) * (ratio * ratio * enters * leaves * cos_i / kPi);
+}
+
+}  // namespace etendue::reference

@@ -1,0 +1,37 @@
+#pragma once
+/// A clear coat over a diffuse base: light enters, is scattered by the base, is partly reflected back inside, and
+/// leaves. docs/conventions.md, "Coats".
+
+#include <cstddef>
+
+#include "reference/vec.h"
+#include "scene/bsdfs.h"
+
+namespace etendue::reference {
+
+/// Share of diffuse light that a smooth boundary reflects back, seen from inside. A fit [dEon2011].
+double diffuse_reflectance_inside(double int_ior, double ext_ior);
+
+/// A coat of isotropic microfacets, tabulated: 64 cosines even over [0, 1].
+class RoughCoat {
+ public:
+  static constexpr std::size_t kNodes = 64;
+  RoughCoat(const Roughness& roughness, double int_ior, double ext_ior);
+
+  /// Share that enters from a direction of this cosine; linear between the nodes.
+  double transmittance(double cosine) const;
+  double reflectance_inside() const { return inside_; }
+
+ private:
+  double nodes_[kNodes];
+  double inside_ = 0.0;
+};
+
+/// The coat of a material, made once in the life of the program for each set of numbers.
+const RoughCoat& rough_coat(const Roughness& roughness, double int_ior, double ext_ior);
+
+/// f cos of the base: `albedo`, what is reflected inside, and the shares that enter and leave.
+Vec3 coated_base(const Vec3& albedo, bool nonlinear, double inside, double ratio, double enters, double leaves,
+                 double cos_i);
+
+}  // namespace etendue::reference
