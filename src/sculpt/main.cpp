@@ -8,21 +8,26 @@
 #include "core/log.h"
 #include "core/terminal.h"
 #include "sculpt/mesh.h"
+#include "sculpt/pictures.h"
 #include "sculpt/polygonise.h"
 #include "sculpt/sky.h"
+#include "sculpt/turned.h"
 
 using namespace etendue;
 
 namespace {
 
 sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
-  if (kind != "lamps" && triangles < 100) {
+  if (kind != "lamps" && kind != "tile" && triangles < 100) {
     throw Error(ErrorKind::usage,
                 fmt::format("--triangles {} is too few for the kind {}, which needs at least 100.", triangles, kind));
   }
   if (kind == "grid") return sculpt::grid(triangles);
   if (kind == "soup") return sculpt::soup(triangles);
   if (kind == "lamps") return sculpt::lamps(triangles);
+  if (kind == "vase") return sculpt::vase(triangles);
+  if (kind == "bowl") return sculpt::bowl(triangles);
+  if (kind == "tile") return sculpt::tile();
   const sculpt::Solid solid = kind == "bust" ? sculpt::bust() : kind == "fir" ? sculpt::fir() : sculpt::bumpy_sphere();
   sculpt::Mesh mesh = sculpt::polygonise(solid, triangles);
   sculpt::check_closed(mesh);
@@ -30,17 +35,23 @@ sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
 }
 
 int run(int argc, char** argv) {
-  Command app("Makes triangle meshes and a sky for the scenes: the same bytes on every machine.", "etendue-sculpt");
-  std::string kind, output;
+  Command app("Makes triangle meshes, pictures and a sky for the scenes: the same bytes on every machine.",
+              "etendue-sculpt");
+  std::string kind, picture, output;
   std::uint64_t triangles = 500000;
+  std::uint32_t size = 512;
   app.add_option(
          "--kind", kind,
          "bust: a head with curls, 1 high, standing on y = 0, facing +z; bumpy-sphere: around the origin, radius "
          "about 0.5; fir: the crown of a tree, about 1 high (all closed, with normals); grid: a wavy square; soup: "
          "loose random triangles; lamps: triangles "
-         "that hover over a square and look down; sky: a picture of a day's sky, Radiance HDR, of --height rows")
-      ->required()
-      ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps", "sky"}));
+         "that hover over a square and look down; vase, bowl: turned, with texture coordinates; tile: a square with "
+         "texture coordinates; sky: a picture of a day's sky, Radiance HDR, of --height rows")
+      ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps", "vase", "bowl", "tile", "sky"}));
+  app.add_option("--picture", picture,
+                 "instead of a mesh, a PNG: wood, porcelain, cloth, or orange, which is for a sphere")
+      ->check(one_of(sculpt::picture_kinds()));
+  app.add_option("--size", size, "pixels of a picture, each way")->capture_default_str()->check(in_range(1, 8192));
   app.add_option("--triangles", triangles,
                  "at least so many; all but lamps need 100; solids get usually up to 5 per cent more")
       ->capture_default_str()
@@ -49,8 +60,14 @@ int run(int argc, char** argv) {
   app.add_option("--height", height, "of the sky's picture in pixels, which is twice as wide")
       ->capture_default_str()
       ->check(in_range(2, 4096));
-  app.add_option("-o,--output", output, "OBJ file to write, or HDR file of a sky")->required();
+  app.add_option("-o,--output", output, "OBJ file to write, PNG file of a picture, or HDR file of a sky")->required();
   if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? 0 : 2;
+  if (kind.empty() == picture.empty())
+    throw Error(ErrorKind::usage, "Give --kind for a mesh or a sky, or --picture for a picture.");
+  if (!picture.empty()) {
+    write_png(output, sculpt::make_picture(picture, size));
+    return 0;
+  }
   if (kind == "sky") {
     sculpt::write_sky(height, fmt::format("Made by etendue-sculpt --kind sky --height {}", height), output);
     return 0;

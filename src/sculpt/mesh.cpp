@@ -126,14 +126,15 @@ void write_obj(const Mesh& mesh, const std::string& title, const std::string& pa
     fmt::format_to(out, "{} {:.6f} {:.6f} {:.6f}\n", word, q.x, q.y, q.z);
   };
   for (const Vec3& p : mesh.positions) line("v", p);
+  for (const auto& uv : mesh.uvs) fmt::format_to(out, "vt {:.6f} {:.6f}\n", uv[0], uv[1]);
   for (const Vec3& n : mesh.normals) line("vn", n);
-  for (const auto& t : mesh.triangles) {
-    const auto a = t[0] + 1, b = t[1] + 1, c = t[2] + 1;
-    if (mesh.normals.empty())
-      fmt::format_to(out, "f {} {} {}\n", a, b, c);
-    else
-      fmt::format_to(out, "f {}//{} {}//{} {}//{}\n", a, a, b, b, c, c);
-  }
+  const auto corner = [&](std::uint32_t vertex) {
+    const auto i = vertex + 1;
+    if (!mesh.uvs.empty() && !mesh.normals.empty()) return fmt::format("{}/{}/{}", i, i, i);
+    if (!mesh.uvs.empty()) return fmt::format("{}/{}", i, i);
+    return mesh.normals.empty() ? fmt::format("{}", i) : fmt::format("{}//{}", i, i);
+  };
+  for (const auto& t : mesh.triangles) fmt::format_to(out, "f {} {} {}\n", corner(t[0]), corner(t[1]), corner(t[2]));
 
   const std::filesystem::path target(path);
   std::filesystem::path beside = target;

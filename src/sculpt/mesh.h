@@ -12,7 +12,8 @@ namespace etendue::sculpt {
 
 struct Mesh {
   std::vector<Vec3> positions;
-  std::vector<Vec3> normals;  ///< unit; empty or one per position
+  std::vector<Vec3> normals;               ///< unit; empty or one per position
+  std::vector<std::array<double, 2>> uvs;  ///< empty or one per position
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
