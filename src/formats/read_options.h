@@ -9,10 +9,12 @@ namespace etendue {
 
 struct ReadOptions {
   /// "tag.property" and value, as given with -D: {"integrator.nee", "false"}. In a file of several scenes they apply to
-  /// each.
+  /// each. In a scene for Mitsuba, the name of a parameter and its value: {"spp", "64"} for $spp.
   std::vector<std::pair<std::string, std::string>> overrides;
   /// Unknown properties are errors instead of warnings.
   bool strict = false;
+  /// What a foreign scene asks for and there is not here is replaced, with a warning for each, instead of refused.
+  bool approximate = false;
 };
 
 }  // namespace etendue

@@ -1,9 +1,12 @@
 #include "formats/read_scene.h"
 
+#include <memory>
+
 #include <fmt/format.h>
 
 #include "core/errors.h"
 #include "formats/input_file.h"
+#include "formats/mitsuba/mitsuba_reader.h"
 #include "formats/nori/nori_reader.h"
 #include "formats/xml/xml_document.h"
 #include "scene/check.h"
@@ -29,6 +32,12 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
+/// " 3.0.0" or nothing.
+std::string version_of(const XmlElement& root) {
+  const XmlAttribute* version = root.find("version");
+  return version == nullptr ? "" : " " + version->value;
+}
+
 }  // namespace
 
 std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOptions& options,
@@ -42,7 +51,21 @@ std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOpti
   }
   const MeshLoader load = [](const MeshFormat& format, const std::string& mesh, const MeshContent& content,
                              Diagnostics& sink) { return format.read(mesh, content, sink); };
-  return parse_scene_file(std::move(text), path, options, load, diagnostics);
+  const std::size_t errors_before = diagnostics.error_count();
+  auto document = std::make_unique<XmlDocument>(std::move(text), path, diagnostics);
+  if (!document->root()) return std::nullopt;
+  std::optional<SceneFile> file;
+  if (is_mitsuba(*document->root())) {
+    diagnostics.note(document->position(document->root()->offset),
+                     fmt::format("read as a scene for Mitsuba{}", version_of(*document->root())));
+    const MitsubaFiles files{load, read_text, [](const std::string& mesh, std::int64_t index, Diagnostics& sink) {
+                               return read_serialized(mesh, index, sink);
+                             }};
+    file = parse_mitsuba_scene(std::move(document), options, files, diagnostics);
+  } else {
+    file = read_nori(*document, options, load, diagnostics);
+  }
+  return diagnostics.error_count() > errors_before ? std::nullopt : std::move(file);
 }
 
 SceneFile read_scene_file(const std::string& path, const ReadOptions& options) {

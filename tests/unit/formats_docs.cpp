@@ -5,37 +5,47 @@
 #include <fstream>
 #include <sstream>
 
+#include "formats/mitsuba/plugins.h"
 #include "formats/nori/plugins.h"
 #include "formats_testing.h"
 
 namespace etendue::testing {
 namespace {
 
-const std::string kPage = std::string(TEST_DIR) + "/../../docs/scene_format.md";
+const std::string kDocs = std::string(TEST_DIR) + "/../../docs/";
+const std::string kPage = kDocs + "scene_format.md";
 const std::string kBegin = "<!-- begin generated -->\n", kEnd = "<!-- end generated -->";
 
-std::string read_page() {
+std::string read_page(const std::string& path) {
   std::ostringstream text;
-  text << std::ifstream(kPage).rdbuf();
+  text << std::ifstream(path).rdbuf();
   return text.str();
 }
 
-TEST(SceneFormatPage, TablesAreThePluginTable) {
-  const std::string page = read_page();
+void expect_tables(const std::string& path, const Dialect& dialect) {
+  const std::string page = read_page(path);
   const std::size_t begin = page.find(kBegin), end = page.find(kEnd);
-  ASSERT_NE(begin, std::string::npos) << kPage;
+  ASSERT_NE(begin, std::string::npos) << path;
   ASSERT_NE(end, std::string::npos);
   const std::string expected =
-      page.substr(0, begin + kBegin.size()) + "\n" + parameter_tables(nori_dialect()) + page.substr(end);
+      page.substr(0, begin + kBegin.size()) + "\n" + parameter_tables(dialect) + page.substr(end);
   if (std::getenv("ETENDUE_UPDATE_DOCS") != nullptr) {
-    std::ofstream(kPage) << expected;
+    std::ofstream(path) << expected;
     return;
   }
   EXPECT_EQ(page, expected) << "run this test with ETENDUE_UPDATE_DOCS=1 to bring the page up to date";
 }
 
+TEST(SceneFormatPage, TablesAreThePluginTable) {
+  expect_tables(kPage, nori_dialect());
+}
+
+TEST(SceneFormatPage, TablesOfMitsubaAreItsTable) {
+  expect_tables(kDocs + "mitsuba.md", mitsuba_dialect());
+}
+
 TEST(SceneFormatPage, ExamplesAreValid) {
-  const std::string page = read_page();
+  const std::string page = read_page(kPage);
   const std::string fence = "```xml\n";
   int count = 0;
   for (std::size_t at = page.find(fence); at != std::string::npos; at = page.find(fence, at + 1), ++count) {

@@ -960,6 +960,13 @@ std::optional<SceneFile> parse_scene_file(std::string text, const std::string& f
                                           const MeshLoader& load_mesh, Diagnostics& diagnostics) {
   const std::size_t errors_before = diagnostics.error_count();
   const XmlDocument document(std::move(text), file, diagnostics);
+  std::optional<SceneFile> result = read_nori(document, options, load_mesh, diagnostics);
+  return diagnostics.error_count() > errors_before ? std::nullopt : std::move(result);
+}
+
+std::optional<SceneFile> read_nori(const XmlDocument& document, const ReadOptions& options, const MeshLoader& load_mesh,
+                                   Diagnostics& diagnostics) {
+  const std::size_t errors_before = diagnostics.error_count();
   if (!document.root()) return std::nullopt;
   const Dialect& dialect = nori_dialect();
   const std::size_t errors_before_references = diagnostics.error_count();

@@ -7,6 +7,7 @@
 
 #include "formats/mesh_formats.h"
 #include "formats/read_options.h"
+#include "formats/xml/xml_document.h"
 #include "scene/diagnostics.h"
 #include "scene/scene_file.h"
 
@@ -19,5 +20,8 @@ using MeshLoader = std::function<std::optional<TriangleMesh>(const MeshFormat&, 
 /// Reads from memory: `file` names the text in messages and gives the folder that filenames are relative to.
 std::optional<SceneFile> parse_scene_file(std::string text, const std::string& file, const ReadOptions& options,
                                           const MeshLoader& load_mesh, Diagnostics& diagnostics);
+/// The same of a document; nothing where parsing it ended with a syntax error.
+std::optional<SceneFile> read_nori(const XmlDocument& document, const ReadOptions& options, const MeshLoader& load_mesh,
+                                   Diagnostics& diagnostics);
 
 }  // namespace etendue

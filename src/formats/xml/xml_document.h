@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scene/diagnostics.h"
@@ -45,7 +46,10 @@ class XmlDocument {
   XmlDocument(std::string text, std::string file, Diagnostics& diagnostics);
 
   const std::optional<XmlElement>& root() const { return root_; }
+  /// The root, for who changes or owns the elements; the document keeps none and goes on giving positions.
+  std::optional<XmlElement> take_root() { return std::exchange(root_, std::nullopt); }
   const std::string& file() const { return file_; }
+  std::size_t size() const { return text_.size(); }
   /// Line and column of a byte. Lines end with LF, CR LF or CR; columns count characters (code points), a tab is one.
   SourcePosition position(std::size_t offset) const;
 

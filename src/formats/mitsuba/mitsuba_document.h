@@ -1,0 +1,96 @@
+#pragma once
+/// A Mitsuba scene with everything that its text leaves to be filled in: included files stand where they are named,
+/// parameters have their values. What is left is objects, their properties and references between them.
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/read_options.h"
+#include "formats/xml/xml_document.h"
+#include "scene/diagnostics.h"
+
+namespace etendue {
+
+/// Reads a text file that a scene names. Throws Error.
+using TextLoader = std::function<std::string(const std::string& path)>;
+
+/// Bounds, so that small files cannot ask for large memory.
+struct MitsubaLimits {
+  static constexpr std::size_t kMaxIncludeDepth = 15;              ///< files within one another; Mitsuba's own bound
+  static constexpr std::size_t kMaxFiles = 1000;                   ///< included, one that is named twice counting twice
+  static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  ///< of all files together
+  static constexpr std::size_t kMaxElements = 1'000'000;           ///< of all files together
+  static constexpr std::size_t kMaxValue = std::size_t{1} << 20;   ///< bytes of one value with its parameters
+  static constexpr std::size_t kMaxSubstituted = std::size_t{16} << 20;  ///< bytes of all values with parameters
+};
+
+/// True for a scene that is written for Mitsuba rather than for Nori: by its sensor or camera; else by the version of
+/// the root or by elements that only Mitsuba has.
+bool is_mitsuba(const XmlElement& root);
+
+class MitsubaDocument {
+ public:
+  /// Fills in everything. Problems are reported; after an error the result may lack something.
+  MitsubaDocument(std::unique_ptr<XmlDocument> document, const ReadOptions& options, const TextLoader& load,
+                  Diagnostics& diagnostics);
+
+  /// One <scene>; offsets are those of all files after one another, for `position`.
+  const XmlElement& root() const { return root_; }
+  const std::string& file() const { return sources_.front().document->file(); }
+  /// "3.0.0", or "" where the file does not say.
+  const std::string& version() const { return version_; }
+  SourcePosition position(std::size_t offset) const;
+  SourcePosition position(const XmlElement& element) const { return position(element.offset); }
+  /// Position of a byte of an attribute's value.
+  SourcePosition value_position(const XmlAttribute& attribute, std::size_t offset = 0) const;
+  /// The object with an id, also by its other names (<alias>); nullptr if there is none.
+  const XmlElement* find(std::string_view id) const;
+  std::vector<std::string> ids() const;
+  /// A file's name as the scene gives it, with the folders of <path> and of the scene before it; where there is no such
+  /// file, in the folder of the scene.
+  std::string resolve(std::string filename) const;
+
+ private:
+  struct Source {
+    std::size_t base = 0;  ///< offset of its first byte
+    std::unique_ptr<XmlDocument> document;
+  };
+  struct Expansion {
+    std::vector<std::string> open;  ///< files that are being read, outermost first
+    const TextLoader& load;
+  };
+
+  void take(std::unique_ptr<XmlDocument> document, XmlElement& root);
+  void shift(XmlElement& element, std::size_t base);
+  void expand(XmlElement& element, Expansion& expansion);
+  void include(const XmlElement& element, std::vector<XmlElement>& into, Expansion& expansion);
+  void add_default(const XmlElement& element);
+  void add_path(const XmlElement& element);
+  void add_alias(const XmlElement& element);
+  void collect_ids(const XmlElement& element);
+  void substitute(XmlElement& element);
+  std::string substituted(const XmlAttribute& attribute);
+  std::size_t append_parameter(const XmlAttribute& attribute, std::size_t dollar, std::string& out);
+  /// The attributes of a directive; reports what is missing and what is too much.
+  bool has_only(const XmlElement& element, std::initializer_list<const char*> names);
+  void report_unused_overrides(const ReadOptions& options);
+
+  Diagnostics& diagnostics_;
+  std::vector<Source> sources_;
+  std::size_t bytes_ = 0, elements_ = 0, substituted_bytes_ = 0;
+  XmlElement root_;
+  std::string version_;
+  std::map<std::string, std::string, std::less<>> parameters_;
+  std::map<std::string, bool, std::less<>> given_;  ///< of -D: whether some $name used it
+  std::vector<std::string> folders_;                ///< to look for files in, first things first
+  std::map<std::string, const XmlElement*, std::less<>> by_id_;
+  std::vector<std::pair<std::string, std::string>> aliases_;  ///< other name, id
+};
+
+}  // namespace etendue

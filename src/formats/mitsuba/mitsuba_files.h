@@ -1,0 +1,20 @@
+#pragma once
+/// How the files are read that a Mitsuba scene names; tests have them in memory.
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "formats/mitsuba/mitsuba_document.h"
+#include "formats/nori/nori_reader.h"
+#include "formats/serialized/serialized_reader.h"
+
+namespace etendue {
+
+struct MitsubaFiles {
+  MeshLoader mesh;
+  TextLoader text;  ///< what is included
+  std::function<std::optional<SerializedMesh>(const std::string& path, std::int64_t index, Diagnostics&)> serialized;
+};
+
+}  // namespace etendue

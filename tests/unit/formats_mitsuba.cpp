@@ -1,0 +1,494 @@
+// Scenes for Mitsuba: what is read of them, what is mapped, what is refused. Figures are those of Mitsuba 3.9.1
+// (scalar_rgb): its `traverse` of the objects in question.
+
+#include <map>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "formats/mitsuba/mitsuba_reader.h"
+#include "formats/mitsuba/plugins.h"
+#include "formats/mitsuba/spectrum.h"
+#include "formats_testing.h"
+
+namespace etendue::testing {
+namespace {
+
+using Files = std::map<std::string, std::string>;
+
+struct Read {
+  std::optional<Scene> scene;
+  Diagnostics diagnostics;
+  std::string messages() const { return all_messages(diagnostics); }
+  std::string first_error() const {
+    for (const Diagnostic& d : diagnostics.list()) {
+      if (d.severity == Severity::error) return to_string(d);
+    }
+    return "";
+  }
+};
+
+Read read(const std::string& text, const ReadOptions& options = {}, const Files& files = {}) {
+  Read result;
+  auto document = std::make_unique<XmlDocument>(text, "s.xml", result.diagnostics);
+  if (!document->root()) return result;
+  const TextLoader load = [&](const std::string& path) {
+    const auto found = files.find(path);
+    if (found == files.end()) throw Error(ErrorKind::scene, path + ": no such file");
+    return found->second;
+  };
+  const auto none = [](const auto&...) -> std::optional<SerializedMesh> { return std::nullopt; };
+  result.scene = parse_mitsuba_scene(std::move(document), options, {load_triangle, load, none}, result.diagnostics);
+  return result;
+}
+
+constexpr const char* kSensor = R"(<sensor type="perspective"><float name="fov" value="40"/></sensor>)";
+
+/// A scene with the least it needs around `content`, all in line 1 up to `content` in line 2.
+std::string around(const std::string& content) {
+  return fmt::format("<scene version=\"3.0.0\">{}\n{}\n</scene>", kSensor, content);
+}
+
+std::string with_sensor(const std::string& sensor) {
+  return fmt::format("<scene version=\"3.0.0\"><shape type=\"sphere\"/>{}</scene>", sensor);
+}
+
+/// The only material of a sphere with it.
+Bsdf bsdf_of(const std::string& bsdf) {
+  const Read result = read(around("<shape type=\"sphere\">" + bsdf + "</shape>"));
+  EXPECT_TRUE(result.scene.has_value()) << result.messages();
+  return result.scene ? result.scene->materials.at(0).bsdf : Bsdf{};
+}
+glm::dvec3 albedo_of(const std::string& reflectance) {
+  const Bsdf bsdf = bsdf_of("<bsdf type=\"diffuse\">" + reflectance + "</bsdf>");
+  return std::get<DiffuseBsdf>(bsdf).albedo.value;
+}
+glm::dvec3 radiance_of(const std::string& radiance) {
+  const Read result = read(around("<shape type=\"sphere\"><emitter type=\"area\">" + radiance + "</emitter></shape>"));
+  EXPECT_TRUE(result.scene.has_value()) << result.messages();
+  return result.scene ? result.scene->emitters.at(0).radiance.value : glm::dvec3(-1.0);
+}
+void expect_color(const glm::dvec3& color, const glm::dvec3& expected, double relative = 1e-5) {
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(color[i], expected[i], relative * expected[i] + 1e-12) << "component " << i;
+}
+
+Camera camera_of(const std::string& sensor) {
+  const Read result = read(with_sensor(sensor));
+  EXPECT_TRUE(result.scene.has_value()) << result.messages();
+  return result.scene ? result.scene->camera : Camera{};
+}
+
+TEST(MitsubaDialect, IsToldApartByContent) {
+  const auto is = [](const std::string& text) {
+    Diagnostics sink;
+    const XmlDocument document(text, "s.xml", sink);
+    return is_mitsuba(*document.root());
+  };
+  EXPECT_TRUE(is("<scene><sensor type=\"perspective\"/></scene>"));
+  EXPECT_TRUE(is("<scene version=\"0.6.0\"/>"));
+  EXPECT_TRUE(is("<scene><include filename=\"a.xml\"/></scene>"));
+  EXPECT_TRUE(is("<scene><default name=\"spp\" value=\"4\"/></scene>"));
+  EXPECT_FALSE(is("<scene><camera type=\"perspective\"/><shape type=\"obj\"/></scene>"));
+  EXPECT_FALSE(is("<scene version=\"1\"><camera type=\"perspective\"/></scene>"));
+  EXPECT_FALSE(is("<scene/>"));
+  EXPECT_FALSE(is("<test type=\"ttest\"/>"));
+}
+
+TEST(MitsubaDialect, TheDoorReadsBoth) {
+  const TemporaryFolder folder;
+  const std::string mitsuba = folder.write("m.xml", around("<shape type=\"sphere\"/>"));
+  const std::string nori = folder.write("n.xml", scene_around("<mesh type=\"sphere\"/>"));
+  for (const auto& [path, is_foreign] : {std::pair{mitsuba, true}, {nori, false}}) {
+    Diagnostics diagnostics;
+    const auto file = read_scene_file(path, {}, diagnostics);
+    ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+    EXPECT_EQ(std::get<Scene>(*file).instances.size(), 1u);
+    EXPECT_EQ(all_messages(diagnostics).find("Mitsuba 3.0.0") != std::string::npos, is_foreign);
+  }
+}
+
+TEST(MitsubaDialect, NamesOfAllVersions) {
+  EXPECT_EQ(snake_case("toWorld"), "to_world");
+  EXPECT_EQ(snake_case("intIOR"), "int_ior");
+  EXPECT_EQ(snake_case("rrDepth"), "rr_depth");
+  EXPECT_EQ(snake_case("alphaU"), "alpha_u");
+  EXPECT_EQ(snake_case("near_clip"), "near_clip");
+  EXPECT_EQ(snake_case("A"), "A");
+  const Camera camera = camera_of("<sensor type=\"perspective\"><float name=\"nearClip\" value=\"2\"/></sensor>");
+  EXPECT_EQ(camera.near_clip, 2.0);
+}
+
+TEST(MitsubaColors, Reflectances) {
+  EXPECT_EQ(albedo_of(""), glm::dvec3(0.5));
+  EXPECT_EQ(albedo_of("<rgb name=\"reflectance\" value=\"0.2 0.4,0.6\"/>"), glm::dvec3(0.2, 0.4, 0.6));
+  EXPECT_EQ(albedo_of("<rgb name=\"reflectance\" value=\"0.2\"/>"), glm::dvec3(0.2));
+  EXPECT_EQ(albedo_of("<float name=\"reflectance\" value=\"0.7\"/>"), glm::dvec3(0.7));
+  EXPECT_EQ(albedo_of("<spectrum name=\"reflectance\" value=\"0.3\"/>"), glm::dvec3(0.3));
+  expect_color(albedo_of("<spectrum name=\"reflectance\" value=\"400:0.343, 500:0.445, 600:0.551, 700:0.624\"/>"),
+               {0.586333, 0.490798, 0.382672});
+  expect_color(albedo_of("<spectrum name=\"reflectance\" value=\"400:0.78, 500:0.78, 600:0.78, 700:0.78\"/>"),
+               {0.776367, 0.77981, 0.776029});
+  // Outside what a screen can show the nearest colour is taken.
+  expect_color(albedo_of("<spectrum name=\"reflectance\" value=\"400:0, 500:1, 600:3, 700:3\"/>"), {1, 1, 0.341214});
+  expect_color(albedo_of("<spectrum name=\"reflectance\" value=\"450:1, 550:0\"/>"), {0, 0.176652, 0.495306});
+  // Mitsuba 0.6: the encoding of sRGB.
+  expect_color(albedo_of("<srgb name=\"reflectance\" value=\"#ff8000\"/>"), {1, 0.2158605, 0}, 1e-6);
+  expect_color(albedo_of("<srgb name=\"reflectance\" value=\"1, 0.5, 0.04\"/>"), {1, 0.2140411, 0.04 / 12.92}, 1e-6);
+}
+
+TEST(MitsubaColors, Emission) {
+  EXPECT_EQ(radiance_of(""), glm::dvec3(1.0));
+  EXPECT_EQ(radiance_of("<rgb name=\"radiance\" value=\"2 4 6\"/>"), glm::dvec3(2, 4, 6));
+  EXPECT_EQ(radiance_of("<float name=\"radiance\" value=\"3\"/>"), glm::dvec3(3.0));
+  // Equal energy at all wavelengths is not white.
+  expect_color(radiance_of("<spectrum name=\"radiance\" value=\"3\"/>"), {3.61438, 2.84487, 2.72675});
+  expect_color(radiance_of("<spectrum name=\"radiance\" value=\"400:0, 500:8, 600:15.6, 700:18.4\"/>"),
+               {20.7108, 10.8546, 2.77115});
+  expect_color(radiance_of("<spectrum name=\"radiance\" value=\"300:3, 900:3\"/>"), {3.61465, 2.84468, 2.7278});
+}
+
+TEST(MitsubaColors, Metals) {
+  const auto metal = [](const std::string& properties) {
+    return std::get<ConductorBsdf>(bsdf_of("<bsdf type=\"conductor\">" + properties + "</bsdf>"));
+  };
+  EXPECT_EQ(metal("").index.eta, glm::dvec3(0.0));
+  EXPECT_EQ(metal("").index.k, glm::dvec3(1.0));
+  expect_color(metal("<string name=\"material\" value=\"Au\"/>").index.eta, {0.143036, 0.375307, 1.44205});
+  const ConductorBsdf given =
+      metal("<spectrum name=\"eta\" value=\"400:0.789, 700:0.789\"/><rgb name=\"k\" value=\"6.15 1 2\"/>");
+  expect_color(given.index.eta, {0.785325, 0.788808, 0.784983});
+  EXPECT_EQ(given.index.k, glm::dvec3(6.15, 1, 2));
+  const Bsdf rough = bsdf_of(R"(<bsdf type="roughconductor"><string name="material" value="Al"/>
+    <string name="distribution" value="ggx"/><float name="alpha_u" value="0.25"/><float name="alpha_v" value="0.05"/>
+    </bsdf>)");
+  const Roughness& roughness = std::get<RoughConductorBsdf>(rough).roughness;
+  EXPECT_EQ(roughness.distribution, Roughness::Distribution::ggx);
+  EXPECT_EQ(roughness.alpha_u, 0.25);
+  EXPECT_EQ(roughness.alpha_v, 0.05);
+}
+
+TEST(MitsubaColors, WhatIsWrongHasItsPlace) {
+  const auto error = [](const std::string& reflectance) {
+    return read(around("<shape type=\"sphere\"><bsdf type=\"diffuse\">" + reflectance + "</bsdf></shape>"))
+        .first_error();
+  };
+  EXPECT_EQ(error("<rgb name=\"reflectance\" value=\"1 2\"/>").substr(0, 11), "s.xml:2:74:");
+  EXPECT_NE(error("<rgb name=\"reflectance\" value=\"0.5 -1 0\"/>").find("-1 is out of range"), std::string::npos);
+  EXPECT_NE(error("<spectrum name=\"reflectance\" value=\"500:1\"/>").find("at least two pairs"), std::string::npos);
+  EXPECT_NE(error("<spectrum name=\"reflectance\" value=\"500:1, 400:1\"/>").find("400 does not come after 500"),
+            std::string::npos);
+  EXPECT_NE(error("<point name=\"reflectance\" value=\"1 1 1\"/>").find("<point> is no colour"), std::string::npos);
+}
+
+TEST(MitsubaSensor, Defaults) {
+  const Read result = read(with_sensor("<sensor type=\"perspective\"/>"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const Camera& camera = result.scene->camera;
+  EXPECT_EQ(camera.width, 768u);
+  EXPECT_EQ(camera.height, 576u);
+  EXPECT_NEAR(camera.fov, 38.18484, 1e-4);
+  EXPECT_EQ(camera.near_clip, 0.01);
+  EXPECT_EQ(camera.far_clip, 10000.0);
+  EXPECT_EQ(camera.filter.type, ReconstructionFilter::Type::gaussian);
+  EXPECT_EQ(camera.filter.stddev, 0.5);
+  EXPECT_EQ(camera.filter.radius, 2.0);
+  EXPECT_EQ(result.scene->sampler.sample_count, 4u);
+  EXPECT_EQ(result.scene->integrator.type, Integrator::Type::path);
+  EXPECT_EQ(result.scene->integrator.max_depth, Integrator::kUnlimitedDepth);
+  EXPECT_EQ(result.scene->integrator.rr_depth, 5u);
+}
+
+TEST(MitsubaSensor, FieldsOfView) {
+  const auto fov = [](const std::string& properties) {
+    return camera_of("<sensor type=\"perspective\">" + properties +
+                     "<film type=\"hdrfilm\"><integer name=\"width\" value=\"200\"/><integer name=\"height\" "
+                     "value=\"100\"/></film></sensor>")
+        .fov;
+  };
+  const std::string forty = "<float name=\"fov\" value=\"40\"/>";
+  const auto along = [&](const char* axis) {
+    return fmt::format("{}<string name=\"fov_axis\" value=\"{}\"/>", forty, axis);
+  };
+  EXPECT_NEAR(fov(""), 42.311714, 1e-4);
+  EXPECT_NEAR(fov("<string name=\"focal_length\" value=\"35mm\"/>"), 57.871193, 1e-4);
+  EXPECT_EQ(fov(forty), 40.0);
+  EXPECT_EQ(fov(along("x")), 40.0);
+  EXPECT_NEAR(fov(along("y")), 72.104774, 1e-4);
+  EXPECT_NEAR(fov(along("smaller")), 72.104774, 1e-4);
+  EXPECT_EQ(fov(along("larger")), 40.0);
+  EXPECT_NEAR(fov(along("diagonal")), 36.064789, 1e-4);
+}
+
+TEST(MitsubaSensor, FiltersAndSamplers) {
+  const auto scene = [](const std::string& rfilter, const std::string& sampler) {
+    Read result = read(with_sensor("<sensor type=\"perspective\"><film type=\"hdrfilm\">" + rfilter + "</film>" +
+                                   sampler + "</sensor>"));
+    EXPECT_TRUE(result.scene.has_value()) << result.messages();
+    return result.scene.value_or(Scene{});
+  };
+  EXPECT_EQ(scene("<rfilter type=\"box\"/>", "").camera.filter.type, ReconstructionFilter::Type::box);
+  EXPECT_EQ(scene("<rfilter type=\"tent\"/>", "").camera.filter.type, ReconstructionFilter::Type::tent);
+  const ReconstructionFilter catmull = scene("<rfilter type=\"catmullrom\"/>", "").camera.filter;
+  EXPECT_EQ(catmull.b, 0.0);
+  EXPECT_EQ(catmull.c, 0.5);
+  const ReconstructionFilter wide =
+      scene("<rfilter type=\"gaussian\"><float name=\"stddev\" value=\"0.8\"/></rfilter>", "").camera.filter;
+  EXPECT_DOUBLE_EQ(wide.radius, 3.2);
+  const Sampler spread =
+      scene("", "<sampler type=\"multijitter\"><integer name=\"sample_count\" value=\"64\"/></sampler>").sampler;
+  EXPECT_EQ(spread.type, Sampler::Type::sobol);
+  EXPECT_EQ(spread.sample_count, 64u);
+}
+
+TEST(MitsubaTransforms, ApplyInTheOrderListed) {
+  const Read result = read(around(R"(<shape type="rectangle"><transform name="to_world">
+    <rotate x="1" angle="30"/><scale x="2"/><translate value="1 2 3"/></transform></shape>)"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const glm::dmat4& m = result.scene->instances.at(0).world_from_object;
+  const double c = std::sqrt(0.75);  // Mitsuba: [2, 0, 0, 0], [0, 0.866025, -0.5, 0], [0, 0.5, 0.866025, 0]
+  const glm::dmat4 expected = {{2, 0, 0, 0}, {0, c, 0.5, 0}, {0, -0.5, c, 0}, {1, 2, 3, 1}};
+  for (int i = 0; i < 16; ++i) EXPECT_NEAR(m[i / 4][i % 4], expected[i / 4][i % 4], 1e-12) << i;
+}
+
+TEST(MitsubaTransforms, LookAlongZWithXToTheLeft) {
+  const Camera camera = camera_of(R"(<sensor type="perspective"><transform name="toWorld">
+    <lookAt origin="1, 0, 0" target="1, 0, 5" up="0, 1, 0"/></transform></sensor>)");
+  EXPECT_EQ(camera.world_from_camera[0], glm::dvec4(1, 0, 0, 0));
+  EXPECT_EQ(camera.world_from_camera[2], glm::dvec4(0, 0, 1, 0));
+  EXPECT_EQ(camera.world_from_camera[3], glm::dvec4(1, 0, 0, 1));
+}
+
+TEST(MitsubaTransforms, Matrices) {
+  const Read nine = read(around(R"(<shape type="rectangle"><transform name="to_world">
+    <matrix value="1 2 3 4 5 6 7 8 10"/></transform></shape>)"));
+  ASSERT_TRUE(nine.scene.has_value()) << nine.messages();
+  EXPECT_EQ(nine.scene->instances[0].world_from_object[1], glm::dvec4(2, 5, 8, 0));
+  for (const char* wrong : {"<matrix value=\"1 2 3\"/>", "<lookat origin=\"0 0 0\" target=\"0 0 0\" up=\"0 1 0\"/>",
+                            "<lookat origin=\"0 0 0\" target=\"0 1 0\" up=\"0 1 0\"/>", "<rotate angle=\"5\"/>",
+                            "<shear value=\"1\"/>", "<scale value=\"1 2\"/>", "<translate x=\"one\"/>"}) {
+    const Read result = read(
+        around("<shape type=\"cube\"><transform name=\"to_world\">" + std::string(wrong) + "</transform></shape>"));
+    EXPECT_FALSE(result.scene.has_value()) << wrong;
+    EXPECT_EQ(result.first_error().find("s.xml:2:"), 0u) << result.messages();
+  }
+}
+
+TEST(MitsubaParameters, DefaultsAndTheCommandLine) {
+  const std::string text =
+      "<scene version=\"3.0.0\"><default name=\"w\" value=\"40\"/><default name=\"width\" value=\"320\"/><default "
+      "name=\"width\" value=\"9\"/><sensor type=\"perspective\"><float name=\"fov\" value=\"$w\"/><film "
+      "type=\"hdrfilm\"><integer name=\"width\" value=\"$width\"/></film></sensor><shape type=\"sphere\"/></scene>";
+  const Read plain = read(text);
+  ASSERT_TRUE(plain.scene.has_value()) << plain.messages();
+  EXPECT_EQ(plain.scene->camera.width, 320u);  // the longest name that fits, the first default
+  EXPECT_EQ(plain.scene->camera.fov, 40.0);
+  const Read defined = read(text, {.overrides = {{"width", "64"}}});
+  ASSERT_TRUE(defined.scene.has_value()) << defined.messages();
+  EXPECT_EQ(defined.scene->camera.width, 64u);
+  const Read unknown = read(text, {.overrides = {{"with", "64"}}});
+  EXPECT_NE(unknown.first_error().find("did you mean \"width\""), std::string::npos) << unknown.messages();
+  EXPECT_EQ(unknown.diagnostics.list().back().kind, ErrorKind::usage);
+  const Read missing = read(around("<shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/></shape>"));
+  EXPECT_NE(missing.first_error().find("s.xml:2:50: the parameter $r has no value"), std::string::npos)
+      << missing.messages();
+}
+
+TEST(MitsubaParameters, LaughsEndSoon) {
+  std::string text = "<scene version=\"3.0.0\"><default name=\"a0\" value=\"ha ha ha ha \"/>";
+  for (int i = 1; i < 60; ++i)
+    text += fmt::format("<default name=\"a{}\" value=\"$a{}$a{}$a{}\"/>", i, i - 1, i - 1, i - 1);
+  const Read result = read(text + kSensor + std::string("<shape type=\"sphere\"/></scene>"));
+  EXPECT_FALSE(result.scene.has_value());
+  EXPECT_NE(result.first_error().find("bytes"), std::string::npos) << result.messages();
+  EXPECT_EQ(result.diagnostics.error_count(), 1u);
+}
+
+TEST(MitsubaIncludes, StandWhereTheyAreNamed) {
+  const Files files = {{"a.xml",
+                        "<scene version=\"3.0.0\">\n<bsdf type=\"diffuse\" id=\"red\"><rgb name=\"reflectance\" "
+                        "value=\"$r 0 0\"/></bsdf></scene>"},
+                       {"b.xml", "<shape type=\"sphere\"><ref id=\"red\"/></shape>"}};
+  const Read result = read(around("<default name=\"r\" value=\"0.25\"/><include filename=\"a.xml\"/><include "
+                                  "filename=\"b.xml\"/>"),
+                           {}, files);
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  EXPECT_EQ(std::get<DiffuseBsdf>(result.scene->materials.at(0).bsdf).albedo.value, glm::dvec3(0.25, 0, 0));
+  EXPECT_EQ(to_string(result.scene->materials[0].position), "a.xml:2:1");
+  EXPECT_EQ(to_string(result.scene->instances.at(0).position), "b.xml:1:1");
+}
+
+TEST(MitsubaIncludes, ErrorsHaveThePlaceInTheirFile) {
+  const Read result = read(around("<include filename=\"a.xml\"/>"), {},
+                           {{"a.xml", "<scene version=\"3.0.0\">\n\n <shape type=\"sphre\"/></scene>"}});
+  EXPECT_EQ(result.first_error().find("a.xml:3:15: unknown shape type \"sphre\"; did you mean \"sphere\""), 0u)
+      << result.messages();
+  const Read missing = read(around("<include filename=\"none.xml\"/>"));
+  EXPECT_EQ(missing.first_error().find("s.xml:2:20: included file none.xml: no such file"), 0u) << missing.messages();
+}
+
+TEST(MitsubaIncludes, CirclesAndFloodsEnd) {
+  const std::string a = "<scene version=\"3.0.0\"><include filename=\"b.xml\"/></scene>";
+  const std::string b = "<scene version=\"3.0.0\"><include filename=\"a.xml\"/></scene>";
+  const Read circle = read(around("<include filename=\"a.xml\"/>"), {}, {{"a.xml", a}, {"b.xml", b}});
+  EXPECT_NE(circle.first_error().find("b.xml:1:"), std::string::npos) << circle.messages();
+  EXPECT_NE(circle.first_error().find("includes itself"), std::string::npos) << circle.messages();
+  const Read itself = read(around("<include filename=\"s.xml\"/>"), {}, {{"s.xml", around("")}});
+  EXPECT_NE(itself.first_error().find("includes itself"), std::string::npos) << itself.messages();
+  Files doubling, chain;
+  for (int i = 0; i < 40; ++i) {
+    const std::string include = fmt::format("<include filename=\"f{}.xml\"/>", i + 1);
+    doubling[fmt::format("f{}.xml", i)] = "<scene version=\"3.0.0\">" + (i < 14 ? include + include : "") + "</scene>";
+    chain[fmt::format("f{}.xml", i)] = "<scene version=\"3.0.0\">" + include + "</scene>";
+  }
+  const Read flood = read(around("<include filename=\"f0.xml\"/>"), {}, doubling);
+  EXPECT_NE(flood.first_error().find("more than 1000 files"), std::string::npos) << flood.messages();
+  const Read deep = read(around("<include filename=\"f0.xml\"/>"), {}, chain);
+  EXPECT_NE(deep.first_error().find("at most 15 are supported"), std::string::npos) << deep.messages();
+}
+
+TEST(MitsubaReferences, IdsAliasesAndNames) {
+  const Read result = read(around(R"(<bsdf type="diffuse" id="a"/><alias id="a" as="b"/>
+    <emitter type="area" id="lamp"><rgb name="radiance" value="3"/></emitter>
+    <shape type="sphere"><ref id="a"/></shape><shape type="sphere"><ref name="bsdf" id="b"/><ref id="lamp"/></shape>)"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  EXPECT_EQ(result.scene->instances.at(0).material, result.scene->instances.at(1).material);
+  EXPECT_EQ(result.scene->materials.size(), 1u);
+  EXPECT_EQ(result.scene->emitters.at(0).radiance.value, glm::dvec3(3.0));
+  const Read unknown =
+      read(around("<bsdf type=\"diffuse\" id=\"wood\"/><shape type=\"sphere\"><ref id=\"woood\"/></shape>"));
+  EXPECT_NE(unknown.first_error().find("did you mean \"wood\""), std::string::npos) << unknown.messages();
+  const Read twice = read(around("<bsdf type=\"diffuse\" id=\"a\"/><bsdf type=\"diffuse\" id=\"a\"/>"));
+  EXPECT_NE(twice.first_error().find("the id \"a\" is given twice"), std::string::npos) << twice.messages();
+  const Read loop = read(around("<integrator type=\"moment\" id=\"i\"><ref id=\"i\"/></integrator>"));
+  EXPECT_NE(loop.first_error().find("deep within each other"), std::string::npos) << loop.messages();
+}
+
+TEST(MitsubaShapes, DefaultMaterials) {
+  const Read result = read(around("<shape type=\"sphere\"/><shape type=\"sphere\"><emitter type=\"area\"/></shape>"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const Scene& scene = *result.scene;
+  EXPECT_EQ(std::get<DiffuseBsdf>(scene.bsdf_of(scene.instances.at(0))).albedo.value, glm::dvec3(0.5));
+  EXPECT_EQ(std::get<DiffuseBsdf>(scene.bsdf_of(scene.instances.at(1))).albedo.value, glm::dvec3(0.0));
+}
+
+TEST(MitsubaShapes, MeshesAreSmoothUnlessTheyAreFlat) {
+  const std::string file = "<string name=\"filename\" value=\"m.obj\"/>";
+  const Read result = read(around("<shape type=\"obj\">" + file + "</shape><shape type=\"obj\">" + file +
+                                  "<boolean name=\"face_normals\" value=\"true\"/></shape><shape type=\"obj\">" + file +
+                                  "<boolean name=\"flipNormals\" value=\"true\"/></shape>"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const Scene& scene = *result.scene;
+  ASSERT_EQ(scene.instances.size(), 3u);
+  const auto mesh = [&](std::size_t i) { return std::get<TriangleMesh>(scene.shape_of(scene.instances[i])); };
+  EXPECT_EQ(mesh(0).normals.size(), 3u);
+  EXPECT_EQ(mesh(0).normals[0], glm::dvec3(0, 0, 1));
+  EXPECT_TRUE(mesh(1).normals.empty());
+  EXPECT_EQ(scene.instances[0].shape, scene.instances[2].shape);  // one file is read once
+  EXPECT_TRUE(scene.instances[2].flip_normals);
+}
+
+TEST(MitsubaShapes, RectanglesAndCubesPointOutward) {
+  const Read result = read(around("<shape type=\"rectangle\"/><shape type=\"cube\"/>"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  for (const Instance& instance : result.scene->instances) {
+    const auto& mesh = std::get<TriangleMesh>(result.scene->shape_of(instance));
+    double area = 0.0;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3 p = mesh.positions[t.x];
+      const glm::dvec3 cross = glm::cross(mesh.positions[t.y] - p, mesh.positions[t.z] - p);
+      area += 0.5 * glm::length(cross);
+      for (const std::uint32_t vertex : {t.x, t.y, t.z})
+        EXPECT_NEAR(glm::dot(mesh.normals[vertex], glm::normalize(cross)), 1, 1e-12);
+      EXPECT_GE(glm::dot(cross, p), 0.0);
+    }
+    EXPECT_EQ(area, mesh.triangles.size() == 2 ? 4.0 : 24.0);
+  }
+}
+
+TEST(MitsubaShapes, GroupsAreShownWhereTheirInstancesAre) {
+  const Read result = read(around(R"(<shape type="shapegroup" id="g">
+    <shape type="sphere"><transform name="to_world"><translate x="1"/></transform></shape><shape type="rectangle"/></shape>
+    <shape type="instance"><ref id="g"/></shape>
+    <shape type="instance"><ref id="g"/><transform name="to_world"><scale value="2"/><translate z="5"/></transform></shape>)"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const Scene& scene = *result.scene;
+  ASSERT_EQ(scene.instances.size(), 4u);
+  EXPECT_EQ(scene.shapes.size(), 2u);
+  EXPECT_EQ(scene.instances[0].world_from_object[3], glm::dvec4(1, 0, 0, 1));
+  EXPECT_EQ(scene.instances[2].world_from_object[3], glm::dvec4(2, 0, 5, 1));
+  const Read nested =
+      read(around(R"(<shape type="shapegroup" id="g"><shape type="instance"><ref id="g"/></shape></shape>
+    <shape type="instance"><ref id="g"/></shape>)"));
+  EXPECT_NE(nested.first_error().find("cannot hold groups or instances"), std::string::npos) << nested.messages();
+}
+
+TEST(MitsubaShapes, ManyAreRead) {
+  std::string text = "<bsdf type=\"diffuse\" id=\"a\"/>";
+  for (int i = 0; i < 100'000; ++i)
+    text += fmt::format(
+        "<shape type=\"rectangle\"><transform name=\"to_world\"><translate x=\"{}\"/></transform><ref "
+        "id=\"a\"/></shape>\n",
+        i);
+  const Read result = read(around(text));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages().substr(0, 1000);
+  EXPECT_EQ(result.scene->instances.size(), 100'000u);
+  EXPECT_EQ(result.scene->shapes.size(), 1u);
+}
+
+TEST(MitsubaIntegrators, DepthsAndNames) {
+  const auto integrator = [](const std::string& xml) {
+    const Read result = read(around(xml + "<shape type=\"sphere\"/>"));
+    EXPECT_TRUE(result.scene.has_value()) << result.messages();
+    return result.scene ? result.scene->integrator : Integrator{};
+  };
+  EXPECT_EQ(integrator("<integrator type=\"path\"><integer name=\"max_depth\" value=\"2\"/></integrator>").max_depth,
+            2u);
+  const Integrator wrapped = integrator(R"(<integrator type="moment"><integrator type="path">
+    <integer name="maxDepth" value="3"/><boolean name="hide_emitters" value="true"/></integrator></integrator>)");
+  EXPECT_EQ(wrapped.max_depth, 3u);
+  EXPECT_TRUE(wrapped.hide_emitters);
+  const Integrator direct = integrator(R"(<integrator type="direct"><integer name="shading_samples" value="3"/>
+    <integer name="bsdf_samples" value="2"/></integrator>)");
+  EXPECT_EQ(direct.type, Integrator::Type::direct);
+  EXPECT_EQ(direct.emitter_samples, 3u);
+  EXPECT_EQ(direct.bsdf_samples, 2u);
+  EXPECT_EQ(integrator("<integrator type=\"ptracer\"/>").type, Integrator::Type::path);
+}
+
+TEST(MitsubaMissing, AllIsListedAtOnce) {
+  const std::string text = around(R"(<integrator type="volpath"/><emitter type="projector"/>
+    <shape type="sphere"><bsdf type="hair"/></shape>
+    <shape type="sphere"><bsdf type="hair"/></shape>
+    <shape type="sdfgrid"/><shape type="sphere"><medium type="homogeneous" name="interior"/></shape>)");
+  const Read refused = read(text);
+  EXPECT_FALSE(refused.scene.has_value());
+  EXPECT_EQ(refused.diagnostics.error_count(), 1u) << refused.messages();
+  const std::string error = refused.first_error();
+  for (const char* part :
+       {"bsdf hair (s.xml:3:26, s.xml:4:26)", "emitter projector (s.xml:2:29)", "integrator volpath (s.xml:2:1)",
+        "medium homogeneous (s.xml:5:", "shape sdfgrid (s.xml:5:5)"})
+    EXPECT_NE(error.find(part), std::string::npos) << part << " in " << error;
+  const Read approximated = read(text, {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(approximated.scene.has_value()) << approximated.messages();
+  EXPECT_EQ(approximated.scene->instances.size(), 3u);
+  EXPECT_NE(approximated.messages().find("bsdf hair is approximated: diffuse, grey"), std::string::npos);
+}
+
+TEST(MitsubaMissing, UnknownPropertiesAreWarnings) {
+  const std::string text = around("<shape type=\"sphere\"><float name=\"raduis\" value=\"2\"/></shape>");
+  const Read lenient = read(text);
+  EXPECT_TRUE(lenient.scene.has_value());
+  EXPECT_NE(lenient.messages().find("did you mean \"radius\""), std::string::npos) << lenient.messages();
+  EXPECT_FALSE(read(text, {.overrides = {}, .strict = true}).scene.has_value());
+}
+
+// Mitsuba only warns of a sphere that is scaled unevenly.
+TEST(MitsubaMissing, WhatBreaksAnInvariantIsAnError) {
+  const Read result =
+      read(around("<shape type=\"sphere\"><transform name=\"to_world\"><scale value=\"1 2 1\"/></transform></shape>"));
+  EXPECT_FALSE(result.scene.has_value());
+  EXPECT_EQ(result.first_error().find("s.xml:2:1:"), 0u) << result.messages();
+}
+
+}  // namespace
+}  // namespace etendue::testing
