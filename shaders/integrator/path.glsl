@@ -49,7 +49,7 @@ Ray camera_ray(uint pixel, uint sample_index, out float weight) {
   const uvec2 xy = uvec2(pixel % frame.width, pixel / frame.width);
   vec3 lens = vec3(0.0);
   if (kCamera == kCameraLens || kCamera == kCameraIrradiance) {
-    const uvec4 more = random_words(frame.seed, pixel, sample_index, kBlockLens);
+    const uvec4 more = reserved_words(frame.seed, pixel, sample_index, kBlockLens);
     lens = vec3(to_unit(more.x), to_unit(more.yz));
   }
   return sample_camera_ray(xy, to_unit(words.xy), lens, weight);

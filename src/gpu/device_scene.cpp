@@ -194,13 +194,12 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantEnvironmentCellRows, sky.cell_rows},
                                      {gpu::kConstantEnvironmentRowRounds, light_rounds.environment_rows},
                                      {gpu::kConstantEnvironmentColumnRounds, light_rounds.environment_columns}});
-  constants.insert(
-      constants.end(),
-      {{gpu::kConstantHasDisks, scene.has_disks ? 1u : 0u},
-       {gpu::kConstantHasCylinders, scene.has_cylinders ? 1u : 0u},
-       {gpu::kConstantFewDisks, scene.few_disks},
-       {gpu::kConstantFewCylinders, scene.few_cylinders},
-       {gpu::kConstantCylinderLights, has_lights(scene, gpu::kPrimitiveCylinder) ? 1u : 0u}});
+  constants.insert(constants.end(),
+                   {{gpu::kConstantHasDisks, scene.has_disks ? 1u : 0u},
+                    {gpu::kConstantHasCylinders, scene.has_cylinders ? 1u : 0u},
+                    {gpu::kConstantFewDisks, scene.few_disks},
+                    {gpu::kConstantFewCylinders, scene.few_cylinders},
+                    {gpu::kConstantCylinderLights, has_lights(scene, gpu::kPrimitiveCylinder) ? 1u : 0u}});
   for (std::uint32_t i = 0; i < scene.few_count; ++i) {
     for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
       const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];

@@ -147,8 +147,7 @@ std::vector<World::Primitive> World::without_twins(std::vector<Primitive> primit
            (!a.tube || a.tube->side == b.tube->side);
   };
   for (std::size_t i = 1; i < order.size(); ++i)
-    is_twin[order[i]] =
-        key(order[i]) == key(order[i - 1]) && alike(primitives[order[i]], primitives[order[i - 1]]);
+    is_twin[order[i]] = key(order[i]) == key(order[i - 1]) && alike(primitives[order[i]], primitives[order[i - 1]]);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     if (!is_twin[i]) primitives[kept++] = primitives[i];

@@ -183,11 +183,12 @@ ClosedFormScene metered_polygon(Dice& dice) {
   scene.camera = look_along(dvec3(0.0), {0, 0, 1}, 1.0);
   for (int a = 0; a < 3; ++a) scene.camera.world_from_camera[a] *= 1e-4;
   scene.camera.type = Camera::Type::irradiance_meter;
-  scene.camera.far_clip = 1e6;
   scene.integrator.max_depth = 1;
   move_scene(scene, dice, true);
   const double scale = glm::length(dvec3(scene.instances[0].world_from_object[0]));
   for (int a = 0; a < 3; ++a) scene.camera.world_from_camera[a] *= scale;
+  scene.camera.near_clip = 1e-4;  // in units of the meter's axes, which have been scaled
+  scene.camera.far_clip = 1e6;
   result.expected = irradiance * luminance(dvec3(1.0, 0.7, 0.4));
   result.name = "metered polygon";
   return result;

@@ -232,7 +232,8 @@ class MaterialTrial final : public Trial {
   std::unique_ptr<BsdfProbe> probe_;
 };
 
-/// What one material reflects of even light from above, device against quadrature of the reference's f cos.
+/// What one material scatters of even light from all around but by delta lobes, device against quadrature of the
+/// reference's f cos.
 class AlbedoTrial final : public Trial {
  public:
   AlbedoTrial(const Bsdf& bsdf, const glm::dvec3& wo, const GpuOptions& gpu)
@@ -241,7 +242,7 @@ class AlbedoTrial final : public Trial {
   double p_value(std::uint32_t samples) override {
     RunningMoments weight;
     for (const BsdfDraw& draw : probe_->sample(wo_, 1, 0, samples))
-      weight.add(draw.pdf > 0.0 ? glm::dot(draw.weight, kEven) : 0.0);
+      weight.add(draw.pdf > 0.0 && !is_delta(draw.lobe) ? glm::dot(draw.weight, kEven) : 0.0);
     return t_test(weight.mean(), weight.variance(), samples, expected_).p_value;
   }
 

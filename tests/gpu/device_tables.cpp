@@ -57,6 +57,8 @@ CompiledScene numbered_scene() {
   picture->texels.assign(std::as_bytes(std::span(texels)).begin(), std::as_bytes(std::span(texels)).end());
   scene.textures.bitmaps = {picture};
   scene.transmittances = numbered<gpu::vec4>(16);
+  scene.environment.rows = numbered<gpu::EnvironmentRow>(17);
+  scene.environment.texels = numbered<gpu::EnvironmentTexel>(18);
   scene.triangles = numbered<gpu::uvec4>(7);
   scene.normals = numbered<gpu::vec4>(8);
   scene.places = numbered<gpu::Place>(10);
@@ -88,6 +90,9 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   std::memcpy(static_cast<void*>(&a.picture), &scene.textures.bitmaps[0]->texels[16 * std::size_t{i}],
               sizeof a.picture);
   a.transmittances = scene.transmittances[i];
+  a.environment_row = scene.environment.rows[i];
+  a.environment_row_threshold.x = scene.environment.rows[i].threshold;
+  a.environment_texel = scene.environment.texels[i];
   return a;
 }
 

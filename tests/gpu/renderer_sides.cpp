@@ -85,7 +85,7 @@ TEST_F(RendererSides, StrategiesAgreeOnALampOfBentNormals) {
       for (std::size_t i = 0; i < lamp.normals.size(); ++i)
         lamp.normals[i] = glm::normalize(glm::dvec3(lamp.positions[i].x * 1.5, -0.25, lamp.positions[i].z * 1.5));
       std::vector<Estimate> estimates;
-      for (const auto [nee, mis] : {std::pair(false, false), std::pair(true, false), std::pair(true, true)}) {
+      for (const auto& [nee, mis] : {std::pair(false, false), std::pair(true, false), std::pair(true, true)}) {
         scene.integrator.nee = nee;
         scene.integrator.mis = mis;
         estimates.push_back(estimate(scene, on_device, 60000));

@@ -141,11 +141,11 @@ const BadInput kGrammar[] = {
     {"CropTooLarge",
      "<scene><integrator type=\"path\"/>\n<camera type=\"perspective\"><integer name=\"cropOffsetX\" "
      "value=\"1280\"/></camera></scene>",
-     2, 62, "do not fit into a film of 1280"},
+     2, 63, "do not fit into a film of 1280"},
     {"FovAxis",
      "<scene><integrator type=\"path\"/>\n<camera type=\"perspective\"><string name=\"fovAxis\" "
      "value=\"z\"/></camera></scene>",
-     2, 57, "\"z\" is no axis of the field of view"},
+     2, 58, "\"z\" is no axis of the field of view"},
     {"PhotonMapper", "<scene><camera type=\"perspective\"/>\n<integrator type=\"photonmapper\"/></scene>", 2, 19,
      "not supported; supported are: path, path_mats"},
     {"Medium", scene_around("<medium type=\"homogeneous\"/>"), 2, 1, "<medium> is not supported"},
@@ -373,8 +373,8 @@ TEST(SceneErrors, UnknownPropertyIsAWarningUnlessStrict) {
   EXPECT_EQ(lenient.diagnostics.list()[0].severity, Severity::warning);
   EXPECT_EQ(to_string(lenient.diagnostics.list()[0]),
             "s.xml:3:14: <camera type=\"perspective\"> has no property \"widht\"; did you mean \"width\"?; it has: "
-            "width, height, fov, nearClip, farClip, "
-            "toWorld; ignored");
+            "width, height, fov, fovAxis, focalLength, principalPointOffsetX, principalPointOffsetY, cropWidth, "
+            "cropHeight, cropOffsetX, cropOffsetY, nearClip, farClip, toWorld; ignored");
   const Parsed strict = parse(text, {{}, true});
   EXPECT_FALSE(strict.file.has_value());
 }

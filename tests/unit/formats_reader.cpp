@@ -423,7 +423,7 @@ TEST(SceneReader, SobolSamplers) {
 
 TEST(SceneReader, OverridesThatMatchNothing) {
   for (const auto& [name, expected] : {std::pair{"camera.widht", "did you mean \"camera.width\"?"},
-                                       std::pair{"rfilter.radius", "known here are: camera.farClip"},
+                                       std::pair{"rfilter.radius", "known here are: camera.cropHeight"},
                                        std::pair{"camera.toWorld", "has no property \"camera.toWorld\""}}) {
     const Parsed parsed = parse(scene_around(""), {{{name, "3"}}, false});
     EXPECT_FALSE(parsed.file.has_value());

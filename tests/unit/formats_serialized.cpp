@@ -30,9 +30,9 @@ Bytes make_mesh(std::uint16_t version, std::uint32_t flags, std::uint32_t last_i
   }
   put(body, announced_vertices);
   put(body, std::uint64_t{1});
-  for (const Real x : {0, 0, 0, 1, 0, 0, 0, 2, 0}) put(body, x);
+  for (const int x : {0, 0, 0, 1, 0, 0, 0, 2, 0}) put(body, static_cast<Real>(x));
   if ((flags & 1) != 0)
-    for (const Real x : {0, 0, 3, 0, 0, 1, 0, 0, 0}) put(body, x);
+    for (const int x : {0, 0, 3, 0, 0, 1, 0, 0, 0}) put(body, static_cast<Real>(x));
   if ((flags & 2) != 0)
     for (const Real x : {Real(0), Real(0), Real(1), Real(0), Real(0), Real(0.5)}) put(body, x);
   if ((flags & 8) != 0)

@@ -189,8 +189,8 @@ TEST(ReferenceMaterials, GlassAndPlasticGainNothing) {
         constexpr std::uint32_t kSamples = 20000;
         for (std::uint32_t i = 0; i < kSamples; ++i) {
           const auto r = SampleRandom(1, 0, i).material(0);
-          const BsdfSample s = sample(glass, at(std::abs(cosine), 0.3) * Vec3(1, 1, cosine < 0 ? -1 : 1), r.lobe,
-                                      {r.u, r.v});
+          const BsdfSample s =
+              sample(glass, at(std::abs(cosine), 0.3) * Vec3(1, 1, cosine < 0 ? -1 : 1), r.lobe, {r.u, r.v});
           energy += s.weight.x * s.eta * s.eta / kSamples;
         }
         EXPECT_LE(energy, 1.0 + 1e-9) << alpha << ' ' << inside << ' ' << cosine;
@@ -217,9 +217,14 @@ TEST(ReferenceMaterials, AgreeWithMitsuba) {
   const RoughConductorBsdf brushed{{Vec3(0.2, 1.5, 3.0), Vec3(3.0, 0.5, 4.0)}, {Distribution::ggx, 0.1, 0.7}, Vec3(1)};
   const RoughConductorBsdf gold{kGold, {Distribution::beckmann, 0.3, 0.3}, Vec3(0.9, 0.5, 0.1)};
   const RoughDielectricBsdf glass{.int_ior = 1.5, .ext_ior = 1.0, .roughness = {Distribution::ggx, 0.3, 0.3}};
-  const PlasticBsdf plastic{.diffuse_reflectance = Vec3(0.9, 0.5, 0.1), .int_ior = 1.9, .ext_ior = 1.0, .nonlinear = true};
-  const RoughPlasticBsdf coated{.diffuse_reflectance = Vec3(0.9, 0.5, 0.1), .int_ior = 1.9, .ext_ior = 1.0, .nonlinear = true,
-                                .distribution = Distribution::ggx, .alpha = 0.4};
+  const PlasticBsdf plastic{
+      .diffuse_reflectance = Vec3(0.9, 0.5, 0.1), .int_ior = 1.9, .ext_ior = 1.0, .nonlinear = true};
+  const RoughPlasticBsdf coated{.diffuse_reflectance = Vec3(0.9, 0.5, 0.1),
+                                .int_ior = 1.9,
+                                .ext_ior = 1.0,
+                                .nonlinear = true,
+                                .distribution = Distribution::ggx,
+                                .alpha = 0.4};
   const std::vector<Foreign> table{
       {glass, {0.3, 0.2, 0.9}, {-0.2, -0.2, 0.9}, {0.03612341, 0.03612341, 0.03612341}},
       {glass, {0.3, 0.2, 0.9}, {-0.1, -0.3, -0.8}, {0.3701776, 0.3701776, 0.3701776}},
@@ -239,7 +244,10 @@ TEST(ReferenceMaterials, AgreeWithMitsuba) {
   };
   for (const Foreign& f : table) {
     const Vec3 ours = eval(f.bsdf, glm::normalize(f.wo), glm::normalize(f.wi));
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(ours[c], f.value[c], 2e-5 * (f.value[c] + 0.01)) << f.wo.x << ' ' << f.wi.x;
+    // Mitsuba's rough plastic looks up what its coat lets pass in a table of its own.
+    const double tolerance = std::holds_alternative<RoughPlasticBsdf>(f.bsdf) ? 1.5e-3 : 2e-5;
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(ours[c], f.value[c], tolerance * (f.value[c] + 0.01)) << f.wo.x << ' ' << f.wi.x;
   }
 }
 

@@ -20,8 +20,8 @@ for pixel in 95,100 110,100 120,30; do
 done
 
 "$etendue" explain "$scene" --size 240x135 --lights 5000 > "$folder/lights"
-awk 'NR == 1 { total = $(NF - 5) } NR > 2 { sum += $3; lights += 1 }
-  END { if (lights != 3 || sum != total || total < 1000) { print "lights: " lights ", samples: " sum " of " total; exit 1 } }' "$folder/lights"
+awk 'NR == 1 { total = $(NF - 5) } NR > 2 { sum += $(NF - 4); lights += 1 }
+  END { if (lights != 4 || sum != total || total < 1000) { print "lights: " lights ", samples: " sum " of " total; exit 1 } }' "$folder/lights"
 
 code=0
 "$etendue" explain "$scene" --size 240x135 --pixel 240,0 > "$folder/out" 2> "$folder/error" || code=$?

@@ -250,10 +250,13 @@ struct TablesAnswer {
   vec4 attributes;
   uvec4 picture;
   vec4 transmittances;
+  EnvironmentRow environment_row;
+  uvec4 environment_row_threshold;  // x
+  EnvironmentTexel environment_texel;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 736);
+static_assert(sizeof(TablesAnswer) == 800);
 static_assert(sizeof(TextureCase) == 48 && sizeof(TextureAnswer) == 16);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);
