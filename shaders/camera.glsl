@@ -32,7 +32,7 @@ float sample_filter(float u, out float weight) {
 // from the camera itself the scene would be as large as the rounding errors of a position; here they are those of a point of the scene, and, as
 // fractions of a pixel, those of `ndc`.
 vec3 plane_point(vec2 ndc, vec2 lens) {
-  MUTATE(kMutantPlaneTooWide, ndc.x *= 1.02);
+  MUTATE(kMutantPlaneTooWide, ndc.x *= 1.1);
   MUTATE(kMutantLensTooWide, lens *= 1.02);
   const vec2 start = vec2(frame.plane_x * ndc.x, frame.plane_y * ndc.y) + frame.lens_offset * lens;
   return frame.camera_origin + (frame.camera_x * start.x + frame.camera_y * start.y);

@@ -93,7 +93,7 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
     {gpu::kMutantTreeCullsTooMuch, "tree culls too much", "groups of lights near the horizon are left out", "crowd"},
     {gpu::kMutantTreeMisForgotten, "tree MIS by power",
      "the weight of light met by chance forgets the tree's first turn", "crowd"},
-    {gpu::kMutantPlaneTooWide, "plane too wide", "the plane that rays of a far camera begin on is 2 % too wide",
+    {gpu::kMutantPlaneTooWide, "plane too wide", "the plane that rays of a far camera begin on is a tenth too wide",
      "far rectangle"},
     {gpu::kMutantStretchForgotten, "roughness forgotten",
      "normals of microfacets are sampled as if the roughness were 1", "chi2, roughconductor"},
