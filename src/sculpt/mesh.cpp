@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
+#include <span>
 #include <utility>
 
 #include "core/errors.h"
+#include "image/files.h"
 #include "sculpt/field.h"
 
 namespace etendue::sculpt {
@@ -135,20 +135,7 @@ void write_obj(const Mesh& mesh, const std::string& title, const std::string& pa
     return mesh.normals.empty() ? fmt::format("{}", i) : fmt::format("{}//{}", i, i);
   };
   for (const auto& t : mesh.triangles) fmt::format_to(out, "f {} {} {}\n", corner(t[0]), corner(t[1]), corner(t[2]));
-
-  const std::filesystem::path target(path);
-  std::filesystem::path beside = target;
-  beside += ".part";
-  std::ofstream file(beside, std::ios::binary);
-  file.write(text.data(), static_cast<std::streamsize>(text.size()));
-  file.close();
-  std::error_code failure;
-  if (file) std::filesystem::rename(beside, target, failure);
-  if (!file || failure) {
-    std::filesystem::remove(beside, failure);
-    throw Error(ErrorKind::file,
-                fmt::format("{}: cannot write {} bytes; check the folder and the free space", path, text.size()));
-  }
+  write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
 }  // namespace etendue::sculpt

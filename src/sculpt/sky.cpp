@@ -1,11 +1,10 @@
 #include "sculpt/sky.h"
 
-#include <filesystem>
-#include <fstream>
+#include <span>
 
 #include <fmt/format.h>
 
-#include "core/errors.h"
+#include "image/files.h"
 #include "sculpt/vec.h"
 
 namespace etendue::sculpt {
@@ -73,19 +72,7 @@ void write_sky(std::uint32_t height, const std::string& title, const std::string
       append(bytes, radiance(normalize({sine * sin_turns(turn), cos_turns(half_turn), -sine * cos_turns(turn)})));
     }
   }
-  const std::filesystem::path target(path);
-  std::filesystem::path beside = target;
-  beside += ".part";
-  std::ofstream file(beside, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  std::error_code failure;
-  if (file) std::filesystem::rename(beside, target, failure);
-  if (!file || failure) {
-    std::filesystem::remove(beside, failure);
-    throw Error(ErrorKind::file,
-                fmt::format("{}: cannot write {} bytes; check the folder and the free space", path, bytes.size()));
-  }
+  write_file_atomically(path, std::as_bytes(std::span(bytes.data(), bytes.size())));
 }
 
 }  // namespace etendue::sculpt
