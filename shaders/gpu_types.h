@@ -320,6 +320,8 @@ const uint kTexturesSrgb = 0x10u;
 const uint kTexturesThreeChannels = 0x20u;  // a texel may lie in two loads
 const uint kTexturesRadiance = 0x40u;       // an emitter has one
 const uint kTexturesSphere = 0x80u;         // a sphere has one
+const uint kTexturesDisk = 0x100u;          // a disk has one
+const uint kTexturesCylinder = 0x200u;      // a cylinder has one
 
 // What the textures of an instance need of its shape; empty where the scene has no textures. Each primitive has a block of texels: for each set of
 // texture coordinates (u, v) of the three corners in two texels, then the colours of the corners, then that of the face. A sphere has the rows of the
@@ -335,6 +337,9 @@ const uint kAttributesSetsMask = 0xffu;  // sets of texture coordinates
 const uint kAttributesVertexColors = 0x100u;
 const uint kAttributesFaceColors = 0x200u;
 const uint kAttributesSphere = 0x400u;
+const uint kAttributesDisk = 0x800u;
+const uint kAttributesTurned = 0x1000u;  // of a disk: its half axes are stored the other way round
+const uint kAttributesCylinder = 0x2000u;
 const uint kSrgbCodes = 256u;  // light of each, four a texel
 
 // An instance that emits: chosen when `threshold <= word`, the last one that satisfies it.

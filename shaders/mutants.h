@@ -89,7 +89,9 @@ const uint kMutantRefractionJacobian = 73u;
 const uint kMutantRoughEtaOmitted = 74u;
 const uint kMutantInnerReflectionForgotten = 75u;
 const uint kMutantTransmittanceOnce = 76u;
-const uint kMutantCount = 77u;
+const uint kMutantDiskTurnReversed = 77u;
+const uint kMutantCylinderUpsideDown = 78u;
+const uint kMutantCount = 79u;
 #endif
 
 #ifdef __cplusplus

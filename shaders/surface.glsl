@@ -92,6 +92,14 @@ vec3 inner_weights(vec3 weights) {
   return b * (1.0 / (b.x + b.y + b.z));
 }
 
+// The weights of a hit as textures want them: on a cylinder those of the ends of its axis.
+vec3 attribute_weights(Hit hit, Surface s) {
+  if (!is_cylinder(hit.geometry)) return hit.weights;
+  const vec3 axis = hit.geometry.p1 - hit.geometry.p0;
+  const float along = clamp(dot(s.p - hit.geometry.p0, axis) / dot(axis, axis), 0.0, 1.0);
+  return vec3(1.0 - along, along, 0.0);
+}
+
 Surface make_surface(Ray ray, Hit hit, Instance instance) {
   const Primitive prim = hit.geometry;
   Surface s;

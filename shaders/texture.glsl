@@ -16,8 +16,8 @@ bool textures_have(uint feature) { return (kTextureFeatures & feature) != 0u; }
 struct SurfacePoint {
   uint instance;
   uint primitive;
-  vec3 weights;  // of the triangle's corners
-  vec3 n;        // on a sphere, the direction from its centre
+  vec3 weights;  // of the triangle's corners; of a disk's centre and the ends of its half axes; of the ends of a cylinder's axis
+  vec3 n;        // on a sphere the direction from its centre, on a cylinder the normal
 };
 
 // (b, a) shifted right by `bits` < 32: the low word.
@@ -106,12 +106,23 @@ uint attribute_stride(uint layout_bits) {
          ((layout_bits & kAttributesFaceColors) != 0u ? 1u : 0u);
 }
 
-// Texture coordinates of the surface. On a sphere u is the angle around its z axis from x toward y, as a share of a turn, v the angle from −z over π.
+// Texture coordinates of the surface. On a sphere u is the angle around its z axis from x toward y, as a share of a turn, v the angle from −z over π; on a
+// disk u is the distance from its centre, 1 − v the angle; on a cylinder u is the angle around its axis, 1 − v the place along it.
 vec2 surface_uv(InstanceAttributes a, SurfacePoint at, uint set) {
   if (textures_have(kTexturesSphere) && (a.layout_bits & kAttributesSphere) != 0u) {
     const vec3 d = vec3(dot(fetch_attribute(a.first).xyz, at.n), dot(fetch_attribute(a.first + 1u).xyz, at.n),
                         dot(fetch_attribute(a.first + 2u).xyz, at.n));
     return vec2(turn_of(d.x, d.y), 2.0 * turn_of(-d.z, length(d.xy)));
+  }
+  if (textures_have(kTexturesDisk) && (a.layout_bits & kAttributesDisk) != 0u) {
+    vec2 d = (a.layout_bits & kAttributesTurned) != 0u ? at.weights.zy : at.weights.yz;
+    MUTATE(kMutantDiskTurnReversed, d.y = -d.y);
+    return vec2(length(d), 1.0 - turn_of(d.x, d.y));
+  }
+  if (textures_have(kTexturesCylinder) && (a.layout_bits & kAttributesCylinder) != 0u) {
+    const float around = turn_of(dot(fetch_attribute(a.first).xyz, at.n), dot(fetch_attribute(a.first + 1u).xyz, at.n));
+    MUTATE(kMutantCylinderUpsideDown, return vec2(around, at.weights.y));
+    return vec2(around, at.weights.x);
   }
   const uint stride = attribute_stride(a.layout_bits);
   const uint first = a.first + stride * at.primitive + 2u * set;

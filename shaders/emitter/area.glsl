@@ -104,6 +104,15 @@ LightSample area_sample_cylinder(vec3 p, Primitive prim, LightChoice choice, vec
   return ls;
 }
 
+// Weights of the point that area_sample takes, as textures want them.
+vec3 sampled_weights(Primitive prim, vec2 u) {
+  if (is_cylinder(prim)) return vec3(1.0 - u.x, u.x, 0.0);
+  if (!is_disk(prim)) return square_to_triangle(u);
+  float r;
+  const vec2 d = square_to_disk(u, r);
+  return vec3(1.0 - d.x - d.y, d);
+}
+
 LightSample area_sample(vec3 p, Primitive prim, Instance instance, LightChoice choice, vec2 u) {
   LightSample ls;
   if (kSphereLights && is_sphere(prim)) {
@@ -119,7 +128,7 @@ LightSample area_sample(vec3 p, Primitive prim, Instance instance, LightChoice c
   ls.radiance = instance.radiance;
   bool textured = textures_have(kTexturesRadiance);
   MUTATE(kMutantLightTextureIgnored, textured = false);
-  if (textured) ls.radiance *= radiance_factor(SurfacePoint(prim.instance, prim.primitive, square_to_triangle(u), ls.ng));
+  if (textured) ls.radiance *= radiance_factor(SurfacePoint(prim.instance, prim.primitive, sampled_weights(prim, u), ls.ng));
   ls.instance = prim.instance;
   ls.primitive = prim.primitive;
   return ls;

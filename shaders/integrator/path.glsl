@@ -205,7 +205,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     shade_first_hit(path, s, hit);
     return;
   }
-  const SurfacePoint at = SurfacePoint(s.instance, s.primitive, hit.weights, s.ng);
+  const SurfacePoint at = SurfacePoint(s.instance, s.primitive, attribute_weights(hit, s), s.ng);
   if (hidden_from_camera(path, instance)) {
     pass_through(path, s, hit);
     return;

@@ -86,13 +86,20 @@ class TextureCompiler {
     if (is_textured(*emitter)) out_.features |= gpu::kTexturesRadiance;
   }
 
+  /// Of shapes that have texture coordinates of their own.
+  static gpu::uint feature_of(const Shape& shape) {
+    if (std::holds_alternative<Sphere>(shape)) return gpu::kTexturesSphere;
+    if (std::holds_alternative<Disk>(shape)) return gpu::kTexturesDisk;
+    return std::holds_alternative<Cylinder>(shape) ? gpu::kTexturesCylinder : 0;
+  }
+
   void add_need(const Texture& texture, const Instance& instance, Needs& needs) {
     textured_ = needs.any = true;
     if (const auto* attribute = std::get_if<AttributeTexture>(&texture.source)) {
       const bool faces = attribute->source == AttributeTexture::Source::face_color;
       (faces ? needs.face_colors : needs.vertex_colors) = true;
-    } else if (std::holds_alternative<Sphere>(scene_.shape_of(instance))) {
-      out_.features |= gpu::kTexturesSphere;
+    } else if (const gpu::uint feature = feature_of(scene_.shape_of(instance)); feature != 0) {
+      out_.features |= feature;
     } else {
       needs.sets = std::max(needs.sets, texture.uv_set + 1);
     }
@@ -171,6 +178,16 @@ class TextureCompiler {
       add_rotation(instance);
       return flat;
     }
+    if (std::holds_alternative<Disk>(scene_.shape_of(instance))) {
+      flat.layout_bits = gpu::kAttributesDisk | (turns_winding(instance) ? gpu::kAttributesTurned : 0u);
+      return flat;
+    }
+    if (const auto* cylinder = std::get_if<Cylinder>(&scene_.shape_of(instance))) {
+      flat.first = static_cast<gpu::uint>(out_.attributes.size());
+      flat.layout_bits = gpu::kAttributesCylinder;
+      add_turn(*cylinder, instance);
+      return flat;
+    }
     flat.layout_bits = needs.sets | (needs.vertex_colors ? gpu::kAttributesVertexColors : 0u) |
                        (needs.face_colors ? gpu::kAttributesFaceColors : 0u);
     const auto [place, added] = meshes_.try_emplace(key(instance), static_cast<gpu::uint>(out_.attributes.size()));
@@ -183,6 +200,19 @@ class TextureCompiler {
   void add_rotation(const Instance& instance) {
     const glm::dmat3 axes(instance.world_from_object);
     for (int row = 0; row < 3; ++row) out_.attributes.emplace_back(glm::vec3(glm::normalize(axes[row])), 0.0f);
+  }
+
+  /// Where angles around a cylinder begin, and what lies a quarter turn on; normals that point inward are turned.
+  void add_turn(const Cylinder& cylinder, const Instance& instance) {
+    const glm::dvec3 axis = glm::normalize(cylinder.p1 - cylinder.p0);
+    // Source: [Duff2017], listing 3.
+    const double sign = axis.z >= 0.0 ? 1.0 : -1.0;
+    const double a = -1.0 / (sign + axis.z), b = axis.x * axis.y * a;
+    const glm::dvec3 s(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x);
+    const glm::dvec3 t(b, sign + axis.y * axis.y * a, -axis.y);
+    const glm::dmat3 axes(instance.world_from_object);
+    const double side = instance.flip_normals ? -1.0 : 1.0;
+    for (const glm::dvec3& v : {s, t}) out_.attributes.emplace_back(glm::vec3(side * glm::normalize(axes * v)), 0.0f);
   }
 
   void add_mesh(const Instance& instance, const Needs& needs) {

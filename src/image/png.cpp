@@ -13,6 +13,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "image/bitmap_file.h"
 #include "image/decode.h"
 #include "image/files.h"
 
@@ -87,6 +88,22 @@ bool encode(png_structp png, png_infop info, PngState& state, std::uint32_t widt
   png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
   if (text_count > 0) png_set_text(png, info, texts, text_count);
   png_write_info(png, info);
+  png_write_image(png, rows);
+  png_write_end(png, nullptr);
+  return true;
+}
+
+/// Codes as they are, of 8 or 16 bits in this machine's order, without a word about their meaning.
+bool encode_codes(png_structp png, png_infop info, PngState& state, const Bitmap& bitmap, int bits, png_bytepp rows) {
+  constexpr std::array<int, 4> kTypes = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
+                                         PNG_COLOR_TYPE_RGB_ALPHA};
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_write_fn(png, &state, write_png_bytes, flush_png);
+  png_set_user_limits(png, kMaxImageSide, kMaxImageSide);
+  png_set_IHDR(png, info, bitmap.width, bitmap.height, bits, kTypes[bitmap.channels - 1], PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  if (bits == 16) png_set_swap(png);
   png_write_image(png, rows);
   png_write_end(png, nullptr);
   return true;
@@ -287,6 +304,39 @@ void write_png(const std::string& path, const Image& image) {
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
   const bool encodable = info != nullptr && encode(png, info, state, image.width, image.height, rows.data(),
                                                    texts.data(), static_cast<int>(texts.size()));
+  png_destroy_write_struct(&png, &info);
+  if (!encodable)
+    throw Error(ErrorKind::file, fmt::format("{}: cannot be encoded as PNG: {}", path, state.message.data()));
+  write_file_atomically(path, state.output);
+}
+
+void write_png_bitmap(const std::string& path, const Bitmap& bitmap) {
+  const bool wide = bitmap.format != BitmapFormat::u8;
+  std::vector<png_byte> bytes;
+  if (!wide) {
+    bytes.resize(bitmap.texels.size());
+    std::memcpy(bytes.data(), bitmap.texels.data(), bytes.size());
+  } else {
+    const std::size_t numbers = std::size_t{bitmap.width} * bitmap.height * bitmap.channels;
+    bytes.resize(2 * numbers);
+    for (std::size_t i = 0; i < numbers; ++i) {
+      const auto x = static_cast<std::uint32_t>(i / bitmap.channels % bitmap.width);
+      const auto y = static_cast<std::uint32_t>(i / bitmap.channels / bitmap.width);
+      const float stored = bitmap.stored(x, y, static_cast<std::uint32_t>(i % bitmap.channels));
+      const double code = std::floor(65535.0 * static_cast<double>(stored) + 0.5);
+      const auto rounded = static_cast<std::uint16_t>(std::clamp(code, 0.0, 65535.0));
+      if (static_cast<float>(rounded) / 65535.0f != stored)
+        throw Error(ErrorKind::file, fmt::format("{}: floats coded by the curve of sRGB are written as 16-bit PNG, but "
+                                                 "{} is none of its numbers",
+                                                 path, stored));
+      std::memcpy(&bytes[2 * i], &rounded, sizeof rounded);
+    }
+  }
+  std::vector<png_bytep> rows = row_pointers(bytes, bitmap.height);
+  PngState state;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, on_png_error, on_png_warning);
+  png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
+  const bool encodable = info != nullptr && encode_codes(png, info, state, bitmap, wide ? 16 : 8, rows.data());
   png_destroy_write_struct(&png, &info);
   if (!encodable)
     throw Error(ErrorKind::file, fmt::format("{}: cannot be encoded as PNG: {}", path, state.message.data()));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reference/frame.h"
 #include "reference/placement.h"
 #include "reference/sampling.h"
 #include "scene/parameters.h"
@@ -88,9 +89,35 @@ Vec2 sphere_uv(const Instance& instance, const Surface& surface) {
   return {turns < 0.0 ? turns + 1.0 : turns, 1.0 - std::acos(std::clamp(d.z, -1.0, 1.0)) / kPi};
 }
 
+/// The angle of (x, y) from the x axis, as a share of a turn in [0,1).
+double turn(double x, double y) {
+  const double turns = std::atan2(y, x) / (2.0 * kPi);
+  return turns < 0.0 ? turns + 1.0 : turns;
+}
+
+Vec3 object_point(const Instance& instance, const Vec3& p) {
+  return Vec3(glm::inverse(instance.world_from_object) * Vec4(p, 1.0));
+}
+
+/// Polar coordinates.
+Vec2 disk_uv(const Instance& instance, const Surface& surface) {
+  const Vec3 p = object_point(instance, surface.p);
+  return {std::hypot(p.x, p.y), 1.0 - turn(p.x, p.y)};
+}
+
+Vec2 cylinder_uv(const Cylinder& cylinder, const Instance& instance, const Surface& surface) {
+  const Vec3 axis = cylinder.p1 - cylinder.p0;
+  const double height = glm::length(axis);
+  const Vec3 local = Frame(axis / height).to_local(object_point(instance, surface.p) - cylinder.p0);
+  return {turn(local.x, local.y), 1.0 - local.z / height};
+}
+
 Vec2 surface_uv(const Scene& scene, std::uint32_t set, const Surface& surface) {
   const Instance& instance = scene.instances[surface.instance];
   const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
+  if (std::holds_alternative<Disk>(scene.shape_of(instance))) return disk_uv(instance, surface);
+  if (const auto* cylinder = std::get_if<Cylinder>(&scene.shape_of(instance)))
+    return cylinder_uv(*cylinder, instance, surface);
   if (mesh == nullptr) return sphere_uv(instance, surface);
   const glm::uvec3 t = corners(*mesh, instance, surface);
   Vec2 uv(0.0);

@@ -113,9 +113,8 @@ class TextureChecker {
       if (mesh == nullptr || (faces ? mesh->face_colors : mesh->vertex_colors).empty()) return lacks(what);
       return check_colors(faces ? mesh->face_colors : mesh->vertex_colors, field, instance);
     }
-    // Disks and cylinders have none yet.
-    const bool sphere = std::holds_alternative<Sphere>(scene_.shape_of(instance));
-    if (sphere ? texture.uv_set > 0 : mesh == nullptr || texture.uv_set >= mesh->uv_sets.size())
+    // Spheres, disks and cylinders have one set.
+    if (texture.uv_set >= (mesh == nullptr ? 1 : mesh->uv_sets.size()))
       return lacks(texture.uv_set == 0 ? "texture coordinates"
                                        : fmt::format("set {} of texture coordinates", texture.uv_set));
     if (mesh != nullptr) check_coordinates(*mesh, texture.uv_set, instance);

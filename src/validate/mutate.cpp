@@ -172,6 +172,10 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "what the coat of a plastic reflects back inside is lost", "albedo, plastic"},
     {gpu::kMutantTransmittanceOnce, "coat passed once", "light enters a rough coat without loss",
      "albedo, roughplastic"},
+    {gpu::kMutantDiskTurnReversed, "disk turned round", "a texture runs around a disk the wrong way",
+     "picture of round shapes"},
+    {gpu::kMutantCylinderUpsideDown, "cylinder upside down", "a texture stands on its head on cylinders",
+     "picture of round shapes"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -347,8 +351,13 @@ Scene room_of_round_shapes() {
   Scene scene = room();
   scene.name = scene.file = "room of round shapes";
   scene.instances.resize(scene.instances.size() - 3);  // the lamp and the spheres
+  // Two halves of different colour: of the turn around a disk, of the height of a cylinder.
+  Texture squares{.source = CheckerboardTexture{glm::dvec3(1.0, 0.9, 0.7), glm::dvec3(0.1, 0.3, 0.2)}};
+  squares.uv_transform = glm::dmat3(0.4, 0.0, 0.0, 0.0, 1.0, 0.0, 0.05, 0.02, 1.0);
+  scene.textures = {squares};
+  scene.emitters[0].radiance.texture = 0;
   const auto put = [&](Shape shape, glm::dvec4 x, glm::dvec4 y, glm::dvec4 z, glm::dvec4 at) -> Instance& {
-    Instance& instance = scene.add(std::move(shape), DiffuseBsdf{glm::dvec3(0.8)});
+    Instance& instance = scene.add(std::move(shape), DiffuseBsdf{ColorParameter(glm::dvec3(0.8), 0)});
     instance.world_from_object = glm::dmat4(x, y, z, at);
     return instance;
   };

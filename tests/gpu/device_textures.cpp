@@ -37,7 +37,10 @@ std::shared_ptr<Bitmap> random_bitmap(Random& random, std::uint32_t width, std::
   return bitmap;
 }
 
-// One triangle with coordinates up to `reach`, with colours, and a sphere turned somehow; all of it untextured so far.
+const Cylinder kCylinder{{0.3, -0.2, 0.1}, {1.0, 0.5, -1.4}, 0.4};
+
+// One triangle with coordinates up to `reach`, with colours; a sphere turned somehow, a mirrored disk and a cylinder;
+// all of it untextured so far.
 Scene bodies(Random& random, float reach) {
   Scene scene;
   TriangleMesh mesh{
@@ -54,9 +57,33 @@ Scene bodies(Random& random, float reach) {
   scene.instances.push_back(mirrored);
   const glm::dvec3 z = random.direction(), x = glm::normalize(glm::cross(z, glm::dvec3(0.3, 1.0, 0.2)));
   Instance& sphere = scene.add(Sphere{});
-  sphere.world_from_object =
+  const glm::dmat4 place =
       glm::dmat4(glm::dvec4(2.0 * x, 0), glm::dvec4(2.0 * glm::cross(z, x), 0), glm::dvec4(2.0 * z, 0), {3, 4, 5, 1});
+  sphere.world_from_object = place;
+  scene.add(Disk{}).world_from_object = place * glm::dmat4({1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, -1, 0}, {0, 0, 0, 1});
+  Instance& cylinder = scene.add(kCylinder);
+  cylinder.world_from_object = place;
+  cylinder.flip_normals = random.below(2) == 0;
   return scene;
+}
+
+// The point of a surface that a case means, and what it hands to the kernel.
+reference::Surface surface_of(const Scene& scene, Random& random, gpu::TextureCase& c) {
+  reference::Surface surface{.instance = c.instance, .primitive = c.primitive, .weights = glm::dvec3(c.weights)};
+  const Instance& instance = scene.instances[c.instance];
+  const glm::dmat4& m = instance.world_from_object;
+  if (std::holds_alternative<Disk>(scene.shape_of(instance)))  // mirrored: its half axes are the other way round
+    surface.p = glm::dvec3(m * glm::dvec4(surface.weights.z, surface.weights.y, 0.0, 1.0));
+  if (std::holds_alternative<Cylinder>(scene.shape_of(instance))) {
+    const double v = static_cast<double>(c.weights.y);
+    c.weights = glm::vec3(1.0f - c.weights.y, c.weights.y, 0.0f);
+    const glm::dvec3 axis = kCylinder.p1 - kCylinder.p0;
+    const glm::dvec3 out = glm::normalize(glm::cross(axis, glm::dvec3(random.direction())));
+    surface.p = glm::dvec3(m * glm::dvec4(kCylinder.p0 + v * axis + kCylinder.radius * out, 1.0));
+    c.n = glm::vec3((instance.flip_normals ? -1.0 : 1.0) * glm::normalize(glm::dmat3(m) * out));
+  }
+  surface.ns = glm::normalize(glm::dvec3(c.n));
+  return surface;
 }
 
 glm::dmat3 random_transform(Random& random) {
@@ -129,12 +156,14 @@ TEST_F(DeviceTextures, LookupsAreThoseOfTheReference) {
     use(scene);
     const CompiledScene compiled = compile_scene(scene);
     std::vector<gpu::TextureCase> cases(256);
+    std::vector<reference::Surface> surfaces;
     for (gpu::TextureCase& c : cases) {
-      c.instance = random.below(3);
+      c.instance = random.below(5);
       c.primitive = c.instance < 2 ? random.below(2) : 0u;
       const float a = random.unit(), b = (1.0f - a) * random.unit();
       c.weights = {a, b, 1.0f - a - b};
       c.n = glm::vec3(random.direction());
+      surfaces.push_back(surface_of(scene, random, c));
     }
     const double error = 4e-7 * reach_of(scene, texture);
     // What rounding does between two texels, at worst near the centre of one, where none of the neighbours is so low.
@@ -146,12 +175,8 @@ TEST_F(DeviceTextures, LookupsAreThoseOfTheReference) {
       const auto answers = run<gpu::TextureAnswer>(kernel, cases);
       for (std::size_t i = 0; i < cases.size(); ++i) {
         const gpu::TextureCase& c = cases[i];
-        const reference::Surface surface{.ns = glm::normalize(glm::dvec3(c.n)),
-                                         .instance = c.instance,
-                                         .primitive = c.primitive,
-                                         .weights = glm::dvec3(c.weights)};
         const Bracket wanted =
-            around(scene, scene.textures[0], surface, c.instance == 2 ? 20.0 * error : error);  // poles
+            around(scene, scene.textures[0], surfaces[i], c.instance >= 2 ? 20.0 * error : error);  // poles
         for (int k = 0; k < 4; ++k) {
           ASSERT_GE(static_cast<double>(answers[i].value[k]), wanted.low[k] - tolerance)
               << round << " " << i << " " << k << " instance " << c.instance;
@@ -167,7 +192,7 @@ TEST_F(DeviceTextures, AttributesAreThoseOfTheReference) {
   Random random(6);
   for (const auto source : {AttributeTexture::Source::vertex_color, AttributeTexture::Source::face_color}) {
     Scene scene = bodies(random, 1.0f);
-    scene.instances.pop_back();  // a sphere has no colours
+    scene.instances.resize(2);  // other shapes have no colours
     scene.textures.push_back({.source = AttributeTexture{source}});
     scene.textures.push_back({.source = CheckerboardTexture{}, .uv_set = 1});  // so that sets lie before the colours
     std::get<DiffuseBsdf>(scene.materials[0].bsdf).albedo.texture = std::uint32_t{0};

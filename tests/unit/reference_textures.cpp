@@ -106,6 +106,35 @@ TEST(ReferenceTextures, ASpheresNorthIsThePicturesTop) {
   EXPECT_EQ(at(glm::normalize(Vec3(1, 1, -2))), 9.0);
 }
 
+TEST(ReferenceTextures, ADiskHasPolarCoordinates) {
+  Plane plane(wrapped(TextureWrap::clamp, TextureFilter::bilinear), 2, 2, {0, 4, 1, 5});
+  plane.scene.shapes[0] = Disk{};
+  const auto at = [&](const Vec3& p) { return texture_value(plane.scene, plane.scene.textures[0], {.p = p}).x; };
+  // u, the distance, from 1/4 to 3/4 adds 4; the angle from a quarter to three quarters of a turn adds 1.
+  EXPECT_NEAR(at({0, 0.25, 0}), 0.0, 1e-12);
+  EXPECT_NEAR(at({0, 0.5, 0}), 2.0, 1e-12);
+  EXPECT_NEAR(at({0, -0.75, 0}), 5.0, 1e-12);
+  EXPECT_NEAR(at({-0.75, 0, 0}), 4.5, 1e-12);
+  // Wider along x and mirrored along y: of its own space.
+  plane.scene.instances[0].world_from_object = glm::dmat4({3, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 1, 0}, {5, 6, 7, 1});
+  EXPECT_NEAR(at({5 - 2.25, 6, 7}), 4.5, 1e-12);
+  EXPECT_NEAR(at({5, 6.75, 7}), 5.0, 1e-12);
+}
+
+TEST(ReferenceTextures, APictureHangsDownACylinderFromItsFirstEnd) {
+  Plane plane(wrapped(TextureWrap::clamp, TextureFilter::bilinear), 2, 2, {0, 4, 1, 5});
+  plane.scene.shapes[0] = Cylinder{{0, 0, 1}, {0, 0, 3}, 1.0};
+  const auto at = [&](const Vec3& p) { return texture_value(plane.scene, plane.scene.textures[0], {.p = p}).x; };
+  EXPECT_NEAR(at({0, 1, 1.5}), 0.0, 1e-12);
+  EXPECT_NEAR(at({0, 1, 2.5}), 1.0, 1e-12);
+  EXPECT_NEAR(at({0, -1, 1.5}), 4.0, 1e-12);
+  EXPECT_NEAR(at({-1, 0, 2.0}), 2.5, 1e-12);
+  // Along y the turn begins at x and goes on toward −z: that is where [Duff2017] puts them.
+  plane.scene.shapes[0] = Cylinder{{0, 0, 0}, {0, 2, 0}, 1.0};
+  EXPECT_NEAR(at({0, 0.5, -1}), 0.0, 1e-12);
+  EXPECT_NEAR(at({0, 0.5, 1}), 4.0, 1e-12);
+}
+
 TEST(ReferenceTextures, ParametersAreFactors) {
   Plane plane(wrapped(TextureWrap::repeat, TextureFilter::nearest), 1, 1, {0.5f});
   const Surface surface{.weights = {1, 0, 0}};

@@ -41,6 +41,28 @@ struct Range {
   std::string describe() const;
 };
 
+/// Makers of ranges, for the tables of dialects.
+namespace ranges {
+inline Range any() {
+  return {};
+}
+inline Range between(double min, double max) {
+  return {min, max, false, false};
+}
+inline Range inside(double min, double max) {
+  return {min, max, true, true};
+}
+inline Range above(double min) {
+  return {min, std::numeric_limits<double>::infinity(), true, false};
+}
+inline Range above_up_to(double min, double max) {
+  return {min, max, true, false};
+}
+inline Range at_least(double min) {
+  return {min, std::numeric_limits<double>::infinity(), false, false};
+}
+}  // namespace ranges
+
 using Value = std::variant<bool, std::int64_t, double, std::string, std::vector<double>, glm::dvec3>;
 
 /// A value that cannot be read: where in its text, and why.

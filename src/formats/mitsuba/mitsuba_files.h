@@ -8,6 +8,7 @@
 #include "formats/mitsuba/mitsuba_document.h"
 #include "formats/nori/nori_reader.h"
 #include "formats/serialized/serialized_reader.h"
+#include "image/bitmap.h"
 
 namespace etendue {
 
@@ -15,6 +16,7 @@ struct MitsubaFiles {
   MeshLoader mesh;
   TextLoader text;  ///< what is included
   std::function<std::optional<SerializedMesh>(const std::string& path, std::int64_t index, Diagnostics&)> serialized;
+  std::function<Bitmap(const std::string& path)> picture = [](const std::string& path) { return read_bitmap(path); };
 };
 
 }  // namespace etendue

@@ -1,10 +1,12 @@
 #include "formats/mitsuba/mitsuba_materials.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "formats/mitsuba/named_materials.h"
 #include "scene/limits.h"
 #include "scene/metals.h"
 
@@ -33,28 +35,30 @@ std::uint32_t MitsubaMaterials::default_row(bool emits, const SourcePosition& sh
   return *row;
 }
 
-glm::dvec3 MitsubaMaterials::constant(const MitsubaColor& color) {
-  if (color.texture == nullptr) return color.value;
-  const XmlAttribute* type = color.texture->find("type");
-  context_.missing.add(fmt::format("texture {}", type == nullptr ? "without a type" : type->value),
-                       context_.document.position(*color.texture), "grey, 0.5");
-  return glm::dvec3(0.5);
-}
-
 Bsdf MitsubaMaterials::read(const XmlElement& element) {
   const auto object = MitsubaObject::read(element, context_, "diffuse, grey");
   if (!object) return DiffuseBsdf{};
   const std::string_view type = object->type();
   if (type == "diffuse") return read_diffuse(*object);
   if (type == "dielectric") return read_dielectric(*object);
+  if (type == "thindielectric") return read_clear<ThinDielectricBsdf>(*object);
+  if (type == "roughdielectric") {
+    auto glass = read_clear<RoughDielectricBsdf>(*object);
+    read_roughness(*object, glass.roughness);
+    return glass;
+  }
   if (type == "conductor") return read_conductor(*object);
   if (type == "roughconductor") return read_rough_conductor(*object);
+  if (type == "plastic") return read_plastic<PlasticBsdf>(*object);
+  if (type == "roughplastic") return read_rough_plastic(*object);
   throw std::logic_error(fmt::format("the reader has no material {}", type));
 }
 
 Bsdf MitsubaMaterials::read_diffuse(const MitsubaObject& object) {
+  DiffuseBsdf bsdf;
   const char* name = object.given("diffuse_reflectance") ? "diffuse_reflectance" : "reflectance";
-  return DiffuseBsdf{constant(object.color(name, SpectrumUse::reflectance))};
+  assign(bsdf.albedo, object, name, SpectrumUse::reflectance);
+  return bsdf;
 }
 
 Bsdf MitsubaMaterials::read_dielectric(const MitsubaObject& object) {
@@ -63,22 +67,57 @@ Bsdf MitsubaMaterials::read_dielectric(const MitsubaObject& object) {
   return DielectricBsdf{object.ior("int_ior"), object.ior("ext_ior")};
 }
 
+template <typename Glass>
+Glass MitsubaMaterials::read_clear(const MitsubaObject& object) {
+  Glass glass;
+  glass.int_ior = object.ior("int_ior");
+  glass.ext_ior = object.ior("ext_ior");
+  assign(glass.specular_reflectance, object, "specular_reflectance", SpectrumUse::reflectance);
+  assign(glass.specular_transmittance, object, "specular_transmittance", SpectrumUse::reflectance);
+  return glass;
+}
+
 Bsdf MitsubaMaterials::read_conductor(const MitsubaObject& object) {
-  return ConductorBsdf{read_metal(object), constant(object.color("specular_reflectance", SpectrumUse::reflectance))};
+  ConductorBsdf bsdf;
+  read_metal(object, bsdf.index);
+  assign(bsdf.specular_reflectance, object, "specular_reflectance", SpectrumUse::reflectance);
+  return bsdf;
 }
 
 Bsdf MitsubaMaterials::read_rough_conductor(const MitsubaObject& object) {
-  return RoughConductorBsdf{read_metal(object), read_roughness(object),
-                            constant(object.color("specular_reflectance", SpectrumUse::reflectance))};
+  RoughConductorBsdf bsdf;
+  read_metal(object, bsdf.index);
+  read_roughness(object, bsdf.roughness);
+  assign(bsdf.specular_reflectance, object, "specular_reflectance", SpectrumUse::reflectance);
+  return bsdf;
 }
 
-ConductorIndex MitsubaMaterials::read_metal(const MitsubaObject& object) {
-  ConductorIndex index;
-  if (object.given("eta") || object.given("k")) {
-    index.eta = constant(object.color("eta", SpectrumUse::index));
-    index.k = constant(object.color("k", SpectrumUse::index));
+template <typename Plastic>
+Plastic MitsubaMaterials::read_plastic(const MitsubaObject& object) {
+  Plastic plastic;
+  plastic.int_ior = object.ior("int_ior");
+  plastic.ext_ior = object.ior("ext_ior");
+  plastic.nonlinear = object.boolean("nonlinear");
+  assign(plastic.diffuse_reflectance, object, "diffuse_reflectance", SpectrumUse::reflectance);
+  assign(plastic.specular_reflectance, object, "specular_reflectance", SpectrumUse::reflectance);
+  return plastic;
+}
+
+Bsdf MitsubaMaterials::read_rough_plastic(const MitsubaObject& object) {
+  auto plastic = read_plastic<RoughPlasticBsdf>(object);
+  plastic.distribution = read_distribution(object);
+  assign_alpha(plastic.alpha, object, "alpha");
+  return plastic;
+}
+
+void MitsubaMaterials::read_metal(const MitsubaObject& object, ConductorIndex& index) {
+  const bool by_number = object.given("eta") || object.given("k");
+  if (by_number) {
+    assign(index.eta, object, "eta", SpectrumUse::index);
+    assign(index.k, object, "k", SpectrumUse::index);
   } else {
-    const std::string name = object.text("material");
+    const bool copper = is_old() && !object.given("material");  // 0.6 has another default
+    const std::string name = copper ? "Cu" : object.text("material");
     const auto known = metal_index(name);
     if (known) index = *known;
     if (!known)
@@ -86,26 +125,56 @@ ConductorIndex MitsubaMaterials::read_metal(const MitsubaObject& object) {
                           fmt::format("there is no material {}{}; known are: {}", text::quoted(name),
                                       text::did_you_mean(name, metal_names()), text::join(metal_names())));
   }
-  const double outside = object.ior("ext_eta");
-  return {index.eta / outside, index.k / outside};
+  const double outside = is_old() && !object.given("ext_eta") ? *named_ior("air") : object.ior("ext_eta");
+  const auto divide = [outside](auto& field) {
+    if constexpr (requires { field.value; })
+      field.value /= outside;
+    else
+      field /= outside;
+  };
+  divide(index.eta);
+  divide(index.k);
 }
 
-Roughness MitsubaMaterials::read_roughness(const MitsubaObject& object) {
-  Roughness roughness;
+Roughness::Distribution MitsubaMaterials::read_distribution(const MitsubaObject& object) {
   const std::string distribution = object.text("distribution");
-  if (distribution == "ggx") {
-    roughness.distribution = Roughness::Distribution::ggx;
-  } else if (distribution != "beckmann") {
+  if (distribution == "ggx") return Roughness::Distribution::ggx;
+  if (distribution != "beckmann")
     context_.missing.add(fmt::format("microfacet distribution {}", distribution), object.position_of("distribution"),
                          "beckmann");
+  return Roughness::Distribution::beckmann;
+}
+
+void MitsubaMaterials::read_roughness(const MitsubaObject& object, Roughness& roughness) {
+  roughness.distribution = read_distribution(object);
+  assign_alpha(roughness.alpha_u, object, object.given("alpha_u") ? "alpha_u" : "alpha");
+  assign_alpha(roughness.alpha_v, object, object.given("alpha_v") ? "alpha_v" : "alpha");
+}
+
+void MitsubaMaterials::assign(ColorParameter& field, const MitsubaObject& object, const char* name, SpectrumUse use) {
+  field = textures_.parameter(object.color(name, use));
+}
+
+void MitsubaMaterials::assign(glm::dvec3& field, const MitsubaObject& object, const char* name, SpectrumUse use) {
+  field = textures_.constant(object.color(name, use), fmt::format("{} of {}", name, object.type()).c_str());
+}
+
+void MitsubaMaterials::assign_alpha(ScalarParameter& field, const MitsubaObject& object, const char* name) {
+  const XmlElement* texture = object.texture(name);
+  field = texture != nullptr ? textures_.scalar(*texture) : ScalarParameter(alpha(object, name));
+  if (!field.texture) field.value = std::max(field.value, kMinRoughness);
+}
+
+void MitsubaMaterials::assign_alpha(double& field, const MitsubaObject& object, const char* name) {
+  if (const XmlElement* texture = object.texture(name)) {
+    const std::string of = fmt::format("{} of {}", name, object.type());
+    field = std::max(textures_.constant({glm::dvec3(0.0), texture}, of.c_str()).x, kMinRoughness);
+    return;
   }
-  roughness.alpha_u = alpha(object, object.given("alpha_u") ? "alpha_u" : "alpha");
-  roughness.alpha_v = alpha(object, object.given("alpha_v") ? "alpha_v" : "alpha");
-  return roughness;
+  field = alpha(object, name);
 }
 
 double MitsubaMaterials::alpha(const MitsubaObject& object, const char* name) {
-  if (const XmlElement* texture = object.texture(name)) return constant({glm::dvec3(0.0), texture}).x;
   const double value = object.real(name);
   if (value >= kMinRoughness) return value;
   context_.sink.note(object.position_of(name),

@@ -5,35 +5,48 @@
 #include <map>
 
 #include "formats/mitsuba/mitsuba_object.h"
+#include "formats/mitsuba/mitsuba_textures.h"
 #include "scene/scene.h"
 
 namespace etendue {
 
 class MitsubaMaterials {
  public:
-  MitsubaMaterials(const MitsubaContext& context, Scene& scene) : context_(context), scene_(scene) {}
+  MitsubaMaterials(const MitsubaContext& context, MitsubaTextures& textures, Scene& scene)
+      : context_(context), textures_(textures), scene_(scene) {}
 
   /// The row of a <bsdf>, which is read when it is asked for the first time.
   std::uint32_t row_of(const XmlElement& bsdf);
   /// The row of what a shape has that names none: grey, or black where it emits.
   std::uint32_t default_row(bool emits, const SourcePosition& shape);
 
-  /// A colour; of a texture that cannot be carried its mean, which is noted.
-  glm::dvec3 constant(const MitsubaColor& color);
-
  private:
   Bsdf read(const XmlElement& element);
   Bsdf read_diffuse(const MitsubaObject& object);
   Bsdf read_dielectric(const MitsubaObject& object);
+  template <typename Glass>
+  Glass read_clear(const MitsubaObject& object);
   Bsdf read_conductor(const MitsubaObject& object);
   Bsdf read_rough_conductor(const MitsubaObject& object);
-  ConductorIndex read_metal(const MitsubaObject& object);
-  Roughness read_roughness(const MitsubaObject& object);
+  template <typename Plastic>
+  Plastic read_plastic(const MitsubaObject& object);
+  Bsdf read_rough_plastic(const MitsubaObject& object);
+  void read_metal(const MitsubaObject& object, ConductorIndex& index);
+  Roughness::Distribution read_distribution(const MitsubaObject& object);
+  void read_roughness(const MitsubaObject& object, Roughness& roughness);
+
+  // A property as what the material has for it: a texture where that can have one, else grey and a note of it.
+  void assign(ColorParameter& field, const MitsubaObject& object, const char* name, SpectrumUse use);
+  void assign(glm::dvec3& field, const MitsubaObject& object, const char* name, SpectrumUse use);
+  void assign_alpha(ScalarParameter& field, const MitsubaObject& object, const char* name);
+  void assign_alpha(double& field, const MitsubaObject& object, const char* name);
   double alpha(const MitsubaObject& object, const char* name);
   /// Notes a property that is given and is not what the material does anyway.
   void require_white(const MitsubaObject& object, const char* name);
+  bool is_old() const { return context_.document.version().starts_with("0."); }
 
   const MitsubaContext& context_;
+  MitsubaTextures& textures_;
   Scene& scene_;
   std::map<const XmlElement*, std::uint32_t> rows_;
   std::optional<std::uint32_t> grey_, black_;

@@ -279,6 +279,15 @@ glm::dmat4 MitsubaObject::matrix(const char* name) const {
   return glm::dmat4(1.0);
 }
 
+glm::dmat3 MitsubaObject::uv_matrix(const char* name) const {
+  const Parameter& row = row_of(name);
+  const Property* property = find(name);
+  if (property == nullptr) return glm::dmat3(1.0);
+  if (property->element->name == "transform") return read_mitsuba_uv_transform(*property->element, *context_);
+  report_wrong_tag(row, *property->element, {"transform"});
+  return glm::dmat3(1.0);
+}
+
 double MitsubaObject::ior(const char* name) const {
   const Property* property = find(name);
   const Parameter& row = row_of(name);

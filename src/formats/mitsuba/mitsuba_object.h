@@ -59,6 +59,8 @@ class MitsubaObject {
   const XmlElement* texture(const char* name) const;
   /// Identity by default.
   glm::dmat4 matrix(const char* name) const;
+  /// The same in the plane of textures.
+  glm::dmat3 uv_matrix(const char* name) const;
   /// An index of refraction, a number or a name.
   double ior(const char* name) const;
 

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/text.h"
 #include "formats/mitsuba/mitsuba_shapes.h"
 #include "formats/mitsuba/plugins.h"
+#include "scene/bounds.h"
 #include "scene/invariants.h"
 
 namespace etendue {
@@ -25,7 +28,11 @@ constexpr std::uint32_t kSetBits = 4;
 class MitsubaReader {
  public:
   MitsubaReader(const MitsubaContext& context, const MitsubaFiles& files, Scene& scene)
-      : context_(context), scene_(scene), materials_(context, scene), shapes_(context, files, materials_, scene) {}
+      : context_(context),
+        scene_(scene),
+        textures_(context, files, scene),
+        materials_(context, textures_, scene),
+        shapes_(context, files, materials_, textures_, scene) {}
 
   void read() {
     const MitsubaDocument& document = context_.document;
@@ -39,6 +46,7 @@ class MitsubaReader {
     for (const XmlElement* emitter : root->children("emitter")) read_emitter(*emitter);
     for (const XmlElement* shape : root->children("shape")) shapes_.add(*shape);
     shapes_.finish();
+    set_automatic_length();
   }
 
  private:
@@ -61,6 +69,7 @@ class MitsubaReader {
       object = only_child(*object, "integrator", "path");
     }
     if (!object) object = MitsubaObject::defaulted("integrator", "path", root.position(), context_);
+    if (object->type() == "ao") return read_occlusion(*object);
     const bool direct = object->type() == "direct";
     if (!direct && object->type() != "path")
       context_.sink.note(object->position(), fmt::format("the integrator {} is taken as path, which computes the same "
@@ -92,6 +101,21 @@ class MitsubaReader {
       context_.sink.error(object.position(), "the integrator samples neither lights nor materials; let it do one");
   }
 
+  /// The length is known once the shapes are.
+  void read_occlusion(const MitsubaObject& object) {
+    scene_.integrator.type = Integrator::Type::ambient_occlusion;
+    const double length = object.real("ray_length");
+    if (length > 0.0) scene_.integrator.length = length;
+    automatic_length_ = !(length > 0.0);
+  }
+
+  /// Half the radius of the sphere around the box of all shapes, as in Mitsuba 0.6.
+  void set_automatic_length() {
+    if (!automatic_length_ || scene_.instances.empty() || context_.sink.has_errors()) return;
+    const Bounds bounds = bounds_of(scene_);
+    scene_.integrator.length = 0.25 * glm::distance(bounds.min, bounds.max);
+  }
+
   void read_sensor(const MitsubaObject& root) {
     const std::vector<const XmlElement*> sensors = root.children("sensor");
     if (sensors.empty()) return;  // reported
@@ -102,30 +126,70 @@ class MitsubaReader {
     if (!sensor) return;
     Camera& camera = scene_.camera;
     camera.position = sensor->position();
+    camera.type = camera_type(sensor->type());
     read_film(*sensor, camera);
-    camera.fov = horizontal_fov(*sensor, camera);
+    if (sensor->plugin().find("fov") != nullptr) read_field_of_view(*sensor, camera);
+    if (sensor->plugin().find("aperture_radius") != nullptr) read_aperture(*sensor, camera);
     camera.near_clip = sensor->real("near_clip");
     camera.far_clip = sensor->real("far_clip");
     camera.world_from_camera = sensor->matrix("to_world");
-    for (const char* name : {"principal_point_offset_x", "principal_point_offset_y"}) {
-      if (sensor->real(name) != 0.0) context_.missing.add(name, sensor->position_of(name), "0");
-    }
+    if (camera.type == Camera::Type::radiance_meter) read_meter(*sensor, camera);
     read_sampler(*sensor);
   }
 
+  static Camera::Type camera_type(std::string_view type) {
+    using enum Camera::Type;
+    if (type == "perspective") return perspective;
+    if (type == "thinlens") return thin_lens;
+    if (type == "orthographic") return orthographic;
+    if (type == "spherical") return spherical;
+    if (type == "radiancemeter") return radiance_meter;
+    throw std::logic_error(fmt::format("the reader has no sensor {}", type));
+  }
+
+  void read_aperture(const MitsubaObject& sensor, Camera& camera) {
+    camera.aperture.radius = sensor.real("aperture_radius");
+    camera.aperture.focus_distance =
+        sensor.given("focus_distance") ? sensor.real("focus_distance") : sensor.real("far_clip");
+    if (camera.aperture.radius > 0.0) return;
+    context_.sink.note(sensor.position_of("aperture_radius"), "a lens of radius 0 is a pinhole");
+    camera.type = Camera::Type::perspective;
+    camera.aperture = {};
+  }
+
+  /// Its place and direction may be given without a transform.
+  void read_meter(const MitsubaObject& sensor, Camera& camera) {
+    if (!sensor.given("origin") && !sensor.given("direction")) return;
+    const glm::dvec3 direction = sensor.triple("direction");
+    if (!(glm::length(direction) > 0.0))
+      return context_.sink.error(sensor.position_of("direction"), "the direction has length 0; give another one");
+    const glm::dvec3 z = glm::normalize(direction);
+    const glm::dvec3 x = glm::normalize(glm::cross(std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0), z));
+    camera.world_from_camera = {glm::dvec4(x, 0), glm::dvec4(glm::cross(z, x), 0), glm::dvec4(z, 0),
+                                glm::dvec4(sensor.triple("origin"), 1)};
+  }
+
+  /// The part of the film that is rendered becomes the film, and remembers where it was.
   void read_film(const MitsubaObject& sensor, Camera& camera) {
     std::optional<MitsubaObject> film = only_child(sensor, "film", "hdrfilm");
     if (!film) film = MitsubaObject::defaulted("film", "hdrfilm", sensor.position(), context_);
-    camera.width = static_cast<std::uint32_t>(film->integer("width"));
-    camera.height = static_cast<std::uint32_t>(film->integer("height"));
-    const auto crops = [&](const char* name, std::int64_t whole) {
-      if (film->given(name) && film->integer(name) != whole)
-        context_.missing.add("crop of a film", film->position_of(name), "the whole film");
+    const auto part = [&](const char* whole_name, const char* offset_name, const char* size_name, double& origin,
+                          double& share) {
+      const std::int64_t whole = film->integer(whole_name), offset = film->integer(offset_name);
+      std::int64_t size = film->given(size_name) ? film->integer(size_name) : whole - offset;
+      if (size < 1 || offset + size > whole) {
+        const char* wrong = film->given(size_name) ? size_name : offset_name;
+        context_.sink.error(film->position_of(wrong),
+                            fmt::format("{} pixels from pixel {} on do not fit into a film of {}",
+                                        std::max<std::int64_t>(size, 1), offset, whole));
+        size = whole;
+      }
+      origin = static_cast<double>(offset) / static_cast<double>(whole);
+      share = static_cast<double>(size) / static_cast<double>(whole);
+      return static_cast<std::uint32_t>(size);
     };
-    crops("crop_offset_x", 0);
-    crops("crop_offset_y", 0);
-    crops("crop_width", camera.width);
-    crops("crop_height", camera.height);
+    camera.width = part("width", "crop_offset_x", "crop_width", camera.window.origin.x, camera.window.size.x);
+    camera.height = part("height", "crop_offset_y", "crop_height", camera.window.origin.y, camera.window.size.y);
     camera.filter = read_filter(*film);
   }
 
@@ -152,30 +216,33 @@ class MitsubaReader {
     return {.type = Type::gaussian, .radius = 4.0 * stddev, .stddev = stddev};
   }
 
-  /// Degrees. A focal length is that of a lens in front of a 35 mm film, whose diagonal counts.
-  double horizontal_fov(const MitsubaObject& sensor, const Camera& camera) {
-    constexpr double kDegrees = 180.0 / std::numbers::pi;
-    const double w = camera.width, h = camera.height;
-    std::string axis = sensor.text("fov_axis");
-    double fov = 0.0;
+  /// A focal length is that of a lens in front of a 35 mm film, whose diagonal counts.
+  void read_field_of_view(const MitsubaObject& sensor, Camera& camera) {
+    camera.window.principal_offset = {sensor.real("principal_point_offset_x"), sensor.real("principal_point_offset_y")};
+    camera.fov_axis = fov_axis(sensor);
     if (sensor.given("fov")) {
-      fov = sensor.real("fov");
-      if (fov <= 0.0) fov = 40.0;  // reported
-    } else {
-      fov = 2.0 * kDegrees * std::atan(std::hypot(36.0, 24.0) / (2.0 * focal_length(sensor)));
-      axis = "diagonal";
+      camera.fov = sensor.real("fov");
+      if (camera.fov <= 0.0) camera.fov = 40.0;  // reported
+      return;
     }
-    if (axis == "smaller") axis = w > h ? "y" : "x";
-    if (axis == "larger") axis = w > h ? "x" : "y";
-    const double tangent = std::tan(0.5 * fov / kDegrees);
-    if (axis == "x") return fov;
-    if (axis == "y") return 2.0 * kDegrees * std::atan(tangent * w / h);
-    if (axis == "diagonal") return 2.0 * kDegrees * std::atan(tangent * w / std::hypot(w, h));
+    constexpr double kDegrees = 180.0 / std::numbers::pi;
+    camera.fov = 2.0 * kDegrees * std::atan(std::hypot(36.0, 24.0) / (2.0 * focal_length(sensor)));
+    camera.fov_axis = Camera::FovAxis::diagonal;
+  }
+
+  Camera::FovAxis fov_axis(const MitsubaObject& sensor) {
+    using enum Camera::FovAxis;
+    const std::string axis = sensor.text("fov_axis");
+    if (axis == "x") return x;
+    if (axis == "y") return y;
+    if (axis == "diagonal") return diagonal;
+    if (axis == "smaller") return smaller;
+    if (axis == "larger") return larger;
     const std::vector<std::string> known = {"x", "y", "diagonal", "smaller", "larger"};
     context_.sink.error(sensor.position_of("fov_axis"),
                         fmt::format("{} is no axis of the film{}; known are: {}", text::quoted(axis),
                                     text::did_you_mean(axis, known), text::join(known)));
-    return fov;
+    return x;
   }
 
   /// Millimetres.
@@ -206,21 +273,46 @@ class MitsubaReader {
     if (type != nullptr && type->value == "area" && element.find("id") != nullptr) return;
     const auto emitter = MitsubaObject::read(element, context_, "left out");
     if (!emitter) return;
-    if (emitter->type() != "constant")
+    const std::string_view kind = emitter->type();
+    if (kind == "area")
       return context_.sink.error(emitter->position(), "an emitter area belongs into the <shape> that emits");
-    const glm::dvec3 radiance = materials_.constant(emitter->color("radiance", SpectrumUse::emission));
-    if (has_sky_)
+    if (std::exchange(has_sky_, true))
       return context_.sink.error(emitter->position(),
                                  "the scene has more than one emitter of the surroundings; keep one");
-    has_sky_ = true;
+    kind == "envmap" ? read_environment(*emitter) : read_constant(*emitter);
+  }
+
+  void read_constant(const MitsubaObject& emitter) {
+    const glm::dvec3 radiance =
+        textures_.constant(emitter.color("radiance", SpectrumUse::emission), "radiance of constant");
     scene_.sky.top = scene_.sky.horizon = radiance;
+  }
+
+  void read_environment(const MitsubaObject& emitter) {
+    const std::shared_ptr<const Bitmap> bitmap = textures_.picture(emitter);
+    if (bitmap == nullptr) return;
+    scene_.sky.picture = {
+        .bitmap = without_negative(bitmap, emitter), .scale = emitter.real("scale"), .rows = SkyPicture::Rows::circles};
+    scene_.sky.world_from_sky = glm::dmat3(emitter.matrix("to_world"));
+  }
+
+  std::shared_ptr<const Bitmap> without_negative(const std::shared_ptr<const Bitmap>& bitmap,
+                                                 const MitsubaObject& emitter) {
+    auto cleared = std::make_shared<Bitmap>(*bitmap);
+    const std::size_t count = clear_negative_values(*cleared);
+    if (count == 0) return bitmap;
+    context_.sink.warning(emitter.position_of("filename"),
+                          fmt::format("the picture has {} negative values; they are taken as 0", count));
+    return cleared;
   }
 
   const MitsubaContext& context_;
   Scene& scene_;
+  MitsubaTextures textures_;
   MitsubaMaterials materials_;
   MitsubaShapes shapes_;
   bool has_sky_ = false;
+  bool automatic_length_ = false;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "formats/mitsuba/mitsuba_shapes.h"
 
+#include <cmath>
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
@@ -9,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/text.h"
+#include "formats/dialect/mesh_needs.h"
 #include "formats/mesh/builtin_meshes.h"
 #include "formats/mesh/mesh_content.h"
 #include "scene/limits.h"
@@ -20,28 +22,50 @@ namespace fs = std::filesystem;
 
 /// Errors after which meshes are no longer opened.
 constexpr std::size_t kMaxErrorsBeforeMeshes = 100;
-/// What materials and emitters use of meshes, beside their surface.
-constexpr MeshContent kContent = {.uv = false, .colors = false};
 /// Bytes of all mesh files together.
 constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{1} << 34;
 /// Shapes that groups show, each of their places counting.
 constexpr std::size_t kMaxInstances = std::size_t{1} << 20;
 
+/// In Mitsuba v counts from a picture's first row.
+void turn_over(TriangleMesh& mesh) {
+  for (std::vector<glm::vec2>& set : mesh.uv_sets) {
+    for (glm::vec2& uv : set) uv.y = 1.0f - uv.y;
+  }
+}
+
 }  // namespace
 
 void MitsubaShapes::add(const XmlElement& element) {
+  if (too_much_) return;
+  if (++visited_ > kMaxInstances) return report_too_many(context_.document.position(element));
   const auto object = MitsubaObject::read(element, context_, "left out");
   if (!object || object->type() == "shapegroup") return;
+  if (object->type() == "merge") return add_all(*object);
   if (object->type() == "instance") return add_group_instance(*object);
   if (std::optional<Instance> instance = read(*object)) add(std::move(*instance));
 }
 
+/// Its parts, which a circle of references may make endless.
+void MitsubaShapes::add_all(const MitsubaObject& object) {
+  constexpr int kMaxMerges = 8;
+  if (merges_ == kMaxMerges)
+    return context_.sink.error(object.position(), fmt::format("merged shapes lie {} deep within each other", merges_));
+  ++merges_;
+  for (const XmlElement* part : object.children("shape")) add(*part);
+  --merges_;
+}
+
 void MitsubaShapes::add(Instance instance) {
   if (scene_.instances.size() < kMaxInstances) return scene_.instances.push_back(std::move(instance));
+  report_too_many(instance.position);
+}
+
+void MitsubaShapes::report_too_many(const SourcePosition& position) {
   if (std::exchange(too_much_, true)) return;
-  context_.sink.error(instance.position, fmt::format("with this shape the scene shows more than {}, those of groups "
-                                                     "counted at each place; merge meshes",
-                                                     kMaxInstances));
+  context_.sink.error(position, fmt::format("with this shape the scene shows more than {}, those of groups counted at "
+                                            "each place; merge meshes",
+                                            kMaxInstances));
 }
 
 void MitsubaShapes::add_group_instance(const MitsubaObject& object) {
@@ -85,45 +109,82 @@ std::optional<Instance> MitsubaShapes::read(const MitsubaObject& object) {
   instance.material = bsdfs.empty() ? materials_.default_row(instance.emitter.has_value(), object.position())
                                     : materials_.row_of(*bsdfs.front());
   instance.name = object.type();
-  const std::optional<std::uint32_t> shape = read_geometry(object, instance.name);
-  if (!shape) return std::nullopt;
-  instance.shape = *shape;
+  instance.position = object.position();
   instance.world_from_object = object.matrix("to_world");
-  instance.flip_normals = object.boolean("flip_normals");
+  const MeshContent content = content_for(scene_.bsdf_of(instance), scene_.emitter_of(instance), scene_);
+  const std::optional<Geometry> geometry = read_geometry(object, content, instance);
+  if (!geometry) return std::nullopt;
+  instance.shape = geometry->shape;
+  const bool mirrored = glm::determinant(glm::dmat3(instance.world_from_object)) < 0.0;
+  instance.flip_normals = object.boolean("flip_normals") != (mirrored && geometry->normals_by_winding);
   if (instance.flip_normals && object.type() == "sphere") {
     instance.flip_normals = false;
     context_.missing.add("flip_normals of a sphere", object.position_of("flip_normals"), "not flipped");
   }
-  instance.position = object.position();
   return instance;
 }
 
-std::optional<std::uint32_t> MitsubaShapes::read_geometry(const MitsubaObject& object, std::string& name) {
+std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_geometry(const MitsubaObject& object,
+                                                                    const MeshContent& content, Instance& instance) {
   const std::string_view type = object.type();
   const MeshFormat* format = find_mesh_format(type);
-  if (format != nullptr || type == "serialized") return read_mesh(object, format, name);
+  if (format != nullptr || type == "serialized") return read_mesh(object, format, content, instance.name);
   if (type == "sphere") return add_shape(Sphere{object.triple("center"), object.real("radius")});
-  if (type == "rectangle") {
-    if (!rectangle_) rectangle_ = add_shape(make_rectangle());
-    return rectangle_;
-  }
-  if (type == "cube") {
-    if (!cube_) cube_ = add_shape(make_cube());
-    return cube_;
-  }
-  throw std::logic_error(fmt::format("the reader has no shape {}", type));
+  if (type == "cylinder") return read_cylinder(object, instance);
+  std::optional<Geometry>& known = type == "rectangle" ? rectangle_ : type == "cube" ? cube_ : disk_;
+  if (known) return known;
+  if (type == "disk") return known = add_shape(Disk{});
+  if (type != "rectangle" && type != "cube") throw std::logic_error(fmt::format("the reader has no shape {}", type));
+  TriangleMesh mesh = type == "rectangle" ? make_rectangle() : make_cube();
+  turn_over(mesh);
+  return known = add_shape(std::move(mesh));
 }
 
-std::uint32_t MitsubaShapes::add_shape(Shape shape) {
+std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_cylinder(const MitsubaObject& object, Instance& instance) {
+  const glm::dvec3 p0 = object.triple("p0"), p1 = object.triple("p1");
+  const double height = glm::distance(p0, p1);
+  if (!(height > 0.0)) {
+    context_.sink.error(object.position_of("p1"), "p0 and p1 of the cylinder are the same point; move one of them");
+    return std::nullopt;
+  }
+  // Its own space: z along the axis, x and y as [Duff2017] makes them of it, which is where angles begin.
+  const glm::dvec3 n = (p1 - p0) / height;
+  const double sign = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (sign + n.z), b = n.x * n.y * a;
+  const glm::dmat3 axes = {{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+  const glm::dmat3 m = glm::dmat3(instance.world_from_object) * axes;
+  const double x = glm::length(m[0]), y = glm::length(m[1]), z = glm::length(m[2]);
+  constexpr double kTolerance = 1e-5;
+  const bool round = std::abs(x - y) <= kTolerance * x && std::abs(glm::dot(m[0], m[1])) <= kTolerance * x * y;
+  const bool straight =
+      std::abs(glm::dot(m[0], m[2])) <= kTolerance * x * z && std::abs(glm::dot(m[1], m[2])) <= kTolerance * y * z;
+  if (!round || !straight || !(x > 0.0) || !(z > 0.0)) {
+    context_.missing.add("to_world of a cylinder that leaves it no cylinder", object.position_of("to_world"),
+                         "round, as wide as along its x");
+  }
+  const glm::dvec3 along = glm::normalize(m[2]);
+  const glm::dvec3 right = glm::normalize(m[0] - glm::dot(m[0], along) * along);
+  const double side = glm::determinant(m) < 0.0 ? -1.0 : 1.0;
+  const glm::dvec3 base(instance.world_from_object * glm::dvec4(p0, 1.0));
+  instance.world_from_object = {glm::dvec4(right, 0.0), glm::dvec4(side * glm::cross(along, right), 0.0),
+                                glm::dvec4(along, 0.0), glm::dvec4(base, 1.0)};
+  return add_shape(Cylinder{glm::dvec3(0.0), glm::dvec3(0.0, 0.0, height * z), object.real("radius") * x});
+}
+
+MitsubaShapes::Geometry MitsubaShapes::add_shape(Shape shape, bool normals_by_winding) {
   scene_.shapes.push_back(std::move(shape));
-  return static_cast<std::uint32_t>(scene_.shapes.size() - 1);
+  return {static_cast<std::uint32_t>(scene_.shapes.size() - 1), normals_by_winding};
 }
 
-std::optional<std::uint32_t> MitsubaShapes::read_mesh(const MitsubaObject& object, const MeshFormat* format,
-                                                      std::string& name) {
+std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_mesh(const MitsubaObject& object, const MeshFormat* format,
+                                                                const MeshContent& content, std::string& name) {
   if (!object.given("filename")) return std::nullopt;
   const SourcePosition position = object.position_of("filename");
-  MeshKey key{context_.document.resolve(object.text("filename")), 0, object.boolean("face_normals"), false};
+  MeshKey key{.path = context_.document.resolve(object.text("filename")),
+              .index = 0,
+              .face_normals = object.boolean("face_normals"),
+              .flip_tex_coords = false,
+              .uv = content.uv,
+              .colors = content.colors};
   if (format == nullptr) key.index = object.integer("shape_index");
   if (format != nullptr) key.flip_tex_coords = object.boolean("flip_tex_coords");
   name = fs::path(key.path).filename().string();
@@ -138,13 +199,43 @@ std::optional<std::uint32_t> MitsubaShapes::read_mesh(const MitsubaObject& objec
   }
   // Smooth where the file has no normals, unless the scene wants its triangles flat.
   if (key.face_normals) mesh->normals.clear();
-  if (!key.face_normals && mesh->normals.empty()) make_smooth_normals(*mesh);
-  known->second = add_shape(std::move(*mesh));
+  const bool by_winding = mesh->normals.empty();
+  if (!key.face_normals && by_winding) make_smooth_normals(*mesh);
+  set_coordinates(key, position, *mesh);
+  known->second = add_shape(std::move(*mesh), by_winding);
   return known->second;
 }
 
+/// Texture coordinates with v upward. Where a file has none and they are wanted, those within the triangle.
+void MitsubaShapes::set_coordinates(const MeshKey& key, const SourcePosition& position, TriangleMesh& mesh) {
+  if (!key.uv) return;
+  if (!mesh.uv_sets.empty()) {
+    if (!key.flip_tex_coords) turn_over(mesh);
+    return;
+  }
+  context_.sink.note(position,
+                     "the mesh has no texture coordinates: each triangle shows the texture from (0,0) to (1,0) "
+                     "and (0,1)");
+  const TriangleMesh joined = std::move(mesh);
+  mesh = {};
+  mesh.uv_sets.emplace_back();
+  mesh.face_colors = joined.face_colors;
+  for (const glm::uvec3& t : joined.triangles) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (int k = 0; k < 3; ++k) {
+      mesh.positions.push_back(joined.positions[t[k]]);
+      if (!joined.normals.empty()) mesh.normals.push_back(joined.normals[t[k]]);
+      if (!joined.vertex_colors.empty()) mesh.vertex_colors.push_back(joined.vertex_colors[t[k]]);
+      mesh.uv_sets[0].emplace_back(k == 1 ? 1.0f : 0.0f, k == 2 ? 0.0f : 1.0f);
+    }
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  vertices_ += mesh.positions.size();
+  exceeds(vertices_, kMaxVertices, "vertices", position);
+}
+
 std::optional<TriangleMesh> MitsubaShapes::open(const MeshFormat* format, MeshKey& key) {
-  if (format != nullptr) return files_.mesh(*format, key.path, kContent, context_.sink);
+  if (format != nullptr) return files_.mesh(*format, key.path, {.uv = key.uv, .colors = key.colors}, context_.sink);
   std::optional<SerializedMesh> file = files_.serialized(key.path, key.index, context_.sink);
   if (!file) return std::nullopt;
   key.face_normals = key.face_normals || file->face_normals;
@@ -192,7 +283,7 @@ std::optional<std::uint32_t> MitsubaShapes::read_emitter(const MitsubaObject& ob
                                                          emitter->type()));
     return std::nullopt;
   }
-  const glm::dvec3 radiance = materials_.constant(emitter->color("radiance", SpectrumUse::emission));
+  const ColorParameter radiance = textures_.parameter(emitter->color("radiance", SpectrumUse::emission));
   scene_.emitters.push_back({radiance, emitter->position()});
   return static_cast<std::uint32_t>(scene_.emitters.size() - 1);
 }

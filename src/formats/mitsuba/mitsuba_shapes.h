@@ -11,8 +11,9 @@ namespace etendue {
 
 class MitsubaShapes {
  public:
-  MitsubaShapes(const MitsubaContext& context, const MitsubaFiles& files, MitsubaMaterials& materials, Scene& scene)
-      : context_(context), files_(files), materials_(materials), scene_(scene) {}
+  MitsubaShapes(const MitsubaContext& context, const MitsubaFiles& files, MitsubaMaterials& materials,
+                MitsubaTextures& textures, Scene& scene)
+      : context_(context), files_(files), materials_(materials), textures_(textures), scene_(scene) {}
 
   /// A <shape> of the scene itself: its instances, which a group has none of.
   void add(const XmlElement& element);
@@ -24,34 +25,49 @@ class MitsubaShapes {
   struct MeshKey {
     std::string path;
     std::int64_t index;
-    bool face_normals, flip_tex_coords;
+    bool face_normals, flip_tex_coords, uv, colors;
     auto operator<=>(const MeshKey&) const = default;
   };
 
+  /// A row of Scene::shapes, and whether its normals follow from the order of its vertices in the world: a mirror image
+  /// turns them around.
+  struct Geometry {
+    std::uint32_t shape = 0;
+    bool normals_by_winding = false;
+  };
+
   std::optional<Instance> read(const MitsubaObject& object);
-  /// Row of Scene::shapes.
-  std::optional<std::uint32_t> read_geometry(const MitsubaObject& object, std::string& name);
+  std::optional<Geometry> read_geometry(const MitsubaObject& object, const MeshContent& content, Instance& instance);
+  /// Stretched along its axis by `to_world` it is still a cylinder, of another height.
+  std::optional<Geometry> read_cylinder(const MitsubaObject& object, Instance& instance);
   /// `format` is null for `serialized`.
-  std::optional<std::uint32_t> read_mesh(const MitsubaObject& object, const MeshFormat* format, std::string& name);
+  std::optional<Geometry> read_mesh(const MitsubaObject& object, const MeshFormat* format, const MeshContent& content,
+                                    std::string& name);
   /// `key.face_normals` becomes true where the file says so itself.
   std::optional<TriangleMesh> load(const MeshFormat* format, MeshKey& key, const SourcePosition& position);
   std::optional<TriangleMesh> open(const MeshFormat* format, MeshKey& key);
+  void set_coordinates(const MeshKey& key, const SourcePosition& position, TriangleMesh& mesh);
   std::optional<std::uint32_t> read_emitter(const MitsubaObject& object);
+  void add_all(const MitsubaObject& object);
   void add_group_instance(const MitsubaObject& object);
   const std::vector<Instance>& group(const XmlElement& element);
   void add(Instance instance);
-  std::uint32_t add_shape(Shape shape);
+  void report_too_many(const SourcePosition& position);
+  Geometry add_shape(Shape shape, bool normals_by_winding = false);
   bool exceeds(std::uintmax_t sum, std::uintmax_t limit, const char* what, const SourcePosition& position);
 
   const MitsubaContext& context_;
   const MitsubaFiles& files_;
   MitsubaMaterials& materials_;
+  MitsubaTextures& textures_;
   Scene& scene_;
-  std::map<MeshKey, std::optional<std::uint32_t>> meshes_;
-  std::optional<std::uint32_t> rectangle_, cube_;
+  std::map<MeshKey, std::optional<Geometry>> meshes_;
+  std::optional<Geometry> rectangle_, cube_, disk_;
   std::map<const XmlElement*, std::vector<Instance>> groups_;
   std::size_t triangles_ = 0, vertices_ = 0;
   std::uintmax_t mesh_bytes_ = 0;
+  std::size_t visited_ = 0;
+  int merges_ = 0;  ///< that are being read
   bool too_much_ = false;
 };
 

@@ -10,24 +10,7 @@ namespace etendue {
 namespace {
 
 using enum ParameterType;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-Range any() {
-  return {};
-}
-Range between(double min, double max) {
-  return {min, max, false, false};
-}
-Range inside(double min, double max) {
-  return {min, max, true, true};
-}
-Range above(double min) {
-  return {min, kInfinity, true, false};
-}
-Range at_least(double min) {
-  return {min, kInfinity, false, false};
-}
+using namespace ranges;
 
 Parameter to_world() {
   return {"to_world", transform, "", any(), "object space to world space; the operations apply in the order listed"};
@@ -97,29 +80,55 @@ std::vector<Plugin> integrator_rows() {
        {no_effect("aovs", string, "has no effect: only the picture is made")},
        {{"integrator", 1, 1}}},
   };
-  for (const char* type : {"ptracer", "bdpt", "mlt", "pssmlt", "erpt", "photonmapper", "ppm", "sppm", "prb",
-                           "prb_basic", "prb_projective", "direct_projective", "adjoint_path", "irrcache"})
+  rows.push_back({"integrator",
+                  "ao",
+                  "The share of the hemisphere, weighted by the cosine, that is free (Mitsuba 0.6).",
+                  {{"ray_length", real, "-1", any(), "how far to look; -1 is a quarter of the diagonal of the scene"},
+                   no_effect("shading_samples", integer, "has no effect: one sample a camera ray")},
+                  {}});
+  for (const char* type :
+       {"ptracer", "bdpt", "mlt", "pssmlt", "erpt", "photonmapper", "ppm", "sppm", "prb", "prb_basic", "prb_projective",
+        "direct_projective", "adjoint_path", "irrcache", "volpath", "volpathmis", "volpath_simple", "prbvolpath"})
     rows.push_back(as_path(type));
   return rows;
 }
 
+std::vector<Parameter> sensor_parameters(std::vector<Parameter> own) {
+  own.insert(own.end(), {{"near_clip", real, "0.01", at_least(0), "nearest visible distance along the camera's +z"},
+                         {"far_clip", real, "10000", above(0), "farthest visible distance along the camera's +z"},
+                         no_effect("shutter_open", real, "has no effect: nothing moves"),
+                         no_effect("shutter_close", real, "has no effect: nothing moves"),
+                         to_world()});
+  return own;
+}
+
+std::vector<Parameter> field_of_view() {
+  return {{"fov", real, "", inside(0, 180), "field of view in degrees along fov_axis"},
+          {"focal_length", string, "50mm", any(), "of a lens in front of 36 × 24 mm of film, instead of fov"},
+          {"fov_axis", string, "x", any(), "x, y, diagonal, smaller or larger"},
+          {"principal_point_offset_x", real, "0", between(-1000, 1000), "shifts the picture, in widths of the film"},
+          {"principal_point_offset_y", real, "0", between(-1000, 1000), "shifts the picture, in heights of the film"}};
+}
+
 std::vector<Plugin> sensor_rows() {
+  const std::vector<ChildRule> children = {{"film", 0, 1}, {"sampler", 0, 1}};
+  std::vector<Parameter> pinhole = field_of_view(), lens = field_of_view();
+  pinhole.push_back(no_effect("focus_distance", real, "has no effect: a pinhole has no focus"));
+  lens.insert(lens.end(), {{"aperture_radius", real, nullptr, at_least(0), "of the lens, in units of the camera"},
+                           {"focus_distance", real, "", above(0), "where things are sharp; by default far_clip"}});
+  const auto ignored = [](const char* name) { return no_effect(name, real, "has no effect"); };
   return {
-      {"sensor",
-       "perspective",
-       "A pinhole camera: +z forward, +y up, +x to the left of the image.",
-       {{"fov", real, "", inside(0, 180), "field of view in degrees along fov_axis"},
-        {"focal_length", string, "50mm", any(), "of a lens in front of 36 × 24 mm of film, instead of fov"},
-        {"fov_axis", string, "x", any(), "x, y, diagonal, smaller or larger"},
-        {"near_clip", real, "0.01", at_least(0), "nearest visible distance along the camera's +z"},
-        {"far_clip", real, "10000", above(0), "farthest visible distance along the camera's +z"},
-        {"principal_point_offset_x", real, "0", any(), "only 0"},
-        {"principal_point_offset_y", real, "0", any(), "only 0"},
-        no_effect("focus_distance", real, "has no effect: a pinhole has no focus"),
-        no_effect("shutter_open", real, "has no effect: nothing moves"),
-        no_effect("shutter_close", real, "has no effect: nothing moves"),
-        to_world()},
-       {{"film", 0, 1}, {"sampler", 0, 1}}},
+      {"sensor", "perspective", "A pinhole camera: +z forward, +y up, +x to the left of the image.",
+       sensor_parameters(std::move(pinhole)), children},
+      {"sensor", "thinlens", "The same with a lens.", sensor_parameters(std::move(lens)), children},
+      {"sensor", "orthographic", "Parallel rays; the film is 2 units of the camera wide.",
+       sensor_parameters({ignored("focus_distance")}), children},
+      {"sensor", "spherical", "All directions: longitude across, polar angle down (Mitsuba 0.6).",
+       sensor_parameters({ignored("focus_distance")}), children},
+      {"sensor", "radiancemeter", "One ray along the camera's +z.",
+       sensor_parameters({{"origin", point, "0 0 0", any(), "where the ray starts, instead of to_world"},
+                          {"direction", vector, "0 0 1", any(), "where it goes, instead of to_world"}}),
+       children},
   };
 }
 
@@ -129,10 +138,10 @@ Plugin film_row(const char* type) {
           "Size and filter of the image. The files that are written are those of the command line.",
           {{"width", integer, "768", between(1, 65536), "pixels"},
            {"height", integer, "576", between(1, 65536), "pixels"},
-           {"crop_offset_x", integer, "0", between(0, 65536), "only 0"},
-           {"crop_offset_y", integer, "0", between(0, 65536), "only 0"},
-           {"crop_width", integer, "0", between(0, 65536), "only the width"},
-           {"crop_height", integer, "0", between(0, 65536), "only the height"},
+           {"crop_offset_x", integer, "0", between(0, 65536), "first column that is rendered"},
+           {"crop_offset_y", integer, "0", between(0, 65536), "first row that is rendered"},
+           {"crop_width", integer, "0", between(1, 65536), "columns that are rendered; by default all the others"},
+           {"crop_height", integer, "0", between(1, 65536), "rows that are rendered; by default all the others"},
            no_effect("pixel_format", string, "has no effect: files hold RGB"),
            no_effect("component_format", string, "has no effect: pictures are half, films exact"),
            no_effect("file_format", string, "has no effect: the name of the output decides"),
@@ -242,6 +251,22 @@ std::vector<Plugin> shape_rows() {
            {flip_normals(), to_world()},
            surface()},
           {"shape", "cube", "From -1 to 1 in x, y and z.", {flip_normals(), to_world()}, surface()},
+          {"shape",
+           "disk",
+           "x² + y² ≤ 1 at z = 0; the normal is +z. Texture coordinates are the distance from the centre and the "
+           "angle.",
+           {flip_normals(), to_world()},
+           surface()},
+          {"shape",
+           "cylinder",
+           "The side of a cylinder, open at both ends. Texture coordinates are the angle and the place from p0 to p1.",
+           {{"p0", point, "0 0 0", any(), "one end of the axis"},
+            {"p1", point, "0 0 1", any(), "its other end"},
+            {"radius", real, "1", above(0), "object space"},
+            flip_normals(),
+            to_world()},
+           surface()},
+          {"shape", "merge", "Shapes as if they stood here themselves.", {}, {{"shape", 0, kAnyNumber}}},
           {"shape", "shapegroup", "Shapes that appear where an `instance` shows them.", {}, {{"shape", 0, kAnyNumber}}},
           {"shape", "instance", "Shows a group of shapes.", {to_world()}, {{"shape", 1, 1}}},
       });
@@ -257,18 +282,42 @@ std::vector<Parameter> metal_parameters() {
       color_or_texture("specular_reflectance", "1 1 1", "factor of what is reflected")};
 }
 
-std::vector<Parameter> rough_metal_parameters() {
-  std::vector<Parameter> parameters = metal_parameters();
-  const auto alpha = [](const char* name, const char* default_text, const char* doc) {
-    return Parameter{name, real, default_text, between(1e-4, 2), doc, "texture"};
-  };
-  parameters.insert(parameters.end(),
-                    {{"distribution", string, "beckmann", any(), "beckmann or ggx"},
-                     alpha("alpha", "0.1", "roughness"),
-                     alpha("alpha_u", "0.1", "roughness along the tangent, instead of alpha"),
-                     alpha("alpha_v", "0.1", "roughness across it"),
-                     no_effect("sample_visible", boolean, "has no effect: visible facets are sampled")});
-  return parameters;
+std::vector<Parameter> joined(std::vector<Parameter> a, const std::vector<Parameter>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+Parameter number_or_texture(const char* name, const char* default_text, const Range& range, const char* doc) {
+  return {name, real, default_text, range, doc, "texture"};
+}
+
+std::vector<Parameter> distribution() {
+  return {{"distribution", string, "beckmann", any(), "of microfacets: beckmann or ggx"},
+          no_effect("sample_visible", boolean, "has no effect: visible facets are sampled")};
+}
+Parameter alpha(const char* name, const char* doc) {
+  return number_or_texture(name, "0.1", between(0, 2), doc);
+}
+std::vector<Parameter> roughness() {
+  return joined(distribution(),
+                {alpha("alpha", "roughness"), alpha("alpha_u", "roughness along the tangent, instead of alpha"),
+                 alpha("alpha_v", "roughness across it")});
+}
+
+std::vector<Parameter> indices(const char* inside) {
+  return {{"int_ior", real, inside, between(1e-3, 1000), "index of refraction inside, a number or a name"},
+          {"ext_ior", real, "air", between(1e-3, 1000), "index of refraction outside, a number or a name"}};
+}
+std::vector<Parameter> clear() {
+  return joined(indices("bk7"), {color_or_texture("specular_reflectance", "1 1 1", "factor of what is reflected"),
+                                 color_or_texture("specular_transmittance", "1 1 1", "factor of what passes")});
+}
+std::vector<Parameter> plastic() {
+  return joined(indices("polypropylene"),
+                {color_or_texture("diffuse_reflectance", "0.5 0.5 0.5", "albedo of the base"),
+                 color_or_texture("specular_reflectance", "1 1 1", "factor of what the coat reflects"),
+                 {"nonlinear", boolean, "false", any(),
+                  "whether light takes the base's colour at each reflection below the coat"}});
 }
 
 std::vector<Plugin> bsdf_rows() {
@@ -282,13 +331,82 @@ std::vector<Plugin> bsdf_rows() {
       {"bsdf",
        "dielectric",
        "A smooth boundary between two clear media; the normal points to the exterior.",
-       {{"int_ior", real, "bk7", between(1e-3, 1000), "index of refraction inside, a number or a name"},
-        {"ext_ior", real, "air", between(1e-3, 1000), "index of refraction outside, a number or a name"},
-        color_or_texture("specular_reflectance", "1 1 1", "only 1"),
-        color_or_texture("specular_transmittance", "1 1 1", "only 1")},
+       joined(indices("bk7"), {color_or_texture("specular_reflectance", "1 1 1", "only 1"),
+                               color_or_texture("specular_transmittance", "1 1 1", "only 1")}),
        {}},
-      {"bsdf", "conductor", "A smooth metal, seen from the side of the normal.", metal_parameters(), {}},
-      {"bsdf", "roughconductor", "A metal with a rough surface of microfacets.", rough_metal_parameters(), {}},
+      {"bsdf", "thindielectric", "A pane of glass without thickness.", clear(), {}},
+      {"bsdf", "roughdielectric", "A rough boundary between two clear media.", joined(clear(), roughness()), {}},
+      {"bsdf",
+       "conductor",
+       "A smooth metal, seen from the side of the normal. Where a scene for 0.6 names none it is copper in air.",
+       metal_parameters(),
+       {}},
+      {"bsdf",
+       "roughconductor",
+       "A metal with a rough surface of microfacets.",
+       joined(metal_parameters(), roughness()),
+       {}},
+      {"bsdf", "plastic", "A diffuse base inside a smooth clear coat.", plastic(), {}},
+      {"bsdf",
+       "roughplastic",
+       "A diffuse base inside a rough clear coat.",
+       joined(joined(plastic(), distribution()), {alpha("alpha", "roughness of the coat")}),
+       {}},
+  };
+}
+
+Parameter texture_transform() {
+  return {"to_uv", transform, "", any(), "texture coordinates of the surface to those of the texture; z is not used"};
+}
+std::vector<Parameter> old_texture_transform() {
+  const auto number = [](const char* name, const char* default_text, const char* doc) {
+    return Parameter{name, real, default_text, between(-1e9, 1e9), doc};
+  };
+  return {texture_transform(), number("uscale", "1", "factor of u (0.6)"), number("vscale", "1", "factor of v (0.6)"),
+          number("uoffset", "0", "added to u after that (0.6)"), number("voffset", "0", "added to v after that (0.6)")};
+}
+
+std::vector<Plugin> texture_rows() {
+  const auto wrap = [](const char* name, const char* doc) { return Parameter{name, string, "repeat", any(), doc}; };
+  return {
+      {"texture",
+       "bitmap",
+       "A picture: PNG, JPEG, OpenEXR or Radiance HDR. Its first row is where v is 0.",
+       joined({{"filename", string, nullptr, any(), "the file; looked for in the folders of <path>, then of the scene"},
+               {"raw", boolean, "false", any(), "8-bit numbers are no colours coded by sRGB but numbers"},
+               {"gamma", real, "-1", any(), "1: the same (0.6); -1: the kind of file decides"},
+               {"filter_type", string, "bilinear", any(), "between texels: bilinear or nearest"},
+               wrap("wrap_mode", "beyond its edges: repeat, mirror or clamp"),
+               wrap("wrap_mode_u", "along u (0.6)"),
+               wrap("wrap_mode_v", "along v (0.6)"),
+               {"channel", string, "", any(), "none"},
+               no_effect("format", string, "has no effect: texels are kept as they are stored"),
+               no_effect("accel", boolean, "has no effect"),
+               no_effect("cache", boolean, "has no effect"),
+               no_effect("max_anisotropy", real, "has no effect")},
+              old_texture_transform()),
+       {}},
+      {"texture",
+       "checkerboard",
+       "Squares of side 1/2 in texture coordinates.",
+       joined(
+           {color_or_texture("color0", "0.4 0.4 0.4", "of the square at (0,0), and of those that touch it at a corner"),
+            color_or_texture("color1", "0.2 0.2 0.2", "of the others")},
+           old_texture_transform()),
+       {}},
+      {"texture",
+       "mesh_attribute",
+       "Colours that the mesh's file has.",
+       {{"name", string, nullptr, any(), "vertex_color, interpolated, or face_color"},
+        {"scale", real, "1", any(), "a factor"}},
+       {}},
+      {"texture", "vertexcolors", "Interpolated colours of a mesh's vertices (0.6).", {}, {}},
+      {"texture", "rawconstant", "A number or three.", {color_or_texture("value", "0 0 0", "the same everywhere")}, {}},
+      {"texture",
+       "scale",
+       "Another texture times a factor (0.6).",
+       {color_or_texture("scale", "1 1 1", "the factor")},
+       {{"texture", 1, 1}}},
   };
 }
 
@@ -304,7 +422,17 @@ std::vector<Plugin> emitter_rows() {
        "constant",
        "Light from all around.",
        {color_or_texture("radiance", "1 1 1", "radiance from all directions"),
-        no_effect("sampling_weight", real, "has no effect: lights are chosen by what they contribute")},
+        no_effect("sampling_weight", real, "has no effect: lights are chosen by what they contribute"), to_world()},
+       {}},
+      {"emitter",
+       "envmap",
+       "Light from all around as a picture of longitude and latitude, +y up; its first and last rows are the poles.",
+       {{"filename", string, nullptr, any(), "the file; looked for in the folders of <path>, then of the scene"},
+        {"scale", real, "1", between(0, 1e20), "a factor"},
+        no_effect("sampling_weight", real, "has no effect: lights are chosen by what they contribute"),
+        no_effect("mis_compensation", boolean, "has no effect"),
+        no_effect("cache", boolean, "has no effect"),
+        to_world()},
        {}},
   };
 }
@@ -316,55 +444,26 @@ std::vector<Plugin> make_rows() {
   append(rows, shape_rows());
   append(rows, bsdf_rows());
   append(rows, emitter_rows());
+  append(rows, texture_rows());
   return rows;
 }
 
 std::vector<UnsupportedTypes> unsupported_types() {
   return {
-      {"integrator", {"volpath", "volpathmis", "volpath_simple", "depth", "stokes", "ao", "prbvolpath", "vpl"}},
-      {"sensor",
-       {"thinlens", "orthographic", "telecentric", "radiancemeter", "irradiancemeter", "fluencemeter", "distant",
-        "batch", "spherical", "perspective_rdist"}},
+      {"integrator", {"depth", "stokes", "vpl", "multichannel", "adaptive"}},
+      {"sensor", {"telecentric", "irradiancemeter", "fluencemeter", "distant", "batch", "perspective_rdist"}},
       {"film", {"specfilm", "mfilm", "tiledhdrfilm"}},
       {"rfilter", {"lanczos", "spline"}},
       {"shape",
-       {"disk", "cylinder", "merge", "heightfield", "hair", "linearcurve", "bsplinecurve", "sdfgrid", "ellipsoids",
-        "ellipsoidsmesh"}},
-      {"bsdf",
-       {"roughdielectric",
-        "thindielectric",
-        "plastic",
-        "roughplastic",
-        "principled",
-        "principledthin",
-        "twosided",
-        "mask",
-        "blendbsdf",
-        "bumpmap",
-        "normalmap",
-        "null",
-        "measured",
-        "hair",
-        "phong",
-        "ward",
-        "roughdiffuse",
-        "roughcoating",
-        "coating",
-        "mixturebsdf",
-        "difftrans",
-        "hk",
-        "pplastic",
-        "polarizer",
-        "retarder",
-        "circular",
-        "measured_polarized",
-        "irawan"}},
+       {"heightfield", "hair", "deformable", "linearcurve", "bsplinecurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh"}},
+      {"bsdf", {"principled", "principledthin",     "twosided",  "mask",  "blendbsdf", "bumpmap",      "normalmap",
+                "null",       "measured",           "hair",      "phong", "ward",      "roughdiffuse", "roughcoating",
+                "coating",    "mixturebsdf",        "difftrans", "hk",    "pplastic",  "polarizer",    "retarder",
+                "circular",   "measured_polarized", "irawan"}},
       {"emitter",
-       {"envmap", "point", "spot", "directional", "directionalarea", "projector", "collimated", "sky", "sun", "sunsky",
+       {"point", "spot", "directional", "directionalarea", "projector", "collimated", "sky", "sun", "sunsky",
         "timed_sunsky"}},
-      {"texture",
-       {"bitmap", "checkerboard", "mesh_attribute", "volume", "rawconstant", "scale", "gridtexture", "vertexcolors",
-        "wireframe", "curvature"}},
+      {"texture", {"volume", "gridtexture", "wireframe", "curvature"}},
   };
 }
 

@@ -15,6 +15,7 @@
 #include "core/errors.h"
 #include "core/text.h"
 #include "formats/dialect/mesh_facts.h"
+#include "formats/dialect/mesh_needs.h"
 #include "formats/dialect/object.h"
 #include "formats/mesh/builtin_meshes.h"
 #include "formats/nori/plugins.h"
@@ -439,7 +440,8 @@ class SceneReader {
     if (emitter) area_emitter = read_emitter(*emitter, scene);
     std::string name = object.plugin().type;
     const Bsdf& bsdf = shared != materials_.end() ? scene.materials[shared->second].bsdf : material->bsdf;
-    const std::optional<std::uint32_t> shape = read_shape(object, content_for(bsdf, area_emitter, scene), name, scene);
+    const std::optional<std::uint32_t> shape =
+        read_shape(object, content_for(bsdf, area_emitter ? &*area_emitter : nullptr, scene), name, scene);
     if (!shape) return std::nullopt;
     Instance instance;
     if (shared != materials_.end()) {
@@ -460,19 +462,6 @@ class SceneReader {
     if (object.plugin().find("flipNormals") != nullptr) instance.flip_normals = object.get<bool>("flipNormals");
     remember_field(object, "toWorld", "world_from_object");
     return instance;
-  }
-
-  /// What the textures of a material and an emitter read of a mesh, beside its surface.
-  static MeshContent content_for(const Bsdf& bsdf, const std::optional<AreaEmitter>& emitter, const Scene& scene) {
-    MeshContent content{.uv = false, .colors = false};
-    const auto add = [&](const char*, const auto& parameter) {
-      if (!parameter.texture) return;
-      const bool colors = std::holds_alternative<AttributeTexture>(scene.textures[*parameter.texture].source);
-      (colors ? content.colors : content.uv) = true;
-    };
-    each_parameter(bsdf, add);
-    if (emitter) each_parameter(*emitter, add);
-    return content;
   }
 
   /// The row of the scene's shapes: a new one, or that of a mesh file which was read before.

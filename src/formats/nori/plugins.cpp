@@ -9,25 +9,10 @@ namespace etendue {
 namespace {
 
 using enum ParameterType;
+using namespace ranges;
 
 constexpr double kUint32Max = 4294967295.0;
 constexpr double kMaxDepth = 1 << 30;
-
-Range any() {
-  return {};
-}
-Range between(double min, double max) {
-  return {min, max, false, false};
-}
-Range inside(double min, double max) {
-  return {min, max, true, true};
-}
-Range above(double min) {
-  return {min, std::numeric_limits<double>::infinity(), true, false};
-}
-Range above_up_to(double min, double max) {
-  return {min, max, true, false};
-}
 
 Parameter world_transform() {
   return {"toWorld", transform, "", any(), "object space to world space; the operations apply in the order listed"};

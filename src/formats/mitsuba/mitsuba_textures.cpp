@@ -1,0 +1,183 @@
+#include "formats/mitsuba/mitsuba_textures.h"
+
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "core/text.h"
+
+namespace etendue {
+namespace {
+
+constexpr double kGrey = 0.5;
+/// Textures within textures: a reference may lead back to where it stands.
+constexpr int kMaxDepth = 8;
+
+/// Mitsuba's v counts from a picture's first row, that of a Scene from its last.
+const glm::dmat3 kFlip = {1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0};
+
+}  // namespace
+
+ColorParameter MitsubaTextures::parameter(const MitsubaColor& color) {
+  if (color.texture == nullptr) return color.value;
+  const Scaled found = scaled(*color.texture, 0);
+  return found.row ? ColorParameter(found.factor, *found.row) : ColorParameter(found.factor);
+}
+
+ScalarParameter MitsubaTextures::scalar(const XmlElement& texture) {
+  const Scaled found = scaled(texture, 0);
+  if (!found.row) return found.factor.x;
+  return {found.factor.x, *found.row, TextureChannel::luminance};
+}
+
+glm::dvec3 MitsubaTextures::constant(const MitsubaColor& color, const char* of) {
+  const ColorParameter found = parameter(color);
+  if (!found.texture) return found.value;
+  context_.missing.add(fmt::format("a texture of {}", of), context_.document.position(*color.texture), "grey, 0.5");
+  return found.value * kGrey;
+}
+
+MitsubaTextures::Scaled MitsubaTextures::scaled(const XmlElement& texture, int depth) {
+  if (const auto found = rows_.find(&texture); found != rows_.end()) return found->second;
+  return rows_[&texture] = read(texture, depth);
+}
+
+MitsubaTextures::Scaled MitsubaTextures::read(const XmlElement& texture, int depth) {
+  const Scaled grey{.factor = glm::dvec3(kGrey), .row = {}};
+  const auto object = MitsubaObject::read(texture, context_, "grey, 0.5");
+  if (!object) return grey;
+  const std::string_view type = object->type();
+  const auto row = [&](std::optional<Texture> read) {
+    return read ? Scaled{.factor = glm::dvec3(1.0), .row = add(std::move(*read))} : grey;
+  };
+  if (type == "bitmap") return row(read_bitmap(*object));
+  if (type == "checkerboard") return row(read_checkerboard(*object));
+  if (type == "mesh_attribute" || type == "vertexcolors") {
+    Scaled result = row(read_attribute(*object));
+    if (type == "mesh_attribute") result.factor *= object->real("scale");
+    return result;
+  }
+  if (type == "rawconstant") return {.factor = object->color("value", SpectrumUse::index).value, .row = {}};
+  if (type != "scale") throw std::logic_error(fmt::format("the reader has no texture {}", type));
+  if (depth >= kMaxDepth) {
+    context_.sink.error(object->position(), fmt::format("textures lie {} deep within each other", depth));
+    return grey;
+  }
+  const std::vector<const XmlElement*> within = object->children("texture");
+  if (within.empty()) return grey;  // reported
+  Scaled result = scaled(*within.front(), depth + 1);
+  result.factor *= object->color("scale", SpectrumUse::index).value;
+  return result;
+}
+
+std::uint32_t MitsubaTextures::add(Texture texture) {
+  scene_.textures.push_back(std::move(texture));
+  return static_cast<std::uint32_t>(scene_.textures.size() - 1);
+}
+
+std::optional<Texture> MitsubaTextures::read_bitmap(const MitsubaObject& object) {
+  BitmapTexture source;
+  source.wrap_u = wrap(object, object.given("wrap_mode_u") ? "wrap_mode_u" : "wrap_mode");
+  source.wrap_v = wrap(object, object.given("wrap_mode_v") ? "wrap_mode_v" : "wrap_mode");
+  set_filter(object, source);
+  set_encoding(object, source);
+  if (object.given("channel"))
+    context_.missing.add("one channel of a bitmap", object.position_of("channel"), "its luminance");
+  const std::shared_ptr<const Bitmap> bitmap = picture(object);
+  if (bitmap == nullptr) return std::nullopt;
+  const auto [known, is_new] = bitmaps_.try_emplace(bitmap.get(), static_cast<std::uint32_t>(scene_.bitmaps.size()));
+  if (is_new) scene_.bitmaps.push_back(bitmap);
+  source.bitmap = known->second;
+  // Both its coordinates and those of surfaces are turned over.
+  return Texture{.source = source,
+                 .uv_transform = kFlip * uv_transform(object) * kFlip,
+                 .name = std::filesystem::path(text::trim(object.text("filename"))).filename().string(),
+                 .position = object.position()};
+}
+
+std::shared_ptr<const Bitmap> MitsubaTextures::picture(const MitsubaObject& object) {
+  if (!object.given("filename")) return nullptr;  // reported
+  const SourcePosition position = object.position_of("filename");
+  const std::string path = context_.document.resolve(object.text("filename"));
+  const auto [known, is_new] = pictures_.try_emplace(path);
+  if (!is_new) return known->second;
+  try {
+    auto bitmap = std::make_shared<Bitmap>(files_.picture(path));
+    for (const std::string& note : std::exchange(bitmap->notes, {})) context_.sink.note(position, note);
+    known->second = std::move(bitmap);
+  } catch (const Error& error) {
+    context_.sink.error(position, fmt::format("picture {}", error.what()), error.kind());
+  }
+  return known->second;
+}
+
+TextureWrap MitsubaTextures::wrap(const MitsubaObject& object, const char* name) {
+  const std::string word = object.text(name);
+  if (word == "mirror") return TextureWrap::mirror;
+  if (word == "clamp") return TextureWrap::clamp;
+  if (word == "zero" || word == "one") {
+    context_.missing.add(fmt::format("wrap mode {}", word), object.position_of(name), "clamp");
+    return TextureWrap::clamp;
+  }
+  if (word != "repeat")
+    context_.sink.error(object.position_of(name),
+                        fmt::format("{} is no wrap mode{}; known are: repeat, mirror, clamp", text::quoted(word),
+                                    text::did_you_mean(word, {"repeat", "mirror", "clamp"})));
+  return TextureWrap::repeat;
+}
+
+void MitsubaTextures::set_filter(const MitsubaObject& object, BitmapTexture& picture) {
+  const std::string word = object.text("filter_type");
+  if (word == "nearest") {
+    picture.filter = TextureFilter::nearest;
+  } else if (word == "ewa" || word == "trilinear") {
+    context_.sink.note(object.position_of("filter_type"),
+                       fmt::format("the filter {} is taken as bilinear: pictures are filtered by many samples", word));
+  } else if (word != "bilinear") {
+    context_.sink.error(object.position_of("filter_type"),
+                        fmt::format("{} is no filter of textures{}; known are: nearest, bilinear, trilinear, ewa",
+                                    text::quoted(word), text::did_you_mean(word, {"nearest", "bilinear"})));
+  }
+}
+
+/// Whether numbers are light or codes of sRGB: the kind of file decides, unless the scene does.
+void MitsubaTextures::set_encoding(const MitsubaObject& object, BitmapTexture& picture) {
+  if (object.boolean("raw")) picture.color_space = ColorSpace::linear;
+  const double gamma = object.real("gamma");
+  if (gamma == 1.0) picture.color_space = ColorSpace::linear;
+  if (gamma != 1.0 && gamma != -1.0)
+    context_.missing.add("gamma of a bitmap", object.position_of("gamma"), "that of sRGB");
+}
+
+/// In Mitsuba's coordinates.
+glm::dmat3 MitsubaTextures::uv_transform(const MitsubaObject& object) {
+  const glm::dmat3 old = {object.real("uscale"),  0.0, 0.0, 0.0, object.real("vscale"), 0.0, object.real("uoffset"),
+                          object.real("voffset"), 1.0};
+  return old * object.uv_matrix("to_uv");
+}
+
+Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object) {
+  const CheckerboardTexture board{constant(object.color("color0", SpectrumUse::reflectance), "a checkerboard"),
+                                  constant(object.color("color1", SpectrumUse::reflectance), "a checkerboard")};
+  return {.source = board,
+          .uv_transform = uv_transform(object) * kFlip,
+          .name = "checkerboard",
+          .position = object.position()};
+}
+
+std::optional<Texture> MitsubaTextures::read_attribute(const MitsubaObject& object) {
+  using Source = AttributeTexture::Source;
+  const std::string name = object.type() == "vertexcolors" ? "vertex_color" : object.text("name");
+  if (name != "vertex_color" && name != "face_color") {
+    context_.missing.add(fmt::format("mesh attribute {}", name), object.position(), "grey, 0.5");
+    return std::nullopt;
+  }
+  return Texture{.source = AttributeTexture{name == "face_color" ? Source::face_color : Source::vertex_color},
+                 .name = name,
+                 .position = object.position()};
+}
+
+}  // namespace etendue

@@ -1,0 +1,54 @@
+#pragma once
+/// Textures of a Mitsuba scene as rows of a Scene's tables.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "formats/mitsuba/mitsuba_files.h"
+#include "formats/mitsuba/mitsuba_object.h"
+#include "scene/scene.h"
+
+namespace etendue {
+
+class MitsubaTextures {
+ public:
+  MitsubaTextures(const MitsubaContext& context, const MitsubaFiles& files, Scene& scene)
+      : context_(context), files_(files), scene_(scene) {}
+
+  /// A colour, or the texture that stands for it. What there is not here is grey and noted.
+  ColorParameter parameter(const MitsubaColor& color);
+  /// A number that a texture stands for: its luminance.
+  ScalarParameter scalar(const XmlElement& texture);
+  /// Where no texture can stand: grey in its place, which is noted with `of`, the name of the property.
+  glm::dvec3 constant(const MitsubaColor& color, const char* of);
+  /// A picture by its name in the scene; null after reporting why not.
+  std::shared_ptr<const Bitmap> picture(const MitsubaObject& object);
+
+ private:
+  /// A texture times a colour; the colour alone where there is no row.
+  struct Scaled {
+    glm::dvec3 factor{1.0};
+    std::optional<std::uint32_t> row;
+  };
+  Scaled scaled(const XmlElement& texture, int depth);
+  Scaled read(const XmlElement& texture, int depth);
+  std::optional<Texture> read_bitmap(const MitsubaObject& object);
+  Texture read_checkerboard(const MitsubaObject& object);
+  std::optional<Texture> read_attribute(const MitsubaObject& object);
+  TextureWrap wrap(const MitsubaObject& object, const char* name);
+  void set_filter(const MitsubaObject& object, BitmapTexture& picture);
+  void set_encoding(const MitsubaObject& object, BitmapTexture& picture);
+  glm::dmat3 uv_transform(const MitsubaObject& object);
+  std::uint32_t add(Texture texture);
+
+  const MitsubaContext& context_;
+  const MitsubaFiles& files_;
+  Scene& scene_;
+  std::map<const XmlElement*, Scaled> rows_;
+  std::map<std::string, std::shared_ptr<const Bitmap>> pictures_;  ///< by path; null where it cannot be read
+  std::map<const Bitmap*, std::uint32_t> bitmaps_;                 ///< their rows
+};
+
+}  // namespace etendue
