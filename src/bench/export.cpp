@@ -13,6 +13,7 @@
 #include "core/errors.h"
 #include "core/json.h"
 #include "image/files.h"
+#include "scene/parameters.h"
 #include "scene/placed.h"
 
 namespace etendue {
@@ -138,6 +139,21 @@ Json instance_json(const Scene& scene, const Instance& instance, bool mirror, co
   return out;
 }
 
+/// The files know constants alone: what is textured would silently be another scene.
+void refuse_textures(const Scene& scene) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorKind::scene,
+                fmt::format("{}: {} has a texture, which the comparison scenes do not know; write the "
+                            "scene with etendue convert --to mitsuba",
+                            scene.file, what));
+  };
+  for (const Instance& instance : scene.instances) {
+    if (is_textured(scene.bsdf_of(instance))) refuse(scene.materials[instance.material].name);
+    const AreaEmitter* emitter = scene.emitter_of(instance);
+    if (emitter != nullptr && is_textured(*emitter)) refuse(instance.name);
+  }
+}
+
 void make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -161,6 +177,7 @@ void export_scene(const Scene& scene, const std::string& folder) {
     throw Error(ErrorKind::usage, fmt::format("{}: skies that are pictures or turned are not exported; use sky_top and "
                                               "sky_horizon",
                                               scene.file));
+  refuse_textures(scene);
   make_folder(folder);
   const bool mirror = is_mirrored(scene.camera);
   const Integrator& i = scene.integrator;

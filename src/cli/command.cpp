@@ -16,11 +16,14 @@ void SceneOptions::add_to(Command& command) {
       ->type_name("PATH=VALUE")
       ->allow_extra_args(false);
   command.add_flag("--strict", strict, "unknown properties and rejected samples are errors");
+  command.add_flag("--approximate", approximate,
+                   "what a scene for Mitsuba asks for and there is not here is replaced, with a warning for each");
 }
 
 ReadOptions SceneOptions::read_options() const {
   ReadOptions options;
   options.strict = strict;
+  options.approximate = approximate;
   for (const std::string& text : overrides) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {

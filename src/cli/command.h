@@ -22,6 +22,7 @@ void add_render_command(Command& app, Action& action);
 void add_devices_command(Command& app, Action& action);
 void add_check_command(Command& app, Action& action);
 void add_ttest_command(Command& app, Action& action);
+void add_convert_command(Command& app, Action& action);
 void add_merge_command(Command& app, Action& action);
 void add_compare_command(Command& app, Action& action);
 void add_validate_command(Command& app, Action& action);
@@ -35,6 +36,7 @@ void add_explain_command(Command& app, Action& action);
 struct SceneOptions {
   std::vector<std::string> overrides;  ///< "integrator.nee=false"
   bool strict = false;
+  bool approximate = false;
 
   void add_to(Command& command);
   /// Throws Error(usage) for an override without '='.

@@ -38,6 +38,7 @@ int run(int argc, char** argv) {
   etendue::cli::add_devices_command(app, action);
   etendue::cli::add_check_command(app, action);
   etendue::cli::add_ttest_command(app, action);
+  etendue::cli::add_convert_command(app, action);
   etendue::cli::add_merge_command(app, action);
   etendue::cli::add_compare_command(app, action);
   etendue::cli::add_validate_command(app, action);

@@ -666,7 +666,7 @@ class SceneReader {
       return glm::dvec3(1.0);
     }
     const std::optional<std::uint32_t> texture = textures_.read(object, property, *scene);
-    return texture ? ColorParameter(glm::dvec3(1.0), *texture) : ColorParameter(glm::dvec3(1.0));
+    return texture ? ColorParameter(textures_.factor(object, property), *texture) : ColorParameter(glm::dvec3(1.0));
   }
 
   /// Light from outside: an emitter of the scene itself.

@@ -257,6 +257,10 @@ std::vector<ChildRule> surface() {
   return {{"bsdf", 0, 1}, {"emitter", 0, 1}};
 }
 
+Parameter flip_normals() {
+  return {"flipNormals", boolean, "false", any(), "turns the normals to the other side"};
+}
+
 /// A row for each kind of mesh file that the program reads.
 std::vector<Plugin> mesh_file_plugins() {
   std::vector<Plugin> rows;
@@ -265,7 +269,8 @@ std::vector<Plugin> mesh_file_plugins() {
                     format.word,
                     format.doc,
                     {{"filename", string, nullptr, any(), "the file, relative to the folder of the scene file"},
-                     world_transform()},
+                     world_transform(),
+                     flip_normals()},
                     surface()});
   }
   return rows;
@@ -331,10 +336,6 @@ std::vector<Plugin> object_plugins() {
          "sides that a bsdf is lit from"}},
        {{"bsdf", 1, kAnyNumber}}},
   };
-}
-
-Parameter flip_normals() {
-  return {"flipNormals", boolean, "false", any(), "turns the normals to the other side"};
 }
 
 std::vector<Plugin> shape_plugins() {

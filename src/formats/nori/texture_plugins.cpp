@@ -7,10 +7,14 @@ namespace {
 using enum ParameterType;
 
 constexpr Range kColor{-1000, 1000, false, false};
+constexpr Range kFactor{0, kMaxRadiance, false, false};
 constexpr Range kCoordinate{-kMaxTextureCoordinate, kMaxTextureCoordinate, false, false};
 
 Parameter to_uv() {
   return {"to_uv", transform, "", {}, "texture coordinates of the surface to those of the texture; z is not used"};
+}
+Parameter factor() {
+  return {"scale", color, "1 1 1", kFactor, "what its colours are multiplied with"};
 }
 
 }  // namespace
@@ -24,14 +28,16 @@ std::vector<Plugin> texture_plugins() {
         {"wrap_mode", string, "repeat", {}, "what lies beyond its edges: repeat, mirror or clamp"},
         {"filter_type", string, "bilinear", {}, "between texels: bilinear or nearest"},
         {"raw", boolean, "false", {}, "8-bit numbers are no sRGB colours but numbers"},
-        to_uv()},
+        to_uv(),
+        factor()},
        {}},
       {"texture",
        "checkerboard",
        "Squares of side 1/2 in texture coordinates.",
        {{"color0", color, "0.4 0.4 0.4", kColor, "of the square at (0,0), and of those that touch it at a corner"},
         {"color1", color, "0.2 0.2 0.2", kColor, "of the others"},
-        to_uv()},
+        to_uv(),
+        factor()},
        {}},
       {"texture",
        "checkerboard_color",
@@ -44,7 +50,7 @@ std::vector<Plugin> texture_plugins() {
       {"texture",
        "mesh_attribute",
        "Colours that the mesh's file has.",
-       {{"attribute", string, "vertex_color", {}, "vertex_color, interpolated, or face_color"}},
+       {{"attribute", string, "vertex_color", {}, "vertex_color, interpolated, or face_color"}, factor()},
        {}},
   };
 }

@@ -35,7 +35,14 @@ std::optional<std::uint32_t> TextureReader::read(const Object& owner, const char
   if (!texture) return std::nullopt;
   entry->second = static_cast<std::uint32_t>(scene.textures.size());
   scene.textures.push_back(std::move(*texture));
+  if (object->given("scale") && object->plugin().find("scale")->type == ParameterType::color)
+    factors_[element] = object->get<glm::dvec3>("scale");
   return entry->second;
+}
+
+glm::dvec3 TextureReader::factor(const Object& owner, const char* property) const {
+  const auto found = factors_.find(owner.child_of(property));
+  return found == factors_.end() ? glm::dvec3(1.0) : found->second;
 }
 
 std::optional<Texture> TextureReader::read_texture(const Object& object, Scene& scene) {

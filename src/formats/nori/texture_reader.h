@@ -23,12 +23,15 @@ class TextureReader {
   /// Forgets the textures of another scene.
   void begin_scene() {
     textures_.clear();
+    factors_.clear();
     bitmaps_.clear();
   }
 
   /// The texture that stands for a property of the object; nothing where there is none or it is unusable, which is
   /// reported.
   std::optional<std::uint32_t> read(const Object& owner, const char* property, Scene& scene);
+  /// What that texture is multiplied with, once it is read.
+  glm::dvec3 factor(const Object& owner, const char* property) const;
 
  private:
   std::optional<Texture> read_texture(const Object& object, Scene& scene);
@@ -40,6 +43,7 @@ class TextureReader {
   ReadContext& context_;
   FindFile find_file_;
   std::map<const XmlElement*, std::optional<std::uint32_t>> textures_;
+  std::map<const XmlElement*, glm::dvec3> factors_;              ///< other than 1
   std::map<std::string, std::optional<std::uint32_t>> bitmaps_;  ///< by path
 };
 

@@ -232,6 +232,8 @@ class PlyReader {
   }
 
   static glm::dvec3 unit_or_zero(const glm::dvec3& n) {
+    constexpr double kRounding = 1e-15;
+    if (std::abs(glm::dot(n, n) - 1.0) <= kRounding) return n;  // to be the same again in a file that we wrote
     const double largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
     return largest > 0.0 && std::isfinite(n.x + n.y + n.z) ? glm::normalize(n / largest) : glm::dvec3(0.0);
   }

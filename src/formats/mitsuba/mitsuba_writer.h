@@ -1,0 +1,15 @@
+#pragma once
+/// Scenes as files for Mitsuba 3.
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// Writes the scene to `path`, and what it needs into the folder NAME-files beside it. Returns sentences on what
+/// Mitsuba will render differently. Throws Error(scene) for what it does not have, Error(file).
+std::vector<std::string> write_mitsuba_scene(const std::string& path, const Scene& scene);
+
+}  // namespace etendue

@@ -1,0 +1,380 @@
+#include "formats/nori/nori_writer.h"
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <span>
+#include <stdexcept>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "formats/dialect/scene_files.h"
+#include "formats/xml/xml_writer.h"
+#include "image/files.h"
+
+namespace etendue {
+namespace {
+
+class NoriWriter {
+ public:
+  NoriWriter(const std::string& path, const Scene& scene) : files_(path), scene_(scene) {}
+
+  std::string write() {
+    xml_.open("scene");
+    if (scene_.instancing != Instancing::automatic)
+      xml_.text("instancing", scene_.instancing == Instancing::never ? "never" : "always");
+    write_sky();
+    write_integrator(scene_.integrator);
+    write_sampler(scene_.sampler);
+    write_camera(scene_.camera);
+    for (const Instance& instance : scene_.instances) write_material_of(instance);
+    for (const Instance& instance : scene_.instances) write_instance(instance);
+    xml_.close();
+    return xml_.result();
+  }
+
+ private:
+  [[noreturn]] static void refuse(const std::string& what) {
+    throw Error(ErrorKind::scene, what + ", which a scene file cannot say");
+  }
+
+  void color(const char* name, const glm::dvec3& value) { xml_.property("color", name, shortest(value)); }
+  void color(const char* name, const ColorParameter& parameter) {
+    if (!parameter.texture) return color(name, parameter.value);
+    write_texture(name, *parameter.texture, parameter.value);
+  }
+
+  void write_sky() {
+    const Sky& sky = scene_.sky;
+    if (!sky.picture) {
+      if (sky.top == glm::dvec3(0.0) && sky.horizon == glm::dvec3(0.0)) return;
+      if (sky.world_from_sky != glm::dmat3(1.0)) refuse("the sky is a gradient that is turned");
+      color("sky_top", sky.top);
+      color("sky_horizon", sky.horizon);
+      return;
+    }
+    xml_.open("emitter", {{"type", "envmap"}});
+    xml_.text("filename", files_.picture(sky.picture->bitmap));
+    xml_.number("scale", sky.picture->scale);
+    if (sky.picture->rows == SkyPicture::Rows::circles) xml_.text("rows", "circles");
+    xml_.transform("toWorld", glm::dmat4(sky.world_from_sky));
+    xml_.close();
+  }
+
+  void write_integrator(const Integrator& integrator) {
+    using enum Integrator::Type;
+    switch (integrator.type) {
+      case path:
+        xml_.open("integrator", {{"type", "path"}});
+        xml_.integer("maxDepth", integrator.max_depth);
+        xml_.integer("rrDepth", integrator.rr_depth);
+        xml_.boolean("nee", integrator.nee);
+        if (integrator.nee) xml_.boolean("mis", integrator.mis);
+        break;
+      case normals:
+      case absolute_normals:
+        xml_.open("integrator", {{"type", "normals"}});
+        xml_.boolean("signed", integrator.type == normals);
+        break;
+      case direct:
+        xml_.open("integrator", {{"type", "direct"}});
+        xml_.integer("emitterSamples", integrator.emitter_samples);
+        xml_.integer("bsdfSamples", integrator.bsdf_samples);
+        break;
+      case whitted:
+        xml_.open("integrator", {{"type", "whitted"}});
+        break;
+      case simple:
+        xml_.open("integrator", {{"type", "simple"}});
+        xml_.property("point", "position", shortest(integrator.light.position));
+        color("energy", integrator.light.energy);
+        break;
+      case ambient_occlusion:
+      case visibility:
+        xml_.open("integrator", {{"type", integrator.type == visibility ? "av" : "ao"}});
+        if (std::isfinite(integrator.length)) xml_.number("length", integrator.length);
+        break;
+      case depth:
+        xml_.open("integrator", {{"type", "depth"}});
+        break;
+    }
+    if (gathers_light(integrator)) {
+      using enum Integrator::LightSampler;
+      if (integrator.hide_emitters) xml_.boolean("hideEmitters", true);
+      if (integrator.light_sampler != automatic)
+        xml_.text("lightSampler", integrator.light_sampler == power ? "power" : "tree");
+    }
+    xml_.close();
+  }
+
+  void write_sampler(const Sampler& sampler) {
+    const bool sobol = sampler.type == Sampler::Type::sobol;
+    xml_.open("sampler", {{"type", sobol ? "sobol" : "independent"}});
+    xml_.integer("sampleCount", sampler.sample_count);
+    if (sobol) xml_.integer("setSize", sampler.set_size());
+    xml_.close();
+  }
+
+  static const char* word_of(Camera::Type type) {
+    using enum Camera::Type;
+    switch (type) {
+      case perspective:
+        return "perspective";
+      case thin_lens:
+        return "thinlens";
+      case orthographic:
+        return "orthographic";
+      case spherical:
+        return "spherical";
+      case radiance_meter:
+        return "radiancemeter";
+      case irradiance_meter:
+        return "irradiancemeter";
+    }
+    throw std::logic_error("a camera of no type");
+  }
+
+  void write_camera(const Camera& camera) {
+    using enum Camera::Type;
+    xml_.open("camera", {{"type", word_of(camera.type)}});
+    write_film(camera);
+    if (camera.type == perspective || camera.type == thin_lens) {
+      constexpr const char* kAxes[] = {"x", "y", "diagonal", "smaller", "larger"};
+      xml_.number("fov", camera.fov);
+      if (camera.fov_axis != Camera::FovAxis::x) xml_.text("fovAxis", kAxes[static_cast<std::size_t>(camera.fov_axis)]);
+      if (camera.window.principal_offset.x != 0.0)
+        xml_.number("principalPointOffsetX", camera.window.principal_offset.x);
+      if (camera.window.principal_offset.y != 0.0)
+        xml_.number("principalPointOffsetY", camera.window.principal_offset.y);
+    }
+    if (camera.type == thin_lens) {
+      xml_.number("apertureRadius", camera.aperture.radius);
+      xml_.number("focusDistance", camera.aperture.focus_distance);
+      xml_.integer("blades", camera.aperture.blades);
+      xml_.number("bladeRotation", camera.aperture.rotation);
+    }
+    xml_.number("nearClip", camera.near_clip);
+    xml_.number("farClip", camera.far_clip);
+    xml_.transform("toWorld", camera.world_from_camera);
+    write_filter(camera.filter);
+    xml_.close();
+  }
+
+  /// A film that is a part of a larger one was made from whole numbers, which are found again.
+  void write_film(const Camera& camera) {
+    const FilmWindow& window = camera.window;
+    const auto whole = [](std::uint32_t pixels, double share) {
+      return static_cast<std::int64_t>(std::llround(static_cast<double>(pixels) / share));
+    };
+    const std::int64_t width = whole(camera.width, window.size.x), height = whole(camera.height, window.size.y);
+    const std::int64_t x = std::llround(window.origin.x * static_cast<double>(width));
+    const std::int64_t y = std::llround(window.origin.y * static_cast<double>(height));
+    const glm::dvec2 size = glm::dvec2(camera.width, camera.height) / glm::dvec2(width, height);
+    const glm::dvec2 origin = glm::dvec2(x, y) / glm::dvec2(width, height);
+    if (size != window.size || origin != window.origin)
+      refuse("the film is a part of another that is not whole pixels");
+    xml_.integer("width", width);
+    xml_.integer("height", height);
+    if (size == glm::dvec2(1.0) && origin == glm::dvec2(0.0)) return;
+    xml_.integer("cropOffsetX", x);
+    xml_.integer("cropOffsetY", y);
+    xml_.integer("cropWidth", camera.width);
+    xml_.integer("cropHeight", camera.height);
+  }
+
+  void write_filter(const ReconstructionFilter& filter) {
+    using enum ReconstructionFilter::Type;
+    switch (filter.type) {
+      case box:
+        return xml_.leaf("rfilter", {{"type", "box"}});
+      case tent:
+        return xml_.leaf("rfilter", {{"type", "tent"}});
+      case gaussian:
+        xml_.open("rfilter", {{"type", "gaussian"}});
+        xml_.number("radius", filter.radius);
+        xml_.number("stddev", filter.stddev);
+        break;
+      case mitchell:
+        xml_.open("rfilter", {{"type", "mitchell"}});
+        xml_.number("radius", filter.radius);
+        xml_.number("B", filter.b);
+        xml_.number("C", filter.c);
+        break;
+    }
+    xml_.close();
+  }
+
+  /// The texture that stands for a property: at its first use with an id, later by that. A texture that is multiplied
+  /// by different colours is written for each of them.
+  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor) {
+    const std::string id = fmt::format("texture-{}", textures_.size());
+    const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z}, id);
+    if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
+    const Texture& texture = scene_.textures[row];
+    if (texture.uv_set > 0) refuse("a texture uses the second texture coordinates of a mesh");
+    std::visit([&](const auto& source) { write_source(name, known->second, source); }, texture.source);
+    if (factor != glm::dvec3(1.0)) color("scale", factor);
+    const glm::dmat3& m = texture.uv_transform;
+    if (!std::holds_alternative<AttributeTexture>(texture.source))
+      xml_.transform("to_uv", {m[0][0], m[0][1], 0, 0, m[1][0], m[1][1], 0, 0, 0, 0, 1, 0, m[2][0], m[2][1], 0, 1});
+    xml_.close();
+  }
+  void write_source(const char* name, const std::string& id, const BitmapTexture& source) {
+    constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};
+    const std::shared_ptr<const Bitmap>& bitmap = scene_.bitmaps[source.bitmap];
+    const bool linear = source.color_space.value_or(bitmap->color_space) == ColorSpace::linear;
+    xml_.open("texture", {{"name", name}, {"id", id}, {"type", "bitmap"}});
+    xml_.text("filename", files_.picture(bitmap));
+    if (linear && bitmap->color_space == ColorSpace::srgb) xml_.boolean("raw", true);
+    if (!linear && bitmap->color_space == ColorSpace::linear)
+      refuse("a picture with linear numbers is decoded from sRGB");
+    if (source.wrap_u != source.wrap_v) refuse("a texture is wrapped differently along u and v");
+    xml_.text("wrap_mode", kWraps[static_cast<std::size_t>(source.wrap_u)]);
+    if (source.filter == TextureFilter::nearest) xml_.text("filter_type", "nearest");
+  }
+  void write_source(const char* name, const std::string& id, const CheckerboardTexture& source) {
+    xml_.open("texture", {{"name", name}, {"id", id}, {"type", "checkerboard"}});
+    color("color0", source.color0);
+    color("color1", source.color1);
+  }
+  void write_source(const char* name, const std::string& id, const AttributeTexture& source) {
+    const bool faces = source.source == AttributeTexture::Source::face_color;
+    xml_.open("texture", {{"name", name}, {"id", id}, {"type", "mesh_attribute"}});
+    xml_.text("attribute", faces ? "face_color" : "vertex_color");
+  }
+
+  static std::string material_id(std::uint32_t row) { return fmt::format("material-{}", row); }
+
+  /// Each material once, in the order of its first use.
+  void write_material_of(const Instance& instance) { write_material(instance.material); }
+  void write_material(std::uint32_t row) {
+    if (!written_.insert(row).second) return;
+    std::visit([&](const auto& bsdf) { write_bsdf(material_id(row), bsdf); }, scene_.materials[row].bsdf);
+    xml_.close();
+  }
+  void open_bsdf(const std::string& id, const char* type) { xml_.open("bsdf", {{"type", type}, {"id", id}}); }
+
+  void write_bsdf(const std::string& id, const DiffuseBsdf& bsdf) {
+    open_bsdf(id, "diffuse");
+    color("albedo", bsdf.albedo);
+  }
+  void write_bsdf(const std::string& id, const MirrorBsdf&) { open_bsdf(id, "mirror"); }
+  void write_bsdf(const std::string& id, const DielectricBsdf& bsdf) {
+    open_bsdf(id, "dielectric");
+    write_indices(bsdf);
+  }
+  void write_bsdf(const std::string& id, const MicrofacetBsdf& bsdf) {
+    open_bsdf(id, "microfacet");
+    color("kd", bsdf.kd);
+    number("alpha", bsdf.alpha);
+    write_indices(bsdf);
+  }
+  void write_bsdf(const std::string& id, const ConductorBsdf& bsdf) {
+    open_bsdf(id, "conductor");
+    write_metal(bsdf);
+  }
+  void write_bsdf(const std::string& id, const RoughConductorBsdf& bsdf) {
+    open_bsdf(id, "roughconductor");
+    write_metal(bsdf);
+    write_roughness(bsdf.roughness);
+  }
+  void write_bsdf(const std::string& id, const RoughDielectricBsdf& bsdf) {
+    open_bsdf(id, "roughdielectric");
+    write_clear(bsdf);
+    write_roughness(bsdf.roughness);
+  }
+  void write_bsdf(const std::string& id, const ThinDielectricBsdf& bsdf) {
+    open_bsdf(id, "thindielectric");
+    write_clear(bsdf);
+  }
+  void write_bsdf(const std::string& id, const PlasticBsdf& bsdf) {
+    open_bsdf(id, "plastic");
+    write_plastic(bsdf);
+  }
+  void write_bsdf(const std::string& id, const RoughPlasticBsdf& bsdf) {
+    open_bsdf(id, "roughplastic");
+    write_plastic(bsdf);
+    write_distribution(bsdf.distribution);
+    number("alpha", bsdf.alpha);
+  }
+
+  void number(const char* name, double value) { xml_.number(name, value); }
+  template <typename Glass>
+  void write_indices(const Glass& bsdf) {
+    xml_.number("intIOR", bsdf.int_ior);
+    xml_.number("extIOR", bsdf.ext_ior);
+  }
+  template <typename Metal>
+  void write_metal(const Metal& bsdf) {
+    color("eta", bsdf.index.eta);
+    color("k", bsdf.index.k);
+    color("specular_reflectance", bsdf.specular_reflectance);
+  }
+  template <typename Glass>
+  void write_clear(const Glass& bsdf) {
+    write_indices(bsdf);
+    color("specular_reflectance", bsdf.specular_reflectance);
+    color("specular_transmittance", bsdf.specular_transmittance);
+  }
+  template <typename Plastic>
+  void write_plastic(const Plastic& bsdf) {
+    write_indices(bsdf);
+    color("diffuse_reflectance", bsdf.diffuse_reflectance);
+    color("specular_reflectance", bsdf.specular_reflectance);
+    xml_.boolean("nonlinear", bsdf.nonlinear);
+  }
+  void write_distribution(Roughness::Distribution distribution) {
+    xml_.text("distribution", distribution == Roughness::Distribution::ggx ? "ggx" : "beckmann");
+  }
+  void write_roughness(const Roughness& roughness) {
+    write_distribution(roughness.distribution);
+    number("alpha_u", roughness.alpha_u);
+    number("alpha_v", roughness.alpha_v);
+  }
+
+  void write_instance(const Instance& instance) {
+    std::visit([&](const auto& shape) { write_shape(instance, shape); }, scene_.shape_of(instance));
+    xml_.transform("toWorld", instance.world_from_object);
+    if (instance.flip_normals) xml_.boolean("flipNormals", true);
+    xml_.leaf("ref", {{"id", material_id(instance.material)}});
+    if (const AreaEmitter* emitter = scene_.emitter_of(instance)) {
+      xml_.open("emitter", {{"type", "area"}});
+      color("radiance", emitter->radiance);
+      xml_.close();
+    }
+    xml_.close();
+  }
+  void write_shape(const Instance& instance, const TriangleMesh&) {
+    xml_.open("mesh", {{"type", "ply"}});
+    xml_.text("filename", files_.mesh(scene_, instance.shape));
+  }
+  void write_shape(const Instance&, const Sphere& sphere) {
+    xml_.open("mesh", {{"type", "sphere"}});
+    xml_.property("point", "center", shortest(sphere.center));
+    xml_.number("radius", sphere.radius);
+  }
+  void write_shape(const Instance&, const Disk&) { xml_.open("mesh", {{"type", "disk"}}); }
+  void write_shape(const Instance&, const Cylinder& cylinder) {
+    xml_.open("mesh", {{"type", "cylinder"}});
+    xml_.property("point", "p0", shortest(cylinder.p0));
+    xml_.property("point", "p1", shortest(cylinder.p1));
+    xml_.number("radius", cylinder.radius);
+  }
+
+  SceneFiles files_;
+  const Scene& scene_;
+  XmlWriter xml_;
+  std::map<std::tuple<std::uint32_t, double, double, double>, std::string> textures_;  ///< ids by row and factor
+  std::set<std::uint32_t> written_;                                                    ///< materials
+};
+
+}  // namespace
+
+void write_scene(const std::string& path, const Scene& scene) {
+  const std::string text = NoriWriter(path, scene).write();
+  write_file_atomically(path, std::as_bytes(std::span(text)));
+}
+
+}  // namespace etendue

@@ -1,0 +1,14 @@
+#pragma once
+/// Scenes as files of Etendue's own dialect.
+
+#include <string>
+
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// Writes the scene to `path`, and what it needs into the folder NAME-files beside it; reading it gives a scene that
+/// renders to the same film, byte for byte on one device. Throws Error(scene) for what no file can say, Error(file).
+void write_scene(const std::string& path, const Scene& scene);
+
+}  // namespace etendue

@@ -1,0 +1,173 @@
+/// Scenes that are written and read again are the same to the last bit.
+
+#include <cstring>
+#include <filesystem>
+
+#include "formats/mitsuba/mitsuba_writer.h"
+#include "formats/nori/nori_writer.h"
+#include "formats_testing.h"
+#include "image/files.h"
+
+namespace etendue::testing {
+namespace {
+
+std::shared_ptr<Bitmap> bitmap(BitmapFormat format, std::uint32_t channels, ColorSpace color_space) {
+  auto picture = std::make_shared<Bitmap>();
+  picture->width = 3;
+  picture->height = 2;
+  picture->channels = channels;
+  picture->format = format;
+  picture->color_space = color_space;
+  picture->texels.resize(picture->row_bytes() * 2);
+  for (std::size_t i = 0; i < picture->texels.size() / bytes_of(format); ++i) {
+    const auto code = static_cast<std::uint16_t>(3001 * i + 17);
+    const float number = color_space == ColorSpace::srgb ? static_cast<float>(code) / 65535.0f : 0.125f * code;
+    const std::uint16_t half = static_cast<std::uint16_t>(0x3000 + i);
+    const std::uint8_t byte = static_cast<std::uint8_t>(37 * i + 5);
+    const void* from = format == BitmapFormat::u8    ? static_cast<const void*>(&byte)
+                       : format == BitmapFormat::f16 ? static_cast<const void*>(&half)
+                                                     : static_cast<const void*>(&number);
+    std::memcpy(&picture->texels[i * bytes_of(format)], from, bytes_of(format));
+  }
+  return picture;
+}
+
+TriangleMesh mesh() {
+  TriangleMesh mesh{
+      .positions = {{0.1, 0, 0}, {1, 1.0 / 3.0, 0}, {0, 1, 0.7}}, .normals = {}, .triangles = {{0, 1, 2}}};
+  for (int i = 0; i < 3; ++i) mesh.normals.push_back(glm::normalize(glm::dvec3(0.3 * i + 0.1, 0.2, 1)));
+  mesh.uv_sets.push_back({{0.1f, 0.2f}, {3.3f, -0.2f}, {0.5f, 0.7f}});
+  mesh.vertex_colors = {{0.1f, 0.2f, 0.3f}, {0.4f, 0.5f, 0.6f}, {0.7f, 0.8f, 0.9f}};
+  mesh.face_colors = {{0.3f, 0.2f, 0.1f}};
+  return mesh;
+}
+
+/// Something of everything.
+Scene everything() {
+  Scene scene;
+  scene.name = "everything";
+  scene.bitmaps = {bitmap(BitmapFormat::u8, 3, ColorSpace::srgb), bitmap(BitmapFormat::f32, 1, ColorSpace::linear),
+                   bitmap(BitmapFormat::f16, 4, ColorSpace::linear), bitmap(BitmapFormat::f32, 3, ColorSpace::srgb)};
+  const glm::dmat3 turned(0.3, 0.1, 0.0, -0.2, 1.7, 0.0, 1.0 / 3.0, 0.6, 1.0);
+  for (std::uint32_t i = 0; i < scene.bitmaps.size(); ++i)
+    scene.textures.push_back({.source = BitmapTexture{.bitmap = i,
+                                                      .wrap_u = static_cast<TextureWrap>(i % 3),
+                                                      .wrap_v = static_cast<TextureWrap>(i % 3),
+                                                      .filter = static_cast<TextureFilter>(i % 2),
+                                                      .color_space = {}},
+                              .uv_transform = turned});
+  std::get<BitmapTexture>(scene.textures[0].source).color_space = ColorSpace::linear;
+  scene.textures.push_back(
+      {.source = CheckerboardTexture{{0.1, 0.2, 0.3}, {0.7, 1.0 / 7.0, 0.2}}, .uv_transform = turned});
+  scene.textures.push_back({.source = AttributeTexture{AttributeTexture::Source::face_color}});
+  const auto textured = [](std::uint32_t row) { return DiffuseBsdf{ColorParameter(glm::dvec3(1.0), row)}; };
+  for (std::uint32_t row = 0; row < 6; ++row) {
+    Instance& instance = scene.add(mesh(), textured(row));
+    instance.world_from_object[3] = glm::dvec4(1.0 / 3.0, 2, row, 1);
+    instance.flip_normals = row % 2 == 1;
+  }
+  Instance& lamp = scene.add(Disk{}, MirrorBsdf{}, AreaEmitter{ColorParameter(glm::dvec3(3.0, 2.0, 0.1), 4)});
+  lamp.world_from_object = glm::dmat4({1, 0.5, 0.3, 0}, {0, 0.6, 0, 0}, {0, 0, -1, 0}, {0, 0, 2, 1});
+  scene.add(Sphere{{1, 2, 3}, 0.7}, RoughDielectricBsdf{1.5, 1.0, {}, {1, 1, 0.9}, {0.9, 1, 1}});
+  scene.add(Cylinder{{1, 2, 3}, {2, 3, 5}, 0.1}, PlasticBsdf{});
+  scene.add(Disk{}, RoughPlasticBsdf{.nonlinear = true});
+  scene.add(Disk{}, MicrofacetBsdf{.kd = {0.1, 0.2, 0.3}});
+  scene.add(Disk{}, ConductorBsdf{{{0.2, 0.3, 1.0 / 3.0}, {3, 2, 1}}, {1, 1, 1}});
+  scene.add(Disk{}, RoughConductorBsdf{{}, {Roughness::Distribution::ggx, 0.2, 1.0 / 30.0}, {0.8, 1, 1}});
+  scene.add(Disk{}, ThinDielectricBsdf{});
+  scene.add(Disk{}, DielectricBsdf{});
+  scene.instances.push_back(scene.instances.back());  // shared material and shape
+  scene.camera.type = Camera::Type::thin_lens;
+  scene.camera.width = 30;
+  scene.camera.height = 7;
+  scene.camera.window = {{0.1, 2.0 / 9.0}, {0.3, 7.0 / 9.0}, {0.01, -0.2}};
+  scene.camera.aperture = {0.1, 7.0 / 3.0, 5, 12.0};
+  scene.camera.fov_axis = Camera::FovAxis::diagonal;
+  scene.camera.filter = {.type = ReconstructionFilter::Type::mitchell, .b = 0.1, .c = 1.0 / 7.0};
+  scene.camera.world_from_camera[3] = glm::dvec4(0.1, 0.2, 1.0 / 3.0, 1);
+  scene.sampler = {Sampler::Type::sobol, 64, 3};
+  scene.integrator.max_depth = 5;
+  scene.integrator.hide_emitters = true;
+  scene.sky.picture = {.bitmap = bitmap(BitmapFormat::f32, 3, ColorSpace::linear),
+                       .scale = 1.0 / 3.0,
+                       .rows = SkyPicture::Rows::circles};
+  scene.sky.world_from_sky = glm::dmat3({0, 1, 0}, {-1, 0, 0}, {0, 0, 1});
+  return scene;
+}
+
+TEST(SceneWriter, WhatIsReadAgainIsTheSameScene) {
+  const TemporaryFolder folder;
+  const Scene scene = everything();
+  const std::string path = folder.write("s.xml", "");
+  write_scene(path, scene);
+  Diagnostics diagnostics;
+  const auto file = read_scene_file(path, {.overrides = {}, .strict = true}, diagnostics);
+  ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+  EXPECT_EQ(all_messages(diagnostics), "");
+  const Scene& read = std::get<Scene>(*file);
+  EXPECT_EQ(read.instances.size(), scene.instances.size());
+  EXPECT_EQ(read.integrator.max_depth, 5u);
+  EXPECT_TRUE(read.integrator.hide_emitters);
+  EXPECT_EQ(read.sampler.set_bits, 3u);
+  EXPECT_EQ(read.camera.window.origin, scene.camera.window.origin);
+  EXPECT_EQ(read.camera.window.size, scene.camera.window.size);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(read.bitmaps.at(i)->texels, scene.bitmaps[i]->texels) << i;
+    EXPECT_EQ(read.bitmaps.at(i)->format, scene.bitmaps[i]->format) << i;
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto& a = std::get<TriangleMesh>(scene.shape_of(scene.instances[i]));
+    const auto& b = std::get<TriangleMesh>(read.shape_of(read.instances[i]));
+    EXPECT_EQ(a.positions, b.positions);
+    EXPECT_EQ(a.normals, b.normals);
+    EXPECT_EQ(a.triangles, b.triangles);
+    // The last one shows colours of faces, for which no texture coordinates are read.
+    EXPECT_EQ(i < 5 ? a.uv_sets : std::vector<std::vector<glm::vec2>>{}, b.uv_sets);
+    EXPECT_EQ(i == 5 ? a.face_colors : std::vector<glm::vec3>{}, b.face_colors);
+    EXPECT_EQ(scene.instances[i].world_from_object, read.instances[i].world_from_object);
+  }
+  EXPECT_EQ(read.emitters.at(0).radiance.value, glm::dvec3(3.0, 2.0, 0.1));
+  // Written once more it is the same text: everything is in it.
+  const std::string again = folder.write("t.xml", "");
+  write_scene(again, read);
+  const auto text_of = [](const std::string& file_path) {
+    const std::vector<std::byte> bytes = read_file(file_path);
+    std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    for (std::size_t at = text.find("t-files/"); at != std::string::npos; at = text.find("t-files/")) text[at] = 's';
+    return text;
+  };
+  EXPECT_EQ(text_of(path), text_of(again));
+}
+
+TEST(SceneWriter, MitsubaIsToldWhatItCanSay) {
+  const TemporaryFolder folder;
+  Scene scene = everything();
+  const std::string path = folder.write("s.xml", "");
+  EXPECT_THROW(write_mitsuba_scene(path, scene), Error);  // Nori's microfacet
+  for (Material& material : scene.materials) {
+    if (std::holds_alternative<MicrofacetBsdf>(material.bsdf)) material.bsdf = DiffuseBsdf{};
+  }
+  scene.camera.world_from_camera = glm::dmat4(1.0);
+  const std::vector<std::string> differences = write_mitsuba_scene(path, scene);
+  EXPECT_EQ(differences.size(), 1u);  // the polygonal aperture
+  Diagnostics diagnostics;
+  const auto file = read_scene_file(path, {.overrides = {}, .strict = true}, diagnostics);
+  ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+  const Scene& read = std::get<Scene>(*file);
+  ASSERT_EQ(read.instances.size(), scene.instances.size());
+  EXPECT_EQ(read.camera.aperture.radius, 0.1);
+  EXPECT_EQ(read.camera.filter.b, scene.camera.filter.b);
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (int column = 0; column < 3; ++column) {
+      for (int row = 0; row < 3; ++row)
+        EXPECT_NEAR(read.textures.at(i).uv_transform[column][row], scene.textures[i].uv_transform[column][row], 1e-15);
+    }
+    const auto& a = std::get<TriangleMesh>(scene.shape_of(scene.instances[i]));
+    const auto& b = std::get<TriangleMesh>(read.shape_of(read.instances[i]));
+    EXPECT_EQ(a.uv_sets, b.uv_sets);
+    EXPECT_EQ(scene.instances[i].flip_normals, read.instances[i].flip_normals);
+  }
+}
+
+}  // namespace
+}  // namespace etendue::testing
