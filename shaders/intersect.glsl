@@ -130,6 +130,7 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, i
   const Primitive prim = to_primitive(record);
   bool earlier = prim.kind < nearest.order;
   if (kInstanced) earlier = instance < nearest.instance || (instance == nearest.instance && earlier);
+  MUTATE(kMutantTiesReversed, earlier = !earlier)
   // For one that comes earlier the next float after t, so that t itself lies below it.
   const float reach = uintBitsToFloat(floatBitsToUint(nearest.t) + uint(earlier));
   float t;

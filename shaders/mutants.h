@@ -91,7 +91,9 @@ const uint kMutantInnerReflectionForgotten = 75u;
 const uint kMutantTransmittanceOnce = 76u;
 const uint kMutantDiskTurnReversed = 77u;
 const uint kMutantCylinderUpsideDown = 78u;
-const uint kMutantCount = 79u;
+const uint kMutantSideByWinding = 79u;
+const uint kMutantTiesReversed = 80u;
+const uint kMutantCount = 81u;
 #endif
 
 #ifdef __cplusplus

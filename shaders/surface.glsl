@@ -3,6 +3,7 @@
 #define SURFACE_GLSL
 
 #include "intersect.glsl"
+#include "mutants.h"
 #include "place.glsl"
 
 layout(constant_id = kConstantVertexNormals) const bool kVertexNormals = true;  // of any mesh
@@ -128,6 +129,7 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
     const vec3 b = inner_weights(hit.weights);
     s.p = b.x * prim.p0 + b.y * prim.p1 + b.z * prim.p2;
     ns = shading_normal(instance, hit.primitive, hit.weights, s.ng);
+    MUTATE(kMutantSideByWinding, if (dot(ns, s.ng) < 0.0) ns = -ns)
   }
   s.frame = make_frame(ns);
   return s;

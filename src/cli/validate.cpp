@@ -1,4 +1,5 @@
 #include "validate/validate.h"
+#include "reference/reference_renderer.h"
 
 #include <cstdio>
 #include <memory>
@@ -36,6 +37,9 @@ Ending run_validate(const Options& options) {
   validate.worst_accepted = options.require == "identical"  ? Verdict::identical
                             : options.require == "rounding" ? Verdict::rounding_only
                                                             : Verdict::statistically_equal;
+  validate.make_shaken = [](const SharedScene& shared, const RenderSettings& settings) {
+    return make_shaken_reference_renderer(shared.scene(), settings);
+  };
   const Validation validation = validate_scene(*scene, options.device.factory(), reference.factory(), validate);
   print_text(validation_text(validation));
   OutputWriter files;

@@ -61,7 +61,7 @@ double MicrofacetDistribution::density(const Vec3& h) const {
   const double x = h.x / (r_.alpha_u * h.z), y = h.y / (r_.alpha_v * h.z);
   const double tan2 = x * x + y * y;  // of the stretched normal
   const double area = kPi * r_.alpha_u * r_.alpha_v * std::pow(h.z, 4);
-  if (r_.distribution == Distribution::beckmann) return std::exp(-tan2) / area;
+  if (r_.distribution == Distribution::beckmann) return tan2 <= 50.0 ? std::exp(-tan2) / area : 0.0;
   return 1.0 / (area * (1.0 + tan2) * (1.0 + tan2));
 }
 

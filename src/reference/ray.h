@@ -25,11 +25,11 @@ struct Surface {
   std::uint32_t primitive = 0;
   Vec3 weights{0.0};  ///< of the triangle's vertices
 
+  static constexpr double kRelativeOffset = 0x1p-42;
   /// Where a ray toward `w` starts (or one from there ends): off the surface, to the side of `w`, by far more than the
   /// rounding error of `p` (a few 2^-53 of `magnitude`) and far less than anything visible. Coplanar neighbours that
   /// share an edge lie within that error, so they are left behind as well.
   Vec3 offset_toward(const Vec3& w) const {
-    constexpr double kRelativeOffset = 0x1p-42;
     return p + ng * (glm::dot(w, ng) >= 0.0 ? kRelativeOffset * magnitude : -kRelativeOffset * magnitude);
   }
 };

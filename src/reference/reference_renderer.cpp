@@ -90,7 +90,8 @@ struct CameraSample {
 
 class ReferenceRenderer final : public Renderer {
  public:
-  ReferenceRenderer(const Scene& scene, const RenderSettings& settings) : world_(scene), settings_(settings) {}
+  ReferenceRenderer(const Scene& scene, const RenderSettings& settings, World::Rounding rounding)
+      : world_(scene, rounding), settings_(settings) {}
 
   std::string device_name() const override { return "reference"; }
   std::string driver_name() const override { return fmt::format("double precision, etendue {}", version()); }
@@ -259,7 +260,11 @@ std::vector<PathVertex> ReferenceRenderer::trace_path(SampleId id) {
 }  // namespace
 
 std::unique_ptr<Renderer> make_reference_renderer(const Scene& scene, const RenderSettings& settings) {
-  return std::make_unique<ReferenceRenderer>(scene, settings);
+  return std::make_unique<ReferenceRenderer>(scene, settings, World::Rounding::full);
+}
+
+std::unique_ptr<Renderer> make_shaken_reference_renderer(const Scene& scene, const RenderSettings& settings) {
+  return std::make_unique<ReferenceRenderer>(scene, settings, World::Rounding::single);
 }
 
 }  // namespace etendue

@@ -12,4 +12,9 @@ namespace etendue {
 /// Builds what rendering needs; the scene is copied. Uses `thread_count()` threads (core/parallel.h).
 std::unique_ptr<Renderer> make_reference_renderer(const Scene& scene, const RenderSettings& settings);
 
+/// The reference, shaken by what single precision does to the points that rays meet (World::Rounding::single). Where
+/// its samples part from those of the reference, rounding alone is the reason: what a device may differ by in this
+/// scene.
+std::unique_ptr<Renderer> make_shaken_reference_renderer(const Scene& scene, const RenderSettings& settings);
+
 }  // namespace etendue

@@ -1,11 +1,13 @@
 #include "reference/world.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <tuple>
 #include <utility>
 
+#include "reference/rng.h"
 #include "scene/bounds.h"
 
 namespace etendue::reference {
@@ -17,8 +19,12 @@ double largest_coordinate(const Vec3& v) {
 
 }  // namespace
 
-World::World(const Scene& scene)
-    : scene_(scene), lights_(scene), environment_(scene, lights_.power()), filter_(scene.camera.filter) {
+World::World(const Scene& scene, Rounding rounding)
+    : scene_(scene),
+      rounding_(rounding),
+      lights_(scene),
+      environment_(scene, lights_.power()),
+      filter_(scene.camera.filter) {
   for (const Instance& instance : scene_.instances) placements_.emplace_back(instance);
   sharing_.emplace(scene_);
   add_meshes(*sharing_);
@@ -183,7 +189,25 @@ void World::meet(const Primitive& p, std::uint32_t instance, const Ray& ray, con
            .hit = *hit};
 }
 
-std::optional<Surface> World::closest_hit(const Ray& ray) const {
+namespace {
+
+/// Even in the cube of ±1, always the same for a vector.
+Vec3 jitter(const Vec3& of) {
+  Words words{};
+  for (int i = 0; i < 3; ++i) {
+    const auto bits = std::bit_cast<std::uint64_t>(of[i]);
+    words[0] ^= static_cast<std::uint32_t>(bits);
+    words[1] ^= static_cast<std::uint32_t>(bits >> 32);
+    words = pcg4d(words);
+  }
+  return 2.0 * Vec3(unit_float(words[0]), unit_float(words[1]), unit_float(words[2])) - 1.0;
+}
+
+}  // namespace
+
+std::optional<Surface> World::closest_hit(const Ray& exact) const {
+  Ray ray = exact;
+  if (rounding_ == Rounding::single) ray.direction = glm::normalize(ray.direction + 0x1p-23 * jitter(ray.direction));
   // A ray that is none would meet every box of the tree; it misses, and the sample becomes not a number.
   if (!is_finite(ray.origin + ray.direction)) return std::nullopt;
   const TriangleTest triangle_test(ray);
@@ -206,7 +230,22 @@ std::optional<Surface> World::closest_hit(const Ray& ray) const {
     return false;
   });
   if (!found.any) return std::nullopt;
-  const Vec3 near_point = ray.origin + found.hit.t * ray.direction;
+  Surface met = surface(found, ray.origin + found.hit.t * ray.direction);
+  if (rounding_ == Rounding::single) shake(met);
+  return met;
+}
+
+// Coordinates of single precision have 24 bits. A point is the sum of three products of weights and vertices: about two
+// units of the largest coordinate, and twice that where vertices and rays are moved between two spaces on the way. Rays
+// leave it by the eight units that a device's own rays are given, or those of both spaces.
+void World::shake(Surface& surface) const {
+  const bool shared = sharing_->has_instance(surface.instance);
+  const double magnitude = surface.magnitude * (shared ? 2.0 / kMostCondition : 1.0);
+  surface.p += jitter(surface.p) * (0x1p-23 * magnitude);
+  surface.magnitude = magnitude * (0x1p-20 / Surface::kRelativeOffset);
+}
+
+Surface World::surface(const Found& found, const Vec3& near_point) const {
   if (found.radius > 0.0) return sphere_surface(found, near_point);
   if (found.disk) return disk_surface(found, near_point);
   if (found.tube) return tube_surface(found, near_point);

@@ -18,7 +18,11 @@ namespace etendue::reference {
 
 class World {
  public:
-  explicit World(const Scene& scene);
+  /// Of rays and the points that they meet: double precision, or shaken at random by what single precision does to
+  /// them.
+  enum class Rounding { full, single };
+
+  explicit World(const Scene& scene, Rounding rounding = Rounding::full);
 
   /// Looks at the same shapes and lights in another way.
   void set_view(const View& view);
@@ -69,12 +73,15 @@ class World {
   static void meet(const Primitive& primitive, std::uint32_t instance, const Ray& ray, const TriangleTest& test,
                    double& t_max, Found& found);
   static std::vector<Primitive> without_twins(std::vector<Primitive> primitives);
+  Surface surface(const Found& found, const Vec3& near_point) const;
+  void shake(Surface& surface) const;
   Surface triangle_surface(const Found& found) const;
   static Surface sphere_surface(const Found& found, const Vec3& near_point);
   static Surface disk_surface(const Found& found, const Vec3& near_point);
   static Surface tube_surface(const Found& found, const Vec3& near_point);
 
   Scene scene_;
+  Rounding rounding_;
   Lights lights_;
   Environment environment_;
   FilterSampler filter_;

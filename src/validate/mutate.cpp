@@ -176,6 +176,9 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "picture of round shapes"},
     {gpu::kMutantCylinderUpsideDown, "cylinder upside down", "a texture stands on its head on cylinders",
      "picture of round shapes"},
+    {gpu::kMutantSideByWinding, "side by winding",
+     "the winding of a triangle decides its side where its vertex normals say otherwise", "picture of twins"},
+    {gpu::kMutantTiesReversed, "ties reversed", "of surfaces that coincide the last one is met", "picture of twins"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -371,6 +374,29 @@ Scene room_of_round_shapes() {
   return scene;
 }
 
+/// The room with a body and a lamp whose winding disagrees with their vertex normals, and with two bodies that
+/// coincide.
+Scene room_of_twins() {
+  Scene scene = room();
+  scene.name = scene.file = "room of twins";
+  scene.instances.resize(scene.instances.size() - 3);  // the lamp and the spheres
+  const auto put = [&](double albedo, double radius, glm::dvec3 at, bool turned) -> Instance& {
+    TriangleMesh ball = smooth_ball();
+    if (turned)
+      for (glm::uvec3& triangle : ball.triangles) std::swap(triangle.y, triangle.z);
+    Instance& instance = scene.add(std::move(ball), DiffuseBsdf{glm::dvec3(albedo)});
+    instance.world_from_object = glm::dmat4(glm::dmat3(radius));
+    instance.world_from_object[3] = glm::dvec4(at, 1);
+    return instance;
+  };
+  put(0.0, 0.2, {0.1, 0.6, 0.1}, true).emitter = 0;
+  put(0.8, 0.35, {-0.45, -0.6, 0.3}, true);
+  put(0.8, 0.4, {0.45, -0.55, -0.1}, false);
+  put(0.1, 0.4, {0.45, -0.55, -0.1}, false);
+  scene.integrator.max_depth = 4;
+  return scene;
+}
+
 Image render_room(Renderer& renderer, const Scene& scene, std::uint32_t spp) {
   Film film(scene.camera.width, scene.camera.height, film_exponent(scene));
   std::vector<RejectedSample> rejected;
@@ -495,6 +521,8 @@ std::vector<SuiteTest> make_suite() {
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_instances(), gpu); }},
       {"picture of round shapes against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_round_shapes(), gpu); }},
+      {"picture of twins against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_twins(), gpu); }},
   };
 }
 

@@ -3,6 +3,7 @@
 /// contract of docs/validation.md, in one verdict.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/json.h"
@@ -18,6 +19,9 @@ struct ValidateOptions {
   std::uint64_t sample_budget = 1 << 18;  ///< samples compared one by one
   double significance = 0.01;             ///< false-alarm rate of L3
   SampleLimits limits;
+  /// Makes a reference that is shaken by rounding (make_shaken_reference_renderer): how far samples part in this scene
+  /// for that reason alone. Asked when a device parts farther than `limits` say, which it may raise. None: they stand.
+  RendererFactory make_shaken;
   Verdict worst_accepted = Verdict::statistically_equal;  ///< or rounding_only, or identical
   bool allow_untested = false;                            ///< a validation that could not be made passes
   Progress progress;                                      ///< of the two L3 renders; may stop them (Error(interrupted))
@@ -27,8 +31,9 @@ struct Validation {
   std::string scene;
   std::string device, device_driver, reference, reference_driver;
   std::uint32_t seed = 0, samples_per_pixel = 0;
-  SampleComparison samples;  ///< L2
-  ImageTests tests;          ///< L3
+  SampleComparison samples;                  ///< L2
+  std::optional<SampleComparison> rounding;  ///< of the shaken reference with the reference, where it was asked
+  ImageTests tests;                          ///< L3
   std::uint64_t device_rejected = 0, reference_rejected = 0;
   std::vector<RejectedSample> rejected;
   Image device_image, reference_image;  ///< of L3, independent seeds

@@ -125,7 +125,7 @@ TEST(BadCommand, PlacesThatCannotBeWritten) {
       {"folder.exr", [](const fs::path& p) { fs::create_directory(p / "folder.exr"); }},
       {"fifo.exr", [](const fs::path& p) { ASSERT_EQ(mkfifo((p / "fifo.exr").c_str(), 0600), 0); }},
       {"loop.exr", [](const fs::path& p) { fs::create_symlink("loop.exr", p / "loop.exr"); }},
-      {"device.exr", [](const fs::path& p) { fs::create_symlink("/dev/full", p / "device.exr"); }},
+      {"device.exr", [](const fs::path& p) { fs::create_symlink(full_device(), p / "device.exr"); }},
       {"away.exr", [](const fs::path& p) { fs::create_symlink("none/away.exr", p / "away.exr"); }},
       {std::string(300, 'a') + ".exr", {}},
       {std::string(5000, 'a') + "/a.exr", {}},
@@ -147,7 +147,8 @@ TEST(BadCommand, PlacesThatCannotBeWritten) {
 TEST(BadCommand, AFullDiskUnderTheResults) {
   const std::string binary = ETENDUE_BINARY;
   for (const std::string command : {"devices", "check " SCENES_DIR "/cbox-sphere.xml --json", "--help"}) {
-    const int status = std::system(fmt::format("{} {} > /dev/full 2> /dev/null", binary, command).c_str());
+    const int status =
+        std::system(fmt::format("{} {} > {} 2> /dev/null", binary, command, full_device().string()).c_str());
     EXPECT_EQ(WEXITSTATUS(status), 6) << command;
   }
 }

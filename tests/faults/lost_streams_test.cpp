@@ -57,7 +57,7 @@ class LostStreams : public RenderTest {
 };
 
 TEST_F(LostStreams, MessagesThatNobodyTakesCostNothing) {
-  expect_film({.err = keep(open("/dev/full", O_WRONLY | O_CLOEXEC))});
+  expect_film({.err = keep(open(full_device().c_str(), O_WRONLY | O_CLOEXEC))});
   expect_film({.close_err = true});
   expect_film({.err = pipe_end(false)});
   expect_film({.out = pipe_end(false), .err = pipe_end(false), .close_out = true, .close_err = true});
@@ -84,7 +84,7 @@ TEST_F(LostStreams, AFileSizeLimitUnderTheMessages) {
 // The results of the command go to stdout: files are written all the same, and the code tells.
 TEST_F(LostStreams, ResultsThatNobodyTakesAreAnErrorAfterTheFilesAreWritten) {
   const std::vector<ProcessOptions> all = {
-      {.out = keep(open("/dev/full", O_WRONLY | O_CLOEXEC))}, {.close_out = true}, {.out = pipe_end(false)}};
+      {.out = keep(open(full_device().c_str(), O_WRONLY | O_CLOEXEC))}, {.close_out = true}, {.out = pipe_end(false)}};
   for (const ProcessOptions& options : all) {
     const ProcessResult result = run(render({"--spp", "40", "--film", "-o", "x.exr", "--json"}), options);
     expect_error(result, 6, "cannot be written to stdout");
@@ -94,7 +94,7 @@ TEST_F(LostStreams, ResultsThatNobodyTakesAreAnErrorAfterTheFilesAreWritten) {
 }
 
 TEST_F(LostStreams, WhatIsAskedOfTheProgramItselfIsAResultToo) {
-  const int full = keep(open("/dev/full", O_WRONLY | O_CLOEXEC));
+  const int full = keep(open(full_device().c_str(), O_WRONLY | O_CLOEXEC));
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"--version"}, {"--help"}, {"render", "--help"}, {"devices", "--help"}}) {
     SCOPED_TRACE(testing::PrintToString(arguments));
@@ -128,7 +128,7 @@ TEST_F(LostStreams, ResultFilesDoNotNeedStdout) {
   expect_error(result, 6, "gone/r.xml");  // told before any work
   EXPECT_FALSE(exists("r.json"));
   const ProcessResult full = run({"compare", "one.exr", "one.exr", "--no-flip", "--json", "r.json"},
-                                 {.out = keep(open("/dev/full", O_WRONLY | O_CLOEXEC))});
+                                 {.out = keep(open(full_device().c_str(), O_WRONLY | O_CLOEXEC))});
   expect_error(full, 6, "cannot be written to stdout: No space left on device");
   EXPECT_TRUE(exists("r.json"));
   expect_error(run({"compare", "one.exr", "one.exr", "--json", "r.json", "--html", "./r.json"}), 2, "are one file");

@@ -6,6 +6,8 @@
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -142,6 +144,28 @@ std::string read_text(const std::filesystem::path& path) {
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
+}
+
+const std::filesystem::path& full_device() {
+  static const struct Device {
+    std::filesystem::path path = "/dev/full";
+    bool own = false;
+    Device() {
+      const dev_t full = makedev(1, 7);
+      struct stat status {};
+      if (stat(path.c_str(), &status) == 0 && S_ISCHR(status.st_mode) && status.st_rdev == full) return;
+      path = std::filesystem::temp_directory_path() / fmt::format("etendue-full-{}", getpid());
+      if (mknod(path.c_str(), S_IFCHR | 0666, full) != 0)
+        throw std::runtime_error("/dev/full is not the device that is always full, and none can be made here");
+      own = true;
+    }
+    ~Device() {
+      if (own) unlink(path.c_str());
+    }
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+  } device;
+  return device.path;
 }
 
 }  // namespace etendue::faults

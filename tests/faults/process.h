@@ -59,6 +59,10 @@ ProcessResult etendue(const std::vector<std::string>& arguments, const std::file
 std::string read_text(const std::filesystem::path& path);
 void write_text(const std::filesystem::path& path, const std::string& text);
 
+/// Where every write fails with ENOSPC: /dev/full, or a device of the test's own where somebody put a file in its place
+/// (root's programs can, and /dev is often shared with containers). Lives as long as the process.
+const std::filesystem::path& full_device();
+
 /// Waits until `condition()`; false after `seconds`.
 template <typename Condition>
 bool wait_until(Condition condition, double seconds = 60.0);

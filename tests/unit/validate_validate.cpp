@@ -127,6 +127,23 @@ TEST(Validate, NanIsDifferentAndLocated) {
   EXPECT_THAT(validation_text(v), HasSubstr("rejected samples"));
 }
 
+// A scene in which rounding alone parts many paths: what a shaken reference does is allowed, and not much more.
+TEST(Validate, LimitsFollowTheShakenReference) {
+  Defects device, shaken;
+  device.flip_every = shaken.flip_every = 100;
+  ValidateOptions options = quick();
+  EXPECT_EQ(validate_with(device, options).verdict, Verdict::statistically_equal);
+  options.make_shaken = fake(shaken);
+  const Validation v = validate_with(device, options);
+  EXPECT_EQ(v.verdict, Verdict::rounding_only) << validation_text(v);
+  EXPECT_NEAR(v.rounding->flips_per_million(), 1e4, 1e3);
+  EXPECT_THAT(validation_text(v), HasSubstr("shaken by rounding alone"));
+  device.flip_every = 50;
+  EXPECT_EQ(validate_with(device, options).verdict, Verdict::statistically_equal);
+  device.flip_every = 20000;
+  EXPECT_FALSE(validate_with(device, options).rounding.has_value()) << "not asked where the limits hold";
+}
+
 TEST(Validate, LargeFilmsAreSampledSparsely) {
   Defects biased;
   biased.bias = 1.02f;
