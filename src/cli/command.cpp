@@ -16,6 +16,14 @@ void SceneOptions::add_to(Command& command) {
       ->type_name("PATH=VALUE")
       ->allow_extra_args(false);
   command.add_flag("--strict", strict, "unknown properties and rejected samples are errors");
+  command
+      .add_option("--environment", environment,
+                  "a picture of latitude and longitude that lights the scene in place of its sky")
+      ->type_name("FILE");
+  command
+      .add_option("--camera", camera,
+                  "where the scene is seen from: the eye and what it looks at, perhaps a field of view")
+      ->type_name("X,Y,Z,X,Y,Z[,FOV]");
   command.add_flag("--approximate", approximate,
                    "what a scene for Mitsuba asks for and there is not here is replaced, with a warning for each");
 }
@@ -24,6 +32,8 @@ ReadOptions SceneOptions::read_options() const {
   ReadOptions options;
   options.strict = strict;
   options.approximate = approximate;
+  options.environment = environment;
+  options.camera = camera;
   for (const std::string& text : overrides) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {

@@ -37,6 +37,7 @@ struct SceneOptions {
   std::vector<std::string> overrides;  ///< "integrator.nee=false"
   bool strict = false;
   bool approximate = false;
+  std::string environment, camera;
 
   void add_to(Command& command);
   /// Throws Error(usage) for an override without '='.

@@ -15,6 +15,11 @@ struct ReadOptions {
   bool strict = false;
   /// What a foreign scene asks for and there is not here is replaced, with a warning for each, instead of refused.
   bool approximate = false;
+  /// A picture of latitude and longitude that lights the scene in place of its sky; "" for none.
+  std::string environment;
+  /// Where the scene is seen from in place of its camera: "x,y,z,x,y,z" of the eye and what it looks at, and perhaps
+  /// the field of view in degrees; "" for none.
+  std::string camera;
 };
 
 }  // namespace etendue

@@ -1,15 +1,21 @@
 #include "formats/read_scene.h"
 
+#include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "formats/dialect/values.h"
 #include "formats/input_file.h"
 #include "formats/mitsuba/mitsuba_reader.h"
+#include "formats/model/model_reader.h"
 #include "formats/nori/nori_reader.h"
 #include "formats/xml/xml_document.h"
 #include "scene/check.h"
+#include "scene/invariants.h"
 
 namespace etendue {
 namespace {
@@ -38,10 +44,79 @@ std::string version_of(const XmlElement& root) {
   return version == nullptr ? "" : " " + version->value;
 }
 
+void set_environment(const std::string& path, Scene& scene, Diagnostics& diagnostics) {
+  try {
+    Bitmap bitmap = read_bitmap(path);
+    if (const std::size_t count = clear_negative_values(bitmap); count > 0)
+      diagnostics.warning({path, 0, 0}, fmt::format("the picture has {} negative values; they are taken as 0", count));
+    scene.sky = {.picture = SkyPicture{.bitmap = std::make_shared<const Bitmap>(std::move(bitmap))}};
+  } catch (const Error& error) {
+    diagnostics.error({}, fmt::format("--environment: {}", error.what()), error.kind());
+  }
+}
+
+void set_camera(const std::string& text, Scene& scene, Diagnostics& diagnostics) {
+  const auto refuse = [&](const std::string& why) {
+    diagnostics.error({}, fmt::format("--camera {}: {}", text, why), ErrorKind::usage);
+  };
+  std::vector<ListedNumber> n;
+  try {
+    n = parse_numbers(text);
+  } catch (const ValueError& error) {
+    return refuse(error.message);
+  }
+  if (n.size() != 6 && n.size() != 7)
+    return refuse(
+        fmt::format("{} numbers; write 3 of the eye, 3 of what it looks at and perhaps a field of view in "
+                    "degrees",
+                    n.size()));
+  const glm::dvec3 eye(n[0].value, n[1].value, n[2].value), target(n[3].value, n[4].value, n[5].value);
+  const double distance = glm::distance(eye, target);
+  if (!(distance > 0.0)) return refuse("the eye looks at itself; move one of the points");
+  const glm::dvec3 z = (target - eye) / distance;
+  const glm::dvec3 up = std::abs(z.y) < 0.999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+  const glm::dvec3 x = glm::normalize(glm::cross(up, z));
+  Camera& camera = scene.camera;
+  camera.type = Camera::Type::perspective;
+  camera.aperture = {};
+  camera.window = {};
+  if (n.size() == 7) {
+    if (!(n[6].value > 0.0 && n[6].value < 180.0)) return refuse("the field of view is not between 0 and 180 degrees");
+    camera.fov = n[6].value;
+    camera.fov_axis = Camera::FovAxis::x;
+  }
+  camera.world_from_camera = {glm::dvec4(x, 0), glm::dvec4(glm::cross(z, x), 0), glm::dvec4(z, 0), glm::dvec4(eye, 1)};
+}
+
+/// What the caller adds to a scene, whatever its format.
+void apply_additions(SceneFile& file, const ReadOptions& options, Diagnostics& diagnostics) {
+  auto* scene = std::get_if<Scene>(&file);
+  if (scene == nullptr || (options.environment.empty() && options.camera.empty())) return;
+  if (!options.environment.empty()) set_environment(options.environment, *scene, diagnostics);
+  if (!options.camera.empty()) set_camera(options.camera, *scene, diagnostics);
+  if (!diagnostics.has_errors()) check_invariants(*scene, diagnostics);
+}
+
+std::optional<SceneFile> read_model_file(const std::string& path, const ReadOptions& options,
+                                         Diagnostics& diagnostics) {
+  const std::size_t errors_before = diagnostics.error_count();
+  for (const auto& [name, value] : options.overrides)
+    diagnostics.error({fmt::format("-D {}={}", name, value), 0, 0},
+                      fmt::format("{} is a mesh without properties; write a scene with etendue convert", path),
+                      ErrorKind::usage);
+  if (diagnostics.error_count() > errors_before) return std::nullopt;
+  std::optional<Scene> scene = read_model(path, diagnostics);
+  if (!scene) return std::nullopt;
+  std::optional<SceneFile> file = std::move(*scene);
+  apply_additions(*file, options, diagnostics);
+  return diagnostics.error_count() > errors_before ? std::nullopt : std::move(file);
+}
+
 }  // namespace
 
 std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOptions& options,
                                          Diagnostics& diagnostics) {
+  if (is_model(path)) return read_model_file(path, options, diagnostics);
   std::string text;
   try {
     text = read_text(path);
@@ -65,6 +140,7 @@ std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOpti
   } else {
     file = read_nori(*document, options, load, diagnostics);
   }
+  if (file && diagnostics.error_count() == errors_before) apply_additions(*file, options, diagnostics);
   return diagnostics.error_count() > errors_before ? std::nullopt : std::move(file);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/errors.h"
 #include "formats/mitsuba/mitsuba_reader.h"
 #include "scene/check.h"
 
@@ -31,9 +32,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const etendue::TextLoader load_text = [&](const std::string& path) {
     return path.size() % 2 == 0 ? text : std::string("<bsdf type=\"diffuse\" id=\"included\"/>");
   };
+  const auto load_picture = [](const std::string& path) {
+    if (path.size() % 3 == 0) throw etendue::Error(etendue::ErrorKind::file, path + ": no such file");
+    etendue::Bitmap bitmap{.width = 1, .height = 1, .channels = 1, .format = etendue::BitmapFormat::u8};
+    bitmap.texels = {std::byte{7}};
+    return bitmap;
+  };
   const etendue::ReadOptions options{.overrides = {}, .strict = false, .approximate = size % 2 == 0};
-  const auto scene =
-      etendue::parse_mitsuba_scene(std::move(document), options, {load_mesh, load_text, load_serialized}, diagnostics);
+  const auto scene = etendue::parse_mitsuba_scene(std::move(document), options,
+                                                  {load_mesh, load_text, load_serialized, load_picture}, diagnostics);
   require(scene.has_value() != diagnostics.has_errors());
   for (const etendue::Diagnostic& d : diagnostics.list()) {
     require(!d.message.empty() && d.message.find('\n') == std::string::npos);

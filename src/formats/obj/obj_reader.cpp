@@ -46,6 +46,8 @@ class Tokens {
   }
   /// Where the token returned last begins.
   std::size_t offset() const { return begin_; }
+  /// Where what follows it begins.
+  std::size_t end() const { return at_; }
 
  private:
   static bool is_separator(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
@@ -116,9 +118,11 @@ class BadElements {
 
 class ObjParser {
  public:
-  ObjParser(const ByteSource& source, const std::string& file, const MeshContent& content, Diagnostics& diagnostics)
+  ObjParser(const ByteSource& source, const std::string& file, const MeshContent& content, ObjMaterials* materials,
+            Diagnostics& diagnostics)
       : lines_(source, file, ObjLimits::kMaxLine),
         content_(content),
+        materials_(materials),
         diagnostics_(diagnostics),
         bad_positions_("vertex", diagnostics),
         bad_normals_("normal", diagnostics) {}
@@ -189,6 +193,8 @@ class ObjParser {
     if (keyword == "f") return parse_face(tokens);
     if (keyword == "vn") return parse_normal(tokens);
     if (keyword == "vt") return parse_texture(tokens);
+    if (materials_ != nullptr && keyword == "usemtl") return use_material(rest_of(tokens));
+    if (materials_ != nullptr && keyword == "mtllib") return add_library(rest_of(tokens));
     static constexpr std::string_view kIgnored[] = {"g", "o", "s", "usemtl", "mtllib"};
     if (std::find(std::begin(kIgnored), std::end(kIgnored), keyword) != std::end(kIgnored)) return;
     if (keyword.find('\0') != std::string_view::npos) {
@@ -198,6 +204,27 @@ class ObjParser {
     diagnostics_.warning(
         lines_.position(tokens.offset()),
         fmt::format("lines that start with {} are not known and ignored, here and further on", text::quoted(keyword)));
+  }
+
+  /// Names may hold blanks.
+  std::string_view rest_of(const Tokens& tokens) {
+    return text::trim(lines_.line().substr(std::min(tokens.end(), lines_.line().size())));
+  }
+
+  void use_material(std::string_view name) {
+    const auto [known, is_new] = material_rows_.try_emplace(std::string(name), materials_->names.size());
+    if (is_new) {
+      if (materials_->names.size() >= ObjMaterials::kMost)
+        throw ObjError{0, fmt::format("the file has more than {} materials; split it", ObjMaterials::kMost), true};
+      materials_->names.emplace_back(name);
+    }
+    material_ = static_cast<std::uint32_t>(known->second);
+  }
+
+  void add_library(std::string_view name) {
+    if (materials_->libraries.size() >= ObjMaterials::kMost)
+      throw ObjError{0, fmt::format("the file names more than {} libraries", ObjMaterials::kMost), true};
+    materials_->libraries.emplace_back(name);
   }
 
   static double parse_number(std::string_view token, std::size_t offset) {
@@ -397,6 +424,7 @@ class ObjParser {
     add_further(mesh_.normal_triangles, {a.normal, b.normal, c.normal});
     add_further(mesh_.uv_triangles, {a.uv, b.uv, c.uv});
     mesh_.position_triangles.emplace_back(a.position, b.position, c.position);
+    if (materials_ != nullptr) materials_->of_triangle.push_back(material_);
   }
 
   /// Indices that need not be there: the list begins with the first triangle that has one, the others before it.
@@ -434,6 +462,9 @@ class ObjParser {
 
   LineReader lines_;
   MeshContent content_;
+  ObjMaterials* materials_;
+  std::map<std::string, std::size_t, std::less<>> material_rows_ = {{"", 0}};
+  std::uint32_t material_ = 0;
   Diagnostics& diagnostics_;
   BadElements bad_positions_, bad_normals_;
   RawMesh mesh_;
@@ -605,8 +636,9 @@ class VertexSplitter {
 }  // namespace
 
 std::optional<TriangleMesh> read_obj(const ByteSource& source, const std::string& file, const MeshContent& content,
-                                     Diagnostics& diagnostics) {
-  ObjParser parser(source, file, content, diagnostics);
+                                     Diagnostics& diagnostics, ObjMaterials* materials) {
+  if (materials != nullptr) materials->names = {""};
+  ObjParser parser(source, file, content, materials, diagnostics);
   if (!parser.parse()) return std::nullopt;
   std::optional<TriangleMesh> mesh = VertexSplitter(parser.mesh()).split();
   if (mesh) {
@@ -623,6 +655,13 @@ std::optional<TriangleMesh> read_obj(const std::string& path, const MeshContent&
   InputFile file(path);
   return read_obj([&](char* buffer, std::size_t capacity) { return file.read(buffer, capacity); }, path, content,
                   diagnostics);
+}
+
+std::optional<TriangleMesh> read_obj(const std::string& path, const MeshContent& content, ObjMaterials& materials,
+                                     Diagnostics& diagnostics) {
+  InputFile file(path);
+  return read_obj([&](char* buffer, std::size_t capacity) { return file.read(buffer, capacity); }, path, content,
+                  diagnostics, &materials);
 }
 
 }  // namespace etendue

@@ -1,0 +1,49 @@
+/// Any bytes as a library of materials: the reader ends with materials in range and with warnings that have a place,
+/// never with a fault or an error.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+
+#include "formats/model/mtl_reader.h"
+
+namespace {
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+bool is_share(double v) {
+  return v >= 0.0 && v <= 1.0;
+}
+
+}  // namespace
+
+/// The first byte chooses the size of the reads.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::size_t chunk = (*data & 3) == 0 ? 1 : std::size_t{1} << (2 * (*data & 3));
+  std::size_t at = 1;
+  const etendue::ByteSource source = [&](char* buffer, std::size_t capacity) {
+    const std::size_t count = std::min({capacity, chunk, size - at});
+    std::memcpy(buffer, data + at, count);
+    at += count;
+    return count;
+  };
+  etendue::Diagnostics diagnostics;
+  std::map<std::string, etendue::MtlMaterial> materials;
+  etendue::read_mtl(source, "fuzz.mtl", materials, diagnostics);
+  require(!diagnostics.has_errors());
+  for (const auto& [name, m] : materials) {
+    for (int i = 0; i < 3; ++i) {
+      require(is_share(m.diffuse[i]) && is_share(m.specular[i]));
+      require(m.emission[i] >= 0.0 && std::isfinite(m.emission[i]));
+    }
+    require(is_share(m.opacity) && std::isfinite(m.exponent) && m.exponent >= 0.0 && std::isfinite(m.index));
+    require(is_share(m.roughness.value_or(0.0)) && is_share(m.metallic.value_or(0.0)));
+    for (const auto& map : {m.diffuse_map, m.emission_map, m.opacity_map}) require(!map || !map->filename.empty());
+  }
+  return 0;
+}
