@@ -83,6 +83,10 @@ const uint kConstantEnvironmentColumnRounds = 39u;
 const uint kConstantCamera = 40u;
 const uint kConstantHideEmitters = 41u;
 const uint kConstantCameraWindow = 42u;
+// Lights without extent, see emitter/delta.glsl.
+const uint kConstantDeltaLights = 43u;    // kDelta…
+const uint kConstantDeltaLightsAt = 44u;
+const uint kConstantDistantLights = 45u;  // how many are infinitely far away
 const uint kConstantInstanced = 46u;  // some meshes are shared: the tree has two levels
 const uint kConstantPlacesAt = 47u;
 const uint kConstantMaterialTexturesAt = 48u;
@@ -137,6 +141,8 @@ const uint kEnvironmentNone = 0u;
 const uint kEnvironmentGradient = 1u;
 const uint kEnvironmentPicture = 2u;
 const uint kEnvironmentLight = 0xfffffffeu;  // stands for an instance where the environment is the light that was sampled
+
+const uint kDeltaLightSampled = 0xfffffffdu;  // the same for a light without extent, whose number is that of the primitive
 
 const uint kIntegratorPath = 0u;
 const uint kIntegratorNormals = 1u;
@@ -380,6 +386,7 @@ struct LightPair {
 const uint kLightPairTexels = 5u;
 const uint kLightLeaf = 0x80000000u;
 const uint kLightLeafShared = 0x40000000u;  // beside it: the index is that of a light instance, whose mesh is shared
+const uint kLightLeafDelta = 0x20000000u;   // beside kLightLeaf, or of the instance of a light: the index is that of a light without extent
 const uint kMaxLightTreeDepth = 31u;
 
 // The way from the root of the light tree to a primitive.
@@ -390,6 +397,33 @@ struct LightTrail {
   uint pad1;
 };
 const uint kLightTrailTexels = 1u;
+
+// A light without extent, in normalised coordinates. Those infinitely far away come first in the table.
+struct DeltaLight {
+  vec3 p;             // where it stands; of a directional light the direction toward it
+  float prob;         // of its choice, where lights are chosen by power
+  vec3 intensity;     // irradiance at distance 1 of a surface that faces it
+  uint header;        // kDelta…
+  vec3 forward;       // where it shines, unit
+  float cos_cutoff;   // of a spot's cone
+  vec3 across;        // axis of its picture's columns, unit
+  float cos_beam;
+  vec2 picture_scale; // half a picture for a slope of 1 across and upward
+  float fade;         // 1 over what lies between beam and cone: turns where it is linear, else a difference of cosines
+  uint texture_index; // of its picture, or kNone
+  uint threshold;     // of a directional light: chosen when `threshold <= word`, the last one that satisfies it
+  uint number;        // among those of the scene
+  float cutoff_turns; // half angle of the cone
+  uint pad0;
+};
+const uint kDeltaLightTexels = 6u;
+const uint kDeltaPoint = 0x1u;
+const uint kDeltaSpot = 0x2u;
+const uint kDeltaProjector = 0x4u;
+const uint kDeltaDirectional = 0x8u;
+const uint kDeltaSmooth = 0x10u;   // how a spot fades; linearly without either
+const uint kDeltaQuartic = 0x20u;
+const uint kDeltaTextured = 0x40u; // has a picture
 
 // A row of cells of the environment. Its edges are sin²(θ/2), θ being the angle from the pole of its half of the rows: no digits are lost near poles.
 struct EnvironmentRow {
@@ -452,9 +486,9 @@ struct Frame {
   vec3 light_intensity;   // Φ/(4π²) at a distance of one scene unit, in normalised units
   uint emitter_samples;
   uint bsdf_samples;
+  uint distant_threshold;      // words below it that do not choose the environment choose a directional light
+  float delta_light_limit;     // what a light without extent adds at a vertex, at most
   uint pad0;
-  uint pad1;
-  uint pad2;
   vec3 sky_x;                  // axes of the sky's own frame in the world
   uint environment_row_count;  // rows of cells; those behind have no weight
   vec3 sky_y;
@@ -573,6 +607,7 @@ static_assert(sizeof(LightPrimitive) == kLightPrimitiveTexels * kTexelBytes);
 static_assert(sizeof(LightBounds) == kLightBoundsTexels * kTexelBytes);
 static_assert(sizeof(LightPair) == kLightPairTexels * kTexelBytes);
 static_assert(sizeof(LightTrail) == kLightTrailTexels * kTexelBytes);
+static_assert(sizeof(DeltaLight) == kDeltaLightTexels * kTexelBytes);
 static_assert(sizeof(EnvironmentRow) == kEnvironmentRowTexels * kTexelBytes);
 static_assert(sizeof(EnvironmentTexel) == kEnvironmentTexelTexels * kTexelBytes);
 static_assert(sizeof(Frame) == 272);

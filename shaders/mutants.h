@@ -93,7 +93,12 @@ const uint kMutantDiskTurnReversed = 77u;
 const uint kMutantCylinderUpsideDown = 78u;
 const uint kMutantSideByWinding = 79u;
 const uint kMutantTiesReversed = 80u;
-const uint kMutantCount = 81u;
+const uint kMutantPointDistanceNotSquared = 81u;
+const uint kMutantPointWeighed = 82u;
+const uint kMutantSpotFadesByCosine = 83u;
+const uint kMutantProjectorByIntensity = 84u;
+const uint kMutantDistantChoiceForgotten = 85u;
+const uint kMutantCount = 86u;
 #endif
 
 #ifdef __cplusplus

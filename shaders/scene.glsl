@@ -34,6 +34,7 @@ layout(constant_id = kConstantLightInstancesAt) const uint kLightInstancesAt = 0
 layout(constant_id = kConstantLightPrimitivesAt) const uint kLightPrimitivesAt = 0u;
 layout(constant_id = kConstantLightPairsAt) const uint kLightPairsAt = 0u;
 layout(constant_id = kConstantLightTrailsAt) const uint kLightTrailsAt = 0u;
+layout(constant_id = kConstantDeltaLightsAt) const uint kDeltaLightsAt = 0u;
 layout(constant_id = kConstantPlacesAt) const uint kPlacesAt = 0u;
 layout(constant_id = kConstantInstanced) const bool kInstanced = false;  // some meshes are shared, see kRecordInstance
 layout(constant_id = kConstantEnvironmentRowsAt) const uint kEnvironmentRowsAt = 0u;
@@ -121,6 +122,14 @@ LightTrail fetch_light_trail(uint instance, uint primitive) {
   const uvec4 a = load_table(kLightTrailsAt + kLightTrailTexels * (first + primitive));
   return LightTrail(a.x, uintBitsToFloat(a.y), a.z, a.w);
 }
+DeltaLight fetch_delta_light(uint i) {
+  const uint first = kDeltaLightsAt + kDeltaLightTexels * i;
+  const uvec4 a = load_table(first), b = load_table(first + 1u), c = load_table(first + 2u), d = load_table(first + 3u);
+  const uvec4 e = load_table(first + 4u), f = load_table(first + 5u);
+  return DeltaLight(uintBitsToFloat(a.xyz), uintBitsToFloat(a.w), uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xyz), uintBitsToFloat(c.w),
+                    uintBitsToFloat(d.xyz), uintBitsToFloat(d.w), uintBitsToFloat(e.xy), uintBitsToFloat(e.z), e.w, f.x, f.y, uintBitsToFloat(f.z), f.w);
+}
+uint fetch_delta_light_threshold(uint i) { return load_table(kDeltaLightsAt + kDeltaLightTexels * i + 5u).x; }
 EnvironmentRow fetch_environment_row(uint i) {
   const uint first = kEnvironmentRowsAt + kEnvironmentRowTexels * i;
   const uvec4 a = load_table(first);

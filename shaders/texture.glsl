@@ -137,16 +137,20 @@ vec4 attribute_value(InstanceAttributes a, SurfacePoint at, uint kind) {
                   at.weights.z * fetch_attribute(first + 2u).xyz, 1.0);
 }
 
+// A picture or checkerboard at texture coordinates (u, v, 1) of what it lies on.
+vec4 texture_at(TextureRecord t, vec3 surface) {
+  vec2 uv = vec2(dot(t.u_row, surface), dot(t.v_row, surface));
+  MUTATE(kMutantUvTransformInverted, uv = inverse(mat2(t.u_row.x, t.v_row.x, t.u_row.y, t.v_row.y)) * (surface.xy - vec2(t.u_row.z, t.v_row.z)));
+  if (textures_have(kTexturesCheckerboard) && (t.header & kTextureKindMask) == kTextureCheckerboard) return checkerboard_value(t, uv);
+  return textures_have(kTexturesBitmap) ? bitmap_value(t, uv) : vec4(0.0);
+}
+
 vec4 texture_value(uint index, SurfacePoint at) {
   const TextureRecord t = fetch_texture(index);
   const InstanceAttributes a = fetch_instance_attributes(at.instance);
   const uint kind = t.header & kTextureKindMask;
   if (textures_have(kTexturesAttribute) && kind >= kTextureVertexColor) return attribute_value(a, at, kind);
-  const vec3 surface = vec3(surface_uv(a, at, t.uv_set), 1.0);
-  vec2 uv = vec2(dot(t.u_row, surface), dot(t.v_row, surface));
-  MUTATE(kMutantUvTransformInverted, uv = inverse(mat2(t.u_row.x, t.v_row.x, t.u_row.y, t.v_row.y)) * (surface.xy - vec2(t.u_row.z, t.v_row.z)));
-  if (textures_have(kTexturesCheckerboard) && kind == kTextureCheckerboard) return checkerboard_value(t, uv);
-  return textures_have(kTexturesBitmap) ? bitmap_value(t, uv) : vec4(0.0);
+  return texture_at(t, vec3(surface_uv(a, at, t.uv_set), 1.0));
 }
 
 // What a parameter is multiplied with: 1 where it has no texture.

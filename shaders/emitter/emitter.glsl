@@ -24,6 +24,7 @@ layout(constant_id = kConstantCylinderLights) const bool kCylinderLights = true;
 layout(constant_id = kConstantLightNormals) const bool kLightNormals = true;  // some light has vertex normals
 
 #include "area.glsl"
+#include "delta.glsl"
 
 // Rounds of the bisections below: ceil(log2) of the number of emitting instances, and of the primitives of the one with most. As constants, because
 // an exit test would not save the lanes of a SIMD group anything.
@@ -68,6 +69,13 @@ LightSample sample_light_of_tree(vec3 p, vec3 n, uvec4 words) {
       return ls;
     }
   }
+  if (kDeltaLights != 0u) {
+    if ((leaf & kLightLeafDelta) != 0u) {
+      LightSample ls = sample_delta_light(p, fetch_delta_light(leaf & ~kLightLeafDelta), prob);
+      ls.instance = prob > 0.0 ? ls.instance : kNone;
+      return ls;
+    }
+  }
   const Primitive prim = fetch_light_primitive(leaf).primitive;
   // The tree chooses primitives, each as the only one of its instance.
   LightSample ls = area_sample(p, prim, fetch_instance(prim.instance), LightChoice(prob, 1.0, 1.0), to_unit(words.zw));
@@ -81,6 +89,12 @@ LightSample sample_light_of_tree(vec3 p, vec3 n, uvec4 words) {
 LightSample sample_light(vec3 p, vec3 n, uvec4 words) {
   if (kLightTree) return sample_light_of_tree(p, n, words);
   const LightInstance light = fetch_light_instance(choose_light_instance(words.x));
+  if (kDeltaLights != 0u) {
+    if ((light.instance & kLightLeafDelta) != 0u) {
+      const DeltaLight delta = fetch_delta_light(light.instance & ~kLightLeafDelta);
+      return sample_delta_light(p, delta, delta.prob);
+    }
+  }
   if (kInstanced) {
     const Instance owner = fetch_instance(light.instance);
     if (owner.place != kNone) return sample_shared_light(p, light, owner.light_prob, words.y, to_unit(words.zw));
@@ -105,10 +119,10 @@ float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, Instance instance, Primitive
   return area_pdf(p, wi, s, prim, prob, area);
 }
 
-// Of all densities of lights: the environment is chosen before them.
+// Of all densities of lights: what comes from outside is chosen before them.
 float lights_prob() {
   MUTATE(kMutantLightsShareForgotten, return 1.0);
-  return kHasEnvironment ? frame.lights_prob : 1.0;
+  return kHasOutside ? frame.lights_prob : 1.0;
 }
 
 #endif

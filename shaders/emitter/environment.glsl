@@ -10,6 +10,7 @@ layout(constant_id = kConstantEnvironmentCellRows) const uint kEnvironmentCellRo
 layout(constant_id = kConstantEnvironmentRowRounds) const uint kEnvironmentRowRounds = 32u;
 layout(constant_id = kConstantEnvironmentColumnRounds) const uint kEnvironmentColumnRounds = 32u;
 const bool kHasEnvironment = kEnvironment != kEnvironmentNone;
+const bool kHasOutside = kHasEnvironment || kDistantLights > 0u;
 const bool kEnvironmentPictured = kEnvironment == kEnvironmentPicture;
 
 // More cells than texels in a column: rows are bands, and the first and last row of cells are half a band each.
@@ -164,6 +165,9 @@ vec3 environment_radiance(vec3 w, out float pdf_w) {
 
 // Whether the words choose the environment, not a light.
 bool chooses_environment(uvec4 words) { return kHasEnvironment && (kEnvironmentAlone || words.x < frame.environment_threshold); }
+
+// Whether they choose a directional light, where they do not choose the environment.
+bool chooses_distant_light(uvec4 words) { return kDistantLights > 0u && (frame.light_instance_count == 0u || words.x < frame.distant_threshold); }
 
 // A direction, as a light that lies infinitely far away.
 LightSample sample_environment(uvec4 words) {

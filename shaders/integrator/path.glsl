@@ -91,7 +91,7 @@ vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim, Su
   // ray.o is offset from the vertex by its error bound, which is far below the distance to the light.
   MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim) / path.bsdf_pdf));
   float pdf_light = light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim);
-  if (kHasEnvironment) pdf_light *= lights_prob();
+  if (kHasOutside) pdf_light *= lights_prob();
   return path.beta * le * power_heuristic(bsdf_sample_count() * path.bsdf_pdf, light_sample_count() * pdf_light);
 }
 
@@ -110,12 +110,13 @@ vec3 gather_environment(Path path) {
 LightSample sample_environment_or_light(Path path, Surface s, vec3 n) {
   const uint vertex = path.segment - 1u;
   uvec4 words = uvec4(0u);
-  if (kHasEnvironment) {
+  if (kHasOutside) {
     words = reserved_words(frame.seed, path.pixel, path.sample_index, block_environment(vertex));
     if (chooses_environment(words)) return sample_environment(words);
+    if (chooses_distant_light(words)) return sample_distant_light(words.x);
   }
   LightSample light = sample_light(s.p, n, random_words(frame.seed, path.pixel, path.sample_index, block_light(vertex)));
-  if (kHasEnvironment) {
+  if (kHasOutside) {
     light.pdf_w *= lights_prob();
     light.mis_pdf *= lights_prob();
   }
@@ -134,7 +135,9 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   const vec3 wi = to_local(s.frame, light.wi);
   const vec3 reflected = bsdf_eval(material, wo, wi) * light.radiance;
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0;
-  if (kHasEnvironment && light.instance == kEnvironmentLight) {
+  const bool from_outside = (kHasEnvironment && light.instance == kEnvironmentLight) ||
+                            (kDistantLights > 0u && light.instance == kDeltaLightSampled && light.error < 0.0);
+  if (from_outside) {
     path.shadow_ray = spawn_ray(s.p, s.ng, s.error, light.wi);
   } else {
     path.shadow_ray = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
@@ -142,6 +145,8 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   const float w_light =
       kMis ? power_heuristic(light_sample_count() * light.mis_pdf, bsdf_sample_count() * bsdf_pdf(material, wo, wi)) : 1.0;
   path.shadow_value = path.beta * reflected * (w_light / (light_sample_count() * light.pdf_w));
+  // Near a point light has no bound; nearer than single precision tells places apart, this is one.
+  if (kDeltaLights != 0u && light.instance == kDeltaLightSampled) path.shadow_value = min(path.shadow_value, vec3(frame.delta_light_limit));
 }
 
 // The shadow ray has been traced.

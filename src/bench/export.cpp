@@ -178,6 +178,9 @@ void export_scene(const Scene& scene, const std::string& folder) {
                                               "sky_horizon",
                                               scene.file));
   refuse_textures(scene);
+  if (!scene.delta_lights.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: lights without extent are not exported; use lamps that have one", scene.file));
   make_folder(folder);
   const bool mirror = is_mirrored(scene.camera);
   const Integrator& i = scene.integrator;

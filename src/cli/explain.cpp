@@ -59,7 +59,15 @@ const char* lobe_name(const PathVertex& vertex) {
 
 std::string place(std::uint32_t instance, std::uint32_t primitive, const char* none) {
   if (instance == PathVertex::kEnvironment) return fmt::format("sky, {}", primitive);
+  if (instance == PathVertex::kDeltaLight) return fmt::format("light {}", primitive);
   return instance == kNone ? none : fmt::format("instance {}, {}", instance, primitive);
+}
+
+/// As JSON: the number of an instance, "sky", or "point", whose number then is that of the primitive.
+Json light_json(std::uint32_t instance) {
+  if (instance == PathVertex::kEnvironment) return "sky";
+  if (instance == PathVertex::kDeltaLight) return "point";
+  return instance == kNone ? Json() : Json(instance);
 }
 
 const char* yes_no(std::uint32_t decision) {
@@ -71,15 +79,14 @@ Json number_or_null(std::uint32_t value) {
 }
 
 Json to_json(const PathVertex& v) {
-  return {
-      {"instance", number_or_null(v.instance)},
-      {"primitive", number_or_null(v.primitive)},
-      {"lightInstance", v.light_instance == PathVertex::kEnvironment ? Json("sky") : number_or_null(v.light_instance)},
-      {"lightPrimitive", number_or_null(v.light_primitive)},
-      {"lightReached", number_or_null(v.light_contributed)},
-      {"lobe", lobe_name(v)},
-      {"survived", number_or_null(v.survived)},
-      {"radiance", {v.radiance.x, v.radiance.y, v.radiance.z}}};
+  return {{"instance", number_or_null(v.instance)},
+          {"primitive", number_or_null(v.primitive)},
+          {"lightInstance", light_json(v.light_instance)},
+          {"lightPrimitive", number_or_null(v.light_primitive)},
+          {"lightReached", number_or_null(v.light_contributed)},
+          {"lobe", lobe_name(v)},
+          {"survived", number_or_null(v.survived)},
+          {"radiance", {v.radiance.x, v.radiance.y, v.radiance.z}}};
 }
 
 /// "X,Y" to a pixel number. Throws Error(usage).
@@ -157,7 +164,7 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
   if (options.json) {
     auto lights = Json::array();
     for (const auto& [instance, light] : tally.lights) {
-      lights.push_back({{"instance", instance == PathVertex::kEnvironment ? Json("sky") : Json(instance)},
+      lights.push_back({{"instance", light_json(instance)},
                         {"chosen", light.chosen},
                         {"share", share(light.chosen, tally.light_samples)},
                         {"reached", light.reached}});
@@ -175,7 +182,9 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
                tally.light_samples, tally.paths);
   print_result("{:<13} {:>10} {:>8} {:>10}\n", "light", "chosen", "share", "unhidden");
   for (const auto& [instance, light] : tally.lights) {
-    const std::string name = instance == PathVertex::kEnvironment ? "sky" : fmt::format("instance {:<4}", instance);
+    const std::string name = instance == PathVertex::kEnvironment  ? "sky"
+                             : instance == PathVertex::kDeltaLight ? "points"
+                                                                   : fmt::format("instance {:<4}", instance);
     print_result("{:<13} {:>10} {:>6.2f} % {:>8.2f} %\n", name, light.chosen,
                  100.0 * share(light.chosen, tally.light_samples), 100.0 * share(light.reached, light.chosen));
   }

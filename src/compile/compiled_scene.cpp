@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -14,6 +15,7 @@
 
 #include "compile/bvh.h"
 #include "compile/coats.h"
+#include "compile/delta_lights.h"
 #include "compile/discrete.h"
 #include "compile/few_primitives.h"
 #include "compile/light_tree.h"
@@ -241,6 +243,11 @@ class Compiler {
     if (wants_light_tree(scene_)) make_light_tree();
     out_.normalization = normalization_;
     out_.environment = compile_environment(scene_, lights_power_);
+    for (std::uint32_t i = 0; i < out_.distant_lights; ++i) {
+      const std::vector<std::uint64_t>& thresholds = out_.environment.distant_thresholds;
+      out_.delta_lights[i].threshold = static_cast<gpu::uint>(thresholds[i]);
+      out_.delta_lights[i].prob = static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
+    }
     out_.radiance_exponent = radiance_exponent(scene_);
     out_.bounds = bounds_of(scene_);
     return std::move(out_);
@@ -512,9 +519,10 @@ class Compiler {
       areas.push_back(area);
       weights.push_back(power);
     }
+    flatten_delta_lights(weights);
     for (const double weight : weights) lights_power_ += weight;
     const std::vector<std::uint64_t> thresholds = integer_thresholds(weights);
-    for (std::size_t i = 0; i < weights.size() && !thresholds.empty(); ++i) {
+    for (std::size_t i = 0; i < areas.size() && !thresholds.empty(); ++i) {
       if (!(weights[i] > 0.0)) continue;
       gpu::Instance& flat = out_.instances[i];
       flat.light_prob = static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
@@ -528,6 +536,29 @@ class Compiler {
         continue;
       }
       add_light(Placed(scene_, scene_.instances[i]), static_cast<gpu::uint>(i), static_cast<gpu::uint>(thresholds[i]));
+    }
+    if (!thresholds.empty()) add_delta_lights(std::span(thresholds).subspan(areas.size()));
+  }
+
+  // Those that stand somewhere are chosen beside the instances, and come after them in `weights`.
+  void flatten_delta_lights(std::vector<double>& weights) {
+    for (const std::uint32_t number : delta_light_order(scene_)) {
+      const DeltaLight& light = scene_.delta_lights[number];
+      out_.delta_lights.push_back(flatten_delta_light(scene_, number, normalization_));
+      if (light.type == DeltaLight::Type::directional) {
+        ++out_.distant_lights;
+      } else {
+        weights.push_back(delta_light_power(scene_, light));
+      }
+    }
+  }
+
+  void add_delta_lights(std::span<const std::uint64_t> thresholds) {
+    for (std::size_t i = 0; i + 1 < thresholds.size(); ++i) {
+      const auto index = static_cast<gpu::uint>(out_.distant_lights + i);
+      out_.delta_lights[index].prob =
+          static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
+      out_.light_instances.push_back({static_cast<gpu::uint>(thresholds[i]), gpu::kLightLeafDelta | index, 0, 0});
     }
   }
 
@@ -568,6 +599,13 @@ class Compiler {
     std::vector<LightLeaf> leaves;
     for (std::size_t l = 0; l < out_.light_instances.size(); ++l) {
       const gpu::LightInstance& light = out_.light_instances[l];
+      if ((light.instance & gpu::kLightLeafDelta) != 0) {
+        const gpu::uint index = light.instance & ~gpu::kLightLeafDelta;
+        leaves.push_back(delta_light_leaf(scene_, scene_.delta_lights[out_.delta_lights[index].number]));
+        leaves.back().light_primitive = light.instance;
+        if (!(leaves.back().power > 0.0)) leaves.pop_back();
+        continue;
+      }
       const Instance& instance = scene_.instances[light.instance];
       const EmitterRadiance radiance(scene_, instance);
       if (sharing_.has_instance(light.instance)) {
@@ -604,6 +642,7 @@ class Compiler {
           gpu::LightTrail{0, 1.0f, 0, 0});
     }
     for (std::size_t i = 0; i < leaves.size(); ++i) {
+      if ((leaves[i].light_primitive & gpu::kLightLeafDelta) != 0) continue;  // no ray meets it
       if ((leaves[i].light_primitive & gpu::kLightLeafShared) != 0) {
         const gpu::uint instance = out_.light_instances[leaves[i].light_primitive & ~gpu::kLightLeafShared].instance;
         trails[trails[instance].turns] = {tree.trails[i].turns, out_.instances[instance].light_area, 0, 0};

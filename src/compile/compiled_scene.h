@@ -31,7 +31,9 @@ struct CompiledScene {
   std::vector<gpu::vec4> normals;         ///< vertex normals, xyz
   std::vector<gpu::LightInstance> light_instances;
   std::vector<gpu::LightPrimitive> light_primitives;
-  std::vector<gpu::LightPair> light_pairs;  ///< of the light tree; empty where lights are chosen by power
+  std::vector<gpu::DeltaLight> delta_lights;  ///< those infinitely far away first
+  std::uint32_t distant_lights = 0;           ///< how many these are
+  std::vector<gpu::LightPair> light_pairs;    ///< of the light tree; empty where lights are chosen by power
   /// Per instance in `turns` the place in this table of its first primitive's trail, then the trails.
   std::vector<gpu::LightTrail> light_trails;
   std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 where there is no tree

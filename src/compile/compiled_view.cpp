@@ -170,6 +170,8 @@ CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32
   f.environment_row_count = scene.environment.row_count;
   f.environment_threshold = scene.environment.threshold;
   f.lights_prob = static_cast<float>(scene.environment.lights_prob);
+  f.distant_threshold = scene.environment.distant_threshold;
+  f.delta_light_limit = static_cast<float>(delta_light_limit(scene.radiance_exponent));
   f.distance_scale = static_cast<float>(n.scale);
   f.width = camera.width;
   f.height = camera.height;

@@ -15,14 +15,15 @@ struct SceneFacts {
   EnvironmentFacts environment;
   int radiance_exponent = 0;
   Bounds bounds;
-  std::uint32_t light_instance_count = 0;
+  std::uint32_t light_instance_count = 0, distant_light_count = 0;
 
   explicit SceneFacts(const CompiledScene& scene)
       : normalization(scene.normalization),
         environment(scene.environment.facts),
         radiance_exponent(scene.radiance_exponent),
         bounds(scene.bounds),
-        light_instance_count(static_cast<std::uint32_t>(scene.light_instances.size())) {}
+        light_instance_count(static_cast<std::uint32_t>(scene.light_instances.size())),
+        distant_light_count(scene.distant_lights) {}
 };
 
 struct CompiledView {

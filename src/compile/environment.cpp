@@ -5,6 +5,7 @@
 #include <numbers>
 #include <span>
 
+#include "compile/delta_lights.h"
 #include "compile/discrete.h"
 #include "core/parallel.h"
 #include "scene/bounds.h"
@@ -36,6 +37,21 @@ class Tabulator {
   Tabulator(const Scene& scene, double lights_power) : scene_(scene), sky_(scene.sky), lights_power_(lights_power) {}
 
   EnvironmentTables tabulate() {
+    for (const std::uint32_t number : delta_light_order(scene_)) {
+      const DeltaLight& light = scene_.delta_lights[number];
+      if (light.type == DeltaLight::Type::directional) distant_.push_back(delta_light_power(scene_, light));
+    }
+    if (!is_dark(sky_)) {
+      tabulate_rows();
+    } else if (distant_.empty()) {
+      return {};
+    }
+    choose_rows();
+    return std::move(out_);
+  }
+
+ private:
+  void tabulate_rows() {
     EnvironmentFacts& facts = out_.facts;
     facts.top = sky_.top;
     facts.horizon = sky_.horizon;
@@ -46,11 +62,8 @@ class Tabulator {
     } else {
       tabulate_gradient();
     }
-    choose_rows();
-    return std::move(out_);
   }
 
- private:
   void tabulate_gradient() {
     out_.facts.cell_rows = kGradientRows + 1;
     for (std::uint32_t r = 0; r <= kGradientRows; ++r) {
@@ -130,24 +143,29 @@ class Tabulator {
     return std::clamp(power / (power + lights_power_), kLeast, 1.0 - kLeast);
   }
 
-  // One discrete choice of the rows and, behind them, of the lights.
+  // One discrete choice of the rows, behind them of the directional lights, and then of all others.
   void choose_rows() {
     EnvironmentFacts& facts = out_.facts;
-    double sum = 0.0;
-    for (const double weight : weights_) sum += weight;
-    facts.alone = !(lights_power_ > 0.0);
-    const double of_rows = share(sum);
+    const std::size_t rows = weights_.size();
     std::vector<double> entries = weights_;
-    for (double& entry : entries) entry = of_rows * (entry / sum);
-    if (!facts.alone) entries.push_back(1.0 - of_rows);
+    entries.insert(entries.end(), distant_.begin(), distant_.end());
+    double sum = 0.0;
+    for (const double entry : entries) sum += entry;
+    const bool lit = lights_power_ > 0.0;
+    facts.alone = !lit && distant_.empty();
+    const double outside = share(sum);
+    for (double& entry : entries) entry = outside * (entry / sum);
+    if (lit) entries.push_back(1.0 - outside);
     const std::vector<std::uint64_t> thresholds = integer_thresholds(entries);
-    facts.row_count = facts.cell_rows;
-    while (!(weights_[facts.row_count - 1] > 0.0)) --facts.row_count;
-    if (!facts.alone) {
-      facts.threshold = static_cast<std::uint32_t>(thresholds[facts.cell_rows]);
-      facts.lights_prob = static_cast<double>((std::uint64_t{1} << 32) - thresholds[facts.cell_rows]) * 0x1p-32;
-    }
-    for (std::uint32_t r = 0; r < facts.cell_rows; ++r) {
+    facts.row_count = static_cast<std::uint32_t>(rows);
+    while (facts.row_count > 0 && !(weights_[facts.row_count - 1] > 0.0)) --facts.row_count;
+    const std::uint64_t lights_from = thresholds[rows + distant_.size()];
+    if (!facts.alone) facts.threshold = static_cast<std::uint32_t>(thresholds[rows]);
+    facts.distant_threshold = static_cast<std::uint32_t>(lights_from);
+    if (lit) facts.lights_prob = static_cast<double>((std::uint64_t{1} << 32) - lights_from) * 0x1p-32;
+    out_.distant_thresholds.assign(thresholds.begin() + static_cast<std::ptrdiff_t>(rows),
+                                   thresholds.begin() + static_cast<std::ptrdiff_t>(rows + distant_.size() + 1));
+    for (std::uint32_t r = 0; r < rows; ++r) {
       gpu::EnvironmentRow& row = out_.rows[r];
       const bool north = 2 * r < facts.cell_rows;
       row.threshold = static_cast<gpu::uint>(thresholds[r]);
@@ -164,12 +182,12 @@ class Tabulator {
   EnvironmentTables out_;
   std::vector<RowEdges> edges_;
   std::vector<double> weights_;  // of the rows
+  std::vector<double> distant_;  // of the directional lights
 };
 
 }  // namespace
 
 EnvironmentTables compile_environment(const Scene& scene, double lights_power) {
-  if (is_dark(scene.sky)) return {};
   return Tabulator(scene, lights_power).tabulate();
 }
 

@@ -59,6 +59,7 @@ class TextureCompiler {
 
   CompiledTextures compile() {
     for (const Instance& instance : scene_.instances) find_needs(instance);
+    for (const DeltaLight& light : scene_.delta_lights) textured_ |= is_textured(light);
     if (!textured_) return {};
     for (const Texture& texture : scene_.textures) out_.textures.push_back(flatten(texture));
     for (const Instance& instance : scene_.instances) out_.instances.push_back(flatten(instance));

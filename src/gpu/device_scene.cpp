@@ -61,6 +61,7 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
          table("places of instances", gpu::kConstantPlacesAt, s.places),
          table("textures of materials", gpu::kConstantMaterialTexturesAt, s.material_textures),
          table("emitters", gpu::kConstantLightInstancesAt, s.light_instances),
+         table("lights without extent", gpu::kConstantDeltaLightsAt, s.delta_lights),
          table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
          table("transmittances", gpu::kConstantTransmittancesAt, s.transmittances),
          table("light tree", gpu::kConstantLightPairsAt, s.light_pairs),
@@ -98,8 +99,15 @@ bool has_lights(const CompiledScene& scene, gpu::uint kind) {
 
 bool has_light_normals(const CompiledScene& scene) {
   return std::any_of(scene.light_instances.begin(), scene.light_instances.end(), [&](const gpu::LightInstance& light) {
-    return scene.instances[light.instance].first_triangle != gpu::kNone;
+    const bool delta = (light.instance & gpu::kLightLeafDelta) != 0;
+    return !delta && scene.instances[light.instance].first_triangle != gpu::kNone;
   });
+}
+
+std::uint32_t delta_light_kinds(const CompiledScene& scene) {
+  std::uint32_t kinds = 0;
+  for (const gpu::DeltaLight& light : scene.delta_lights) kinds |= light.header;
+  return kinds;
 }
 
 }  // namespace
@@ -109,6 +117,7 @@ LightRounds::LightRounds(const CompiledScene& scene) {
   for (const gpu::LightInstance& light : scene.light_instances) most = std::max(most, light.primitive_count);
   instances = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_instances.size(), 1) - 1));
   primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
+  distant = static_cast<std::uint32_t>(std::bit_width(scene.distant_lights));
   if (scene.environment.facts.kind == gpu::kEnvironmentNone) return;
   environment_rows = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.row_count - 1));
   environment_columns = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.columns - 1));
@@ -199,7 +208,9 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                     {gpu::kConstantHasCylinders, scene.has_cylinders ? 1u : 0u},
                     {gpu::kConstantFewDisks, scene.few_disks},
                     {gpu::kConstantFewCylinders, scene.few_cylinders},
-                    {gpu::kConstantCylinderLights, has_lights(scene, gpu::kPrimitiveCylinder) ? 1u : 0u}});
+                    {gpu::kConstantCylinderLights, has_lights(scene, gpu::kPrimitiveCylinder) ? 1u : 0u},
+                    {gpu::kConstantDeltaLights, delta_light_kinds(scene)},
+                    {gpu::kConstantDistantLights, scene.distant_lights}});
   for (std::uint32_t i = 0; i < scene.few_count; ++i) {
     for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
       const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];

@@ -20,6 +20,7 @@ TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScen
 struct LightRounds {
   std::uint32_t instances = 0, primitives = 0;
   std::uint32_t environment_rows = 0, environment_columns = 0;
+  std::uint32_t distant = 0;
   explicit LightRounds(const CompiledScene& scene);
 };
 

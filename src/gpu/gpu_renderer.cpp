@@ -240,7 +240,8 @@ void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
 std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view, const RenderSettings& settings,
                                                                 const CompiledView& compiled) const {
   const SceneFacts& facts = scene_->facts();
-  const bool lit = facts.light_instance_count > 0 || facts.environment.kind != gpu::kEnvironmentNone;
+  const bool lit = facts.light_instance_count > 0 || facts.distant_light_count > 0 ||
+                   facts.environment.kind != gpu::kEnvironmentNone;
   const bool nee = samples_lights(view.integrator) && lit;
   const bool shadow_rays = nee || traces_occlusion(view.integrator.type);
   const std::uint32_t turns = shadow_rays ? kTurnsNee : kTurnsNaive;
@@ -258,7 +259,8 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
           {gpu::kConstantStepsPerTurn, steps},
           {gpu::kConstantTurnsPerRound, turns},
           {gpu::kConstantIterationsPerRound, turns * (steps + 1) + 1 + rounds.instances + rounds.primitives +
-                                                 2 * tree_depth + rounds.environment_rows + rounds.environment_columns},
+                                                 2 * tree_depth + rounds.environment_rows + rounds.environment_columns +
+                                                 rounds.distant},
           {gpu::kConstantLightTreeDepth, tree_depth},
           {gpu::kConstantSetBits, set_bits_}};
 }

@@ -23,7 +23,7 @@ void DecisionLog::light(const LightSample& sample, bool contributed) {
 }
 
 void DecisionLog::environment(const EnvironmentSample& sample, bool contributed) {
-  light(PathVertex::kEnvironment, sample.cell, contributed);
+  light(sample.delta ? PathVertex::kDeltaLight : PathVertex::kEnvironment, sample.cell, contributed);
 }
 
 void DecisionLog::light(std::uint32_t instance, std::uint32_t primitive, bool contributed) {

@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "reference/delta_light.h"
 #include "reference/frame.h"
 #include "reference/intersect.h"
 #include "reference/lights.h"
 #include "reference/sampling.h"
 #include "reference/texture.h"
+#include "render/renderer.h"
 #include "scene/sharing.h"
 
 namespace etendue::reference {
@@ -69,13 +71,17 @@ std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& fro
   if (!tree_.empty()) {
     const LightTree::Choice choice = tree_.choose(from, ns, random.emitter, random.primitive);
     if (choice.leaf == nullptr) return std::nullopt;
+    if (choice.leaf->light >= lights_.size())
+      return Chosen{.delta = deltas_[choice.leaf->light - lights_.size()], .prob = choice.prob};
     const AreaLight& light = lights_[choice.leaf->light];
     constexpr std::uint32_t kTriangleLevel = 36;
     if (light.shared) return choose_shared(scene, light, choice.prob, hashed_word(kTriangleLevel, random.primitive));
     const double pdf_a = choice.prob / primitive_area(scene, light, choice.leaf->primitive);
-    return Chosen{&light, choice.leaf->primitive, choice.prob, pdf_a, pdf_a};
+    return Chosen{
+        .light = &light, .primitive = choice.leaf->primitive, .prob = choice.prob, .pdf_a = pdf_a, .pdf_a_mis = pdf_a};
   }
   const std::size_t index = choice_.choose(random.emitter);
+  if (index >= lights_.size()) return Chosen{.delta = deltas_[index - lights_.size()], .prob = choice_.prob(index)};
   const AreaLight& light = lights_[index];
   if (light.shared) return choose_shared(scene, light, choice_.prob(index), random.primitive);
   Chosen chosen{.light = &light, .prob = choice_.prob(index)};
@@ -142,10 +148,28 @@ void Lights::see_from(const Vec3& from, const Chosen& chosen, bool shared, Light
   sample.pdf_w_mis = chosen.pdf_a_mis * area_to_solid_angle;
 }
 
+/// The light's own point, which no other point of the scene hides from itself.
+LightSample Lights::sample_delta(const Scene& scene, std::uint32_t number, double prob, const Vec3& from) {
+  const DeltaLight& light = scene.delta_lights[number];
+  LightSample sample;
+  sample.instance = PathVertex::kDeltaLight;
+  sample.primitive = number;
+  sample.delta = true;
+  sample.surface.p = light.origin();
+  const Vec3 to_light = sample.surface.p - from;
+  const double distance = glm::length(to_light);
+  if (!(distance > 0.0)) return sample;
+  sample.wi = to_light / distance;
+  sample.pdf_w = prob;
+  sample.radiance = intensity(scene, light, -sample.wi) / (distance * distance);
+  return sample;
+}
+
 std::optional<LightSample> Lights::sample(const Scene& scene, const Vec3& from, const Vec3& ns,
                                           const SampleRandom::Light& random) const {
   const std::optional<Chosen> chosen = choose(scene, from, ns, random);
   if (!chosen) return std::nullopt;
+  if (chosen->delta) return sample_delta(scene, *chosen->delta, chosen->prob, from);
   LightSample sample;
   sample.instance = sample.surface.instance = chosen->light->instance;
   sample.primitive = sample.surface.primitive = chosen->primitive;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "reference/delta_light.h"
 #include "reference/sampling.h"
 #include "scene/bounds.h"
 
@@ -24,11 +25,20 @@ Environment::Environment(const Scene& scene, double lights_power) : sky_(scene.s
   for (int axis = 0; axis < 3; ++axis)
     world_from_sky_[axis] = sky_.world_from_sky[axis] / glm::length(sky_.world_from_sky[axis]);
   std::vector<double> weights = sky_.picture ? make_picture_rows() : make_gradient_rows();
-  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   if (!(sum > 0.0)) {
     rows_.clear();
-    return;
+    weights.clear();
   }
+  for (std::uint32_t i = 0; i < scene.delta_lights.size(); ++i) {
+    const DeltaLight& light = scene.delta_lights[i];
+    const double power = choice_power(scene, light);
+    if (light.type != DeltaLight::Type::directional || !(power > 0.0)) continue;
+    distant_.push_back({i, -light.axis(2), light.intensity.value});
+    weights.push_back(power);
+    sum += power;
+  }
+  if (weights.empty()) return;
   double prob = 1.0;
   if (lights_power > 0.0) {
     const double r = typical_radius(scene);
@@ -37,7 +47,7 @@ Environment::Environment(const Scene& scene, double lights_power) : sky_(scene.s
   for (double& weight : weights) weight *= prob / sum;
   if (lights_power > 0.0) weights.push_back(1.0 - prob);
   choice_ = DiscreteChoice(weights);
-  if (lights_power > 0.0) lights_prob_ = choice_.prob(rows_.size());
+  if (lights_power > 0.0) lights_prob_ = choice_.prob(rows_.size() + distant_.size());
 }
 
 std::vector<double> Environment::make_gradient_rows() {
@@ -144,14 +154,22 @@ double Environment::density(std::uint32_t row, std::uint32_t column) const {
 }
 
 double Environment::pdf_w(const Vec3& w) const {
-  if (!is_sampled()) return 0.0;
+  if (rows_.empty()) return 0.0;
   const Place at = place(to_sky(w));
   return density(at.row, at.column);
 }
 
 std::optional<EnvironmentSample> Environment::sample(const SampleRandom::Environment& random) const {
   const std::size_t entry = choice_.choose(random.row);
-  if (entry == rows_.size()) return std::nullopt;
+  if (entry == rows_.size() + distant_.size()) return std::nullopt;
+  if (entry >= rows_.size()) {
+    const Distant& light = distant_[entry - rows_.size()];
+    return EnvironmentSample{.wi = light.wi,
+                             .pdf_w = choice_.prob(entry),
+                             .radiance = light.irradiance,
+                             .cell = light.number,
+                             .delta = true};
+  }
   Place at{.row = static_cast<std::uint32_t>(entry)};
   const Row& row = rows_[entry];
   at.column = static_cast<std::uint32_t>(row.cells.choose(random.column));

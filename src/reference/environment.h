@@ -18,16 +18,20 @@ struct EnvironmentSample {
   double pdf_w = 0.0;  ///< the choice of the environment included
   Vec3 radiance{0.0};
   std::uint32_t cell = 0;  ///< counted row by row
+  /// A directional light, number `cell` of the scene's lights without extent: `pdf_w` is the probability of its choice,
+  /// `radiance` its irradiance.
+  bool delta = false;
 };
 
 class Environment {
  public:
-  /// `lights_power` is the sum of luminance times area of everything else that emits.
+  /// Directional lights are part of it. `lights_power` is the sum of luminance times area of everything else that
+  /// emits.
   Environment(const Scene& scene, double lights_power);
   Environment() = default;
 
-  /// Black environments are not sampled.
-  bool is_sampled() const { return !rows_.empty(); }
+  /// Without directional lights, black environments are not sampled.
+  bool is_sampled() const { return !rows_.empty() || !distant_.empty(); }
   /// The probability with which `sample` leaves the choice to the lights; 1 where the environment is black.
   double lights_prob() const { return is_sampled() ? lights_prob_ : 1.0; }
 
@@ -59,7 +63,12 @@ class Environment {
   glm::dmat3 world_from_sky_{1.0};
   std::uint32_t columns_ = 1;
   std::vector<Row> rows_;
-  DiscreteChoice choice_;  ///< of a row; the entry behind the last row stands for the lights
+  struct Distant {
+    std::uint32_t number;  ///< in Scene::delta_lights
+    Vec3 wi, irradiance;
+  };
+  std::vector<Distant> distant_;
+  DiscreteChoice choice_;  ///< of a row, then of a directional light; the last entry stands for the lights
   double lights_prob_ = 0.0;
 };
 

@@ -132,7 +132,7 @@ class Path {
     // Numbers are counted by segments, of which a round has two.
     const std::uint32_t k = 2 * round;
     const bool delta = is_delta(bsdf);
-    if (round < integrator_.emitter_samples && !delta) radiance_ += beta_ * sampled_light(surface, scatterer, k);
+    if (round < integrator_.emitter_samples && !delta) add_sampled_light(surface, scatterer, k);
     if (round >= integrator_.bsdf_samples) return false;
     const BsdfSample bounce = scatterer.sample(random_.material(k));
     log_.lobe(bounce.lobe);
@@ -171,7 +171,7 @@ class Path {
       return false;
     }
     const std::uint32_t k = depth - 1;
-    if (samples_lights_ && !is_delta(bsdf)) radiance_ += beta_ * sampled_light(surface, scatterer, k);
+    if (samples_lights_ && !is_delta(bsdf)) add_sampled_light(surface, scatterer, k);
     if (integrator_.type == Integrator::Type::whitted && !is_delta(bsdf)) return false;
 
     const SampleRandom::Material random = random_.material(k);
@@ -201,34 +201,46 @@ class Path {
     return Le * w_bsdf;
   }
 
+  /// Light of points has no bound; nearer than the film can tell, this is one.
+  void add_sampled_light(const Surface& surface, const Scatterer& scatterer, std::uint32_t k) {
+    bool delta = false;
+    const Vec3 added = beta_ * sampled_light(surface, scatterer, k, delta);
+    radiance_ += delta ? glm::min(added, Vec3(world_.delta_light_limit())) : added;
+  }
+
   /// Next-event estimation at vertex `k`: reflected radiance due to a direction of the environment or a point of a
   /// light.
-  Vec3 sampled_light(const Surface& surface, const Scatterer& scatterer, std::uint32_t k) const {
+  Vec3 sampled_light(const Surface& surface, const Scatterer& scatterer, std::uint32_t k, bool& delta) const {
     const Environment& environment = world_.environment();
     if (environment.is_sampled()) {
       if (const auto sample = environment.sample(random_.environment(k)))
-        return outside_light(surface, scatterer, *sample);
+        return outside_light(surface, scatterer, *sample, delta);
     }
     if (world_.lights().empty()) return Vec3(0.0);
-    return direct_light(surface, scatterer, random_.light(k)) / environment.lights_prob();
+    return direct_light(surface, scatterer, random_.light(k), delta) / environment.lights_prob();
   }
 
-  Vec3 outside_light(const Surface& surface, const Scatterer& scatterer, const EnvironmentSample& sample) const {
+  Vec3 outside_light(const Surface& surface, const Scatterer& scatterer, const EnvironmentSample& sample,
+                     bool& delta) const {
+    delta = sample.delta;
     const Vec3 unshadowed = scatterer.eval(sample.wi) * sample.radiance;
     const bool contributes = !is_zero(unshadowed) && world_.escapes(surface.offset_toward(sample.wi), sample.wi);
     log_.environment(sample, contributes);
     if (!contributes) return Vec3(0.0);
+    const bool shared = weighs_ && !delta;
     const double w_light =
-        weighs_ ? power_heuristic(light_count() * sample.pdf_w, bsdf_count() * scatterer.pdf(sample.wi)) : 1.0;
+        shared ? power_heuristic(light_count() * sample.pdf_w, bsdf_count() * scatterer.pdf(sample.wi)) : 1.0;
     return unshadowed / sample.pdf_w * w_light / light_count();
   }
 
   /// Reflected radiance due to one sampled point of one light, where no other than those is chosen.
-  Vec3 direct_light(const Surface& surface, const Scatterer& scatterer, const SampleRandom::Light& random) const {
+  Vec3 direct_light(const Surface& surface, const Scatterer& scatterer, const SampleRandom::Light& random,
+                    bool& delta) const {
     const std::optional<LightSample> chosen =
         world_.lights().sample(world_.scene(), surface.p, scatterer.light_normal(surface.ns), random);
     if (!chosen) return Vec3(0.0);
     const LightSample& light = *chosen;
+    delta = light.delta;
     const Vec3 f = light.pdf_w > 0.0 ? scatterer.eval(light.wi) : Vec3(0.0);
     const Vec3 unshadowed = f * light.radiance;
     const bool contributes = !is_zero(unshadowed) &&
@@ -236,8 +248,9 @@ class Path {
     log_.light(light, contributes);
     if (!contributes) return Vec3(0.0);
     const double pdf_mis = light.pdf_w_mis * world_.environment().lights_prob();
+    const bool shared = weighs_ && !delta;  // with the strategy that meets lights by chance
     const double w_light =
-        weighs_ ? power_heuristic(light_count() * pdf_mis, bsdf_count() * scatterer.pdf(light.wi)) : 1.0;
+        shared ? power_heuristic(light_count() * pdf_mis, bsdf_count() * scatterer.pdf(light.wi)) : 1.0;
     return unshadowed / light.pdf_w * w_light / light_count();
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "reference/delta_light.h"
 #include "reference/intersect.h"
 #include "scene/sharing.h"
 #include "scene/texture_facts.h"
@@ -100,7 +101,8 @@ double instance_power(const Scene& scene, const AreaLight& light) {
 }
 
 /// Every primitive that emits, in the order of the scene.
-std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLight>& lights) {
+std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLight>& lights,
+                                    const std::vector<std::uint32_t>& deltas) {
   std::vector<LightLeaf> leaves;
   for (std::uint32_t l = 0; l < lights.size(); ++l) {
     const EmitterRadiance radiance(scene, scene.instances[lights[l].instance]);
@@ -140,6 +142,16 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
       if (!mesh.normals.empty()) shine_by_vertex_normals(mesh, i, lights[l].placement, leaves.back());
     }
   }
+  for (std::uint32_t d = 0; d < deltas.size(); ++d) {
+    const DeltaLight& light = scene.delta_lights[deltas[d]];
+    LightLeaf& leaf = leaves.emplace_back();
+    leaf.light = static_cast<std::uint32_t>(lights.size()) + d;
+    leaf.power = luminance(mean_intensity(scene, light));
+    leaf.lower = leaf.upper = light.origin();
+    if (light.type == DeltaLight::Type::point) continue;
+    leaf.normal = light.axis(2);
+    leaf.cos_cone = cone_cosine(light);
+  }
   std::erase_if(leaves, [](const LightLeaf& leaf) { return !(leaf.power > 0.0); });
   return leaves;
 }
@@ -169,8 +181,16 @@ Lights::Lights(const Scene& scene) : of_instance_(scene.instances.size()) {
     weights.push_back(instance_power(scene, lights_.back()));
     power_ += weights.back();
   }
+  for (std::uint32_t i = 0; i < scene.delta_lights.size(); ++i) {
+    const DeltaLight& light = scene.delta_lights[i];
+    const double power = choice_power(scene, light);
+    if (light.type == DeltaLight::Type::directional || !(power > 0.0)) continue;
+    deltas_.push_back(i);
+    weights.push_back(power);
+    power_ += power;
+  }
   choice_ = DiscreteChoice(weights);
-  if (wants_light_tree(scene)) tree_ = LightTree(light_leaves(scene, lights_));
+  if (wants_light_tree(scene)) tree_ = LightTree(light_leaves(scene, lights_, deltas_));
 }
 
 }  // namespace etendue::reference

@@ -37,6 +37,9 @@ struct LightSample {
   double pdf_w = 0.0;  ///< solid-angle density of this sample, choice of the light included; 0: it sends nothing here
   double pdf_w_mis = 0.0;  ///< the density that multiple-importance weights use
   Vec3 radiance{0.0};      ///< toward `from`
+  /// A light without extent, number `primitive` of the scene's: `pdf_w` is the probability of its choice, `radiance`
+  /// intensity over squared distance, and no other strategy finds it.
+  bool delta = false;
 };
 
 class Lights {
@@ -45,7 +48,7 @@ class Lights {
   Lights() = default;
 
   bool empty() const { return choice_.empty(); }
-  /// Sum of luminance times area.
+  /// Sum of luminance times area, and of power over π of lights without extent.
   double power() const { return power_; }
   /// Chooses a light for a surface at `from` with shading normal `ns`, and a point on it. Not when empty; nothing when
   /// no light can contribute.
@@ -60,6 +63,7 @@ class Lights {
   /// A primitive as it was chosen. The densities of a point on it are w.r.t. area.
   struct Chosen {
     const AreaLight* light = nullptr;
+    std::optional<std::uint32_t> delta = {};  ///< instead: the number of a light without extent
     std::uint32_t primitive = 0;
     double prob = 0.0;   ///< of a sphere
     double pdf_a = 0.0;  ///< of a triangle
@@ -67,6 +71,7 @@ class Lights {
   };
   std::optional<Chosen> choose(const Scene& scene, const Vec3& from, const Vec3& ns,
                                const SampleRandom::Light& random) const;
+  static LightSample sample_delta(const Scene& scene, std::uint32_t number, double prob, const Vec3& from);
   static Chosen choose_shared(const Scene& scene, const AreaLight& light, double prob, std::uint32_t word);
   void sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, const Vec3& from,
                        const SampleRandom::Light& random, LightSample& sample) const;
@@ -75,8 +80,9 @@ class Lights {
   static void see_from(const Vec3& from, const Chosen& chosen, bool shared, LightSample& sample);
 
   std::vector<AreaLight> lights_;
-  LightTree tree_;         ///< empty where lights are chosen by power
-  DiscreteChoice choice_;  ///< index into lights_
+  std::vector<std::uint32_t> deltas_;  ///< lights without extent that stand somewhere, chosen as if behind lights_
+  LightTree tree_;                     ///< empty where lights are chosen by power
+  DiscreteChoice choice_;              ///< index into lights_
   double power_ = 0.0;
   std::vector<std::optional<std::size_t>> of_instance_;  ///< instance → index into lights_
 };

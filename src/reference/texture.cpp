@@ -132,7 +132,11 @@ glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const Surfa
     const Instance& instance = scene.instances[surface.instance];
     return value(*attribute, std::get<TriangleMesh>(scene.shape_of(instance)), instance, surface);
   }
-  const Vec2 uv(texture.uv_transform * Vec3(surface_uv(scene, texture.uv_set, surface), 1.0));
+  return texture_value(scene, texture, surface_uv(scene, texture.uv_set, surface));
+}
+
+glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const glm::dvec2& surface_uv) {
+  const Vec2 uv(texture.uv_transform * Vec3(surface_uv, 1.0));
   if (const auto* board = std::get_if<CheckerboardTexture>(&texture.source)) return value(*board, uv);
   return value(std::get<BitmapTexture>(texture.source), scene, uv);
 }

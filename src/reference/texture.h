@@ -9,6 +9,9 @@ namespace etendue::reference {
 /// Red, green, blue and alpha of a texture at a point.
 glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const Surface& surface);
 
+/// Of a picture or a checkerboard at texture coordinates of what it lies on.
+glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const glm::dvec2& uv);
+
 /// A parameter at a point.
 Vec3 at_point(const Scene& scene, const ColorParameter& parameter, const Surface& surface);
 double at_point(const Scene& scene, const ScalarParameter& parameter, const Surface& surface);

@@ -9,6 +9,7 @@
 
 #include "reference/rng.h"
 #include "scene/bounds.h"
+#include "scene/film_unit.h"
 
 namespace etendue::reference {
 namespace {
@@ -25,6 +26,7 @@ World::World(const Scene& scene, Rounding rounding)
       lights_(scene),
       environment_(scene, lights_.power()),
       filter_(scene.camera.filter) {
+  if (!scene_.delta_lights.empty()) delta_light_limit_ = etendue::delta_light_limit(radiance_exponent(scene_));
   for (const Instance& instance : scene_.instances) placements_.emplace_back(instance);
   sharing_.emplace(scene_);
   add_meshes(*sharing_);

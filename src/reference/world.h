@@ -30,6 +30,7 @@ class World {
   const Scene& scene() const { return scene_; }
   const Lights& lights() const { return lights_; }
   const Environment& environment() const { return environment_; }
+  double delta_light_limit() const { return delta_light_limit_; }
   const FilterSampler& filter() const { return filter_; }
 
   /// The nearest surface along the ray.
@@ -85,6 +86,7 @@ class World {
   Lights lights_;
   Environment environment_;
   FilterSampler filter_;
+  double delta_light_limit_ = 0.0;
   Bvh bvh_;
   std::vector<Primitive> primitives_;  ///< in the order of the hierarchy's leaves
   std::vector<Placement> placements_;  ///< of the instances

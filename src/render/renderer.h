@@ -49,10 +49,11 @@ struct SampleRecord {
 struct PathVertex {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   static constexpr std::uint32_t kEnvironment = 0xfffffffeu;  ///< as light_instance: light from outside
+  static constexpr std::uint32_t kDeltaLight = 0xfffffffdu;   ///< as light_instance: a light without extent
   std::uint32_t instance = kNone;                             ///< kNone: the ray left the scene
   std::uint32_t primitive = kNone;                            ///< triangle in the mesh, 0 for a sphere
   std::uint32_t light_instance = kNone;
-  std::uint32_t light_primitive = kNone;    ///< of the environment its cell
+  std::uint32_t light_primitive = kNone;    ///< of the environment its cell, of a light without extent its number
   std::uint32_t light_contributed = kNone;  ///< 0 or 1
   std::uint32_t lobe = kNone;               ///< 0 none, 1 diffuse, 2 delta reflection, 3 delta transmission
   std::uint32_t survived = kNone;           ///< 0 or 1

@@ -29,7 +29,15 @@ void check_light(const Scene& scene, Diagnostics& diagnostics) {
   const bool emitter = std::any_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& instance) {
     return instance.emitter && !is_dark(scene.emitter_of(instance)->radiance.value);
   });
-  if (sky || emitter) return;
+  const bool delta =
+      std::ranges::any_of(scene.delta_lights, [](const DeltaLight& light) { return !is_dark(light.intensity.value); });
+  if (delta && !samples_lights(scene.integrator)) {
+    diagnostics.warning(scene.delta_lights.front().position,
+                        fmt::format("{} of the scene's lights have no extent: only sampling lights finds them, which "
+                                    "this integrator does not do, so they are dark; use path with nee, or path_mis",
+                                    scene.delta_lights.size()));
+  }
+  if (sky || emitter || delta) return;
   diagnostics.warning(scene.position,
                       "the scene has no emitter and a black sky: the image will be black; add an <emitter> to a mesh "
                       "or sky_top to the scene");

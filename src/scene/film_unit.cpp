@@ -23,6 +23,11 @@ double largest_of(const Sky& sky) {
   return std::max(statistics.mean, kShareOfPeak * statistics.largest);
 }
 
+/// Intensity over irradiance of a projector's plane in the corners of its picture: 1/cos³θ.
+double corner_gain(const DeltaLight& light) {
+  return std::pow(1.0 + glm::dot(light.slope, light.slope), 1.5);
+}
+
 /// Smallest E with value <= 2^E; 0 where the value is not above 0 and finite.
 int exponent_above(double value) {
   if (!(value > 0.0) || !std::isfinite(value)) return 0;
@@ -54,11 +59,28 @@ int depth_exponent(const Camera& camera) {
 }  // namespace
 
 int radiance_exponent(const Scene& scene) {
-  double largest = largest_of(scene.sky);
+  double largest = largest_of(scene.sky), intensity = 0.0;
   for (const Instance& instance : scene.instances) {
     if (instance.emitter) largest = std::max(largest, EmitterRadiance(scene, instance).largest());
   }
-  return exponent_above(largest);
+  for (const DeltaLight& light : scene.delta_lights) {
+    const double own = largest_component(largest_intensity(scene, light));
+    if (light.type == DeltaLight::Type::directional) {
+      largest = std::max(largest, own);
+    } else {
+      intensity += own * (light.type == DeltaLight::Type::projector ? corner_gain(light) : 1.0);
+    }
+  }
+  const double radius = intensity > 0.0 ? typical_radius(scene) : 0.0;
+  if (!(radius > 0.0)) return exponent_above(largest);
+  constexpr int kRoom = 22;
+  const int of_points = exponent_above(intensity / (radius * radius)) + kRoom;
+  return largest > 0.0 ? std::max(of_points, exponent_above(largest)) : of_points;
+}
+
+double delta_light_limit(int radiance_exponent) {
+  constexpr int kBelowTop = 20;
+  return std::ldexp(1.0, radiance_exponent + kBelowTop);
 }
 
 int view_exponent(const View& view, int radiance_exponent, const Bounds& bounds) {

@@ -66,6 +66,7 @@ class Checker {
     check_sky();
     for (const AreaEmitter& emitter : scene_.emitters)
       check_radiance(emitter.radiance.value, emitter.position, "radiance");
+    for (const DeltaLight& light : scene_.delta_lights) check_delta_light(light);
     for (const Material& material : scene_.materials)
       std::visit([&](const auto& bsdf) { check_bsdf(bsdf, material); }, material.bsdf);
     check_totals();
@@ -190,6 +191,40 @@ class Checker {
       return error(object, field,
                    fmt::format("radiance {} is {}; use 0, or {} to {}", component, wrong, kMinRadiance, kMaxRadiance));
     }
+  }
+
+  void check_delta_light(const DeltaLight& light) {
+    const std::string name = text::quoted(light.name);
+    check_radiance(light.intensity.value, light.position, "intensity");
+    if (!is_usable(light.world_from_light) || !is_similarity(light.world_from_light))
+      error(light.position, "world_from_light",
+            fmt::format("the transform of the light {} scales it unevenly or shears it, or is not invertible; use "
+                        "rotations, reflections and translations",
+                        name));
+    if (const glm::dvec3 p = light.origin(); !(largest_coordinate(p) <= kMaxCoordinate))
+      error(light.position, "world_from_light",
+            fmt::format("the light {} stands at {} {} {}; coordinates up to {} are supported", name, p.x, p.y, p.z,
+                        kMaxCoordinate));
+    if (light.type == DeltaLight::Type::spot) check_spot(light);
+    if (light.type == DeltaLight::Type::projector &&
+        !(std::min(light.slope.x, light.slope.y) > 0.0 && std::max(light.slope.x, light.slope.y) <= kMaxSlope))
+      error(light.position, "slope",
+            fmt::format("the picture of the projector {} is {} by {} at distance 1; sides above 0 and up to {} are "
+                        "supported",
+                        name, 2.0 * light.slope.x, 2.0 * light.slope.y, 2.0 * kMaxSlope));
+  }
+
+  void check_spot(const DeltaLight& light) {
+    const double most = light.intensity.texture ? kMaxTexturedCutoff : 180.0;
+    if (!(light.cutoff > 0.0 && light.cutoff <= most))
+      error(light.position, "cutoff",
+            fmt::format("the cone of the spot {} has a half angle of {} degrees; use above 0 and up to {}",
+                        text::quoted(light.name), light.cutoff, most));
+    if (!(light.beam_width >= 0.0 && light.beam_width <= light.cutoff))
+      error(light.position, "beam_width",
+            fmt::format("the beam of the spot {} has a half angle of {} degrees, its cone one of {}; the beam lies "
+                        "within the cone",
+                        text::quoted(light.name), light.beam_width, light.cutoff));
   }
 
   void check_sky() {

@@ -14,6 +14,9 @@ inline constexpr std::uint32_t kMaxDirectSamples = 1024;
 inline constexpr double kMaxRadiance = 1e20;
 /// Darkest emission but none: below it single precision loses digits and then the light.
 inline constexpr double kMinRadiance = 1e-20;
+/// Half angle of a spot's cone that a picture can lie across, degrees; slope of the edge of a projector's picture.
+inline constexpr double kMaxTexturedCutoff = 89.0;
+inline constexpr double kMaxSlope = 1000.0;
 /// Largest width · height: the exact sums of so many pixels take 8 GiB.
 inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
 /// Least roughness of microfacets: single precision resolves no narrower lobe.

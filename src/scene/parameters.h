@@ -32,6 +32,10 @@ template <MaybeConst<AreaEmitter> T, typename F>
 void each_parameter(T& emitter, F&& f) {
   f("radiance", emitter.radiance);
 }
+template <MaybeConst<DeltaLight> T, typename F>
+void each_parameter(T& light, F&& f) {
+  f("intensity", light.intensity);
+}
 
 /// Whether any parameter has a texture.
 template <typename T>

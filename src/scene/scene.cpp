@@ -206,6 +206,17 @@ void hash(Hasher& h, const Sky& sky) {
   h.value(sky.picture->rows);
 }
 
+void hash(Hasher& h, const DeltaLight& light) {
+  h.value(light.type);
+  hash(h, light.intensity);
+  hash(h, light.world_from_light);
+  h.value(light.cutoff);
+  h.value(light.beam_width);
+  h.value(light.falloff);
+  h.value(light.slope.x);
+  h.value(light.slope.y);
+}
+
 void hash(Hasher& h, const Camera& camera) {
   h.value(camera.fov);
   h.value(camera.near_clip);
@@ -257,6 +268,7 @@ std::uint64_t scene_hash(const Scene& scene) {
     h.value(instance.emitter.has_value());
     if (const AreaEmitter* emitter = scene.emitter_of(instance)) hash(h, emitter->radiance);
   }
+  for (const DeltaLight& light : scene.delta_lights) hash(h, light);
   // Nothing where there is none: scenes without textures have the numbers they had before there were any.
   for (const Texture& texture : scene.textures) hash(h, texture);
   for (const auto& bitmap : scene.bitmaps) hash(h, *bitmap);
@@ -291,6 +303,7 @@ bool wants_light_tree(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     if (instance.emitter) primitives += primitive_count(scene.shape_of(instance));
   }
+  for (const DeltaLight& light : scene.delta_lights) primitives += light.type != DeltaLight::Type::directional ? 1 : 0;
   return primitives >= kManyLights;
 }
 

@@ -47,6 +47,38 @@ struct AreaEmitter {
   SourcePosition position;
 };
 
+/// A light without extent: a point, or a direction. No ray meets one, so it is found by sampling lights alone. In its
+/// own frame it stands at the origin and shines toward +Z. docs/conventions.md, "Lights without extent".
+struct DeltaLight {
+  enum class Type : std::uint32_t {
+    point,        ///< to all sides alike
+    spot,         ///< into a cone about +Z
+    projector,    ///< a picture, onto the plane z = 1: a camera turned around
+    directional,  ///< from infinitely far away, along +Z
+  };
+  /// How a spot fades from its beam to the edge of its cone.
+  enum class Falloff : std::uint32_t {
+    linear,   ///< with the angle
+    smooth,   ///< as a cubic of the cosine
+    quartic,  ///< as the fourth power of the cosine
+  };
+  Type type = Type::point;
+  /// Of points and spots W·sr⁻¹; of a projector irradiance of the plane z = 1 and of a directional light that of a
+  /// surface which faces it, W·m⁻². The texture of a spot lies across its cone, that of a projector across its film.
+  ColorParameter intensity;
+  glm::dmat4 world_from_light{1.0};  ///< rotation, reflection, translation; uniform scale is of no account
+  double cutoff = 20.0;              ///< spot: half angle of the cone, degrees; below 90 with a texture
+  double beam_width = 15.0;          ///< spot: half angle of what shines in full, degrees, at most the other
+  Falloff falloff = Falloff::linear;
+  glm::dvec2 slope{1.0};  ///< projector: half the width and height of its picture on the plane z = 1
+  std::string name;       ///< for messages: its type in the file
+  SourcePosition position;
+
+  glm::dvec3 origin() const { return glm::dvec3(world_from_light[3]); }
+  /// A unit axis of its frame in the world: 0 across, 1 up, 2 forward.
+  glm::dvec3 axis(int i) const { return glm::normalize(glm::dvec3(world_from_light[i])); }
+};
+
 /// Indexed triangles in object space. `normals` is empty or as long as `positions` (unit vectors); so is each set of
 /// texture coordinates, and `vertex_colors`. `face_colors` is empty or as long as `triangles`. Colours are linear
 /// Rec. 709.
@@ -221,6 +253,7 @@ struct Scene {
   std::vector<std::shared_ptr<const Bitmap>> bitmaps;  ///< shared by copies of the scene: they may be large
   std::vector<AreaEmitter> emitters;
   std::vector<Instance> instances;  ///< in file order; area lights follow from those with an emitter
+  std::vector<DeltaLight> delta_lights;
   Instancing instancing = Instancing::automatic;
   SourcePosition position;  ///< the <scene> tag
 
@@ -241,7 +274,8 @@ std::size_t primitive_count(const Shape& shape);
 /// count and integrator settings (those are compared one by one when renders are merged).
 std::uint64_t scene_hash(const Scene& scene);
 
-/// What LightSampler::automatic means: a tree from this many emitting primitives on, where it begins to pay.
+/// What LightSampler::automatic means: a tree from this many emitting primitives, points and spots on, where it begins
+/// to pay.
 inline constexpr std::size_t kManyLights = 10;
 /// Whether lights are chosen by a tree; docs/conventions.md, "Light tree".
 bool uses_light_tree(const Scene& scene);

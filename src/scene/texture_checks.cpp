@@ -35,11 +35,16 @@ class TextureChecker {
     for (const Texture& texture : scene_.textures) check_texture(texture);
     for (const Material& material : scene_.materials) check_owner(material.bsdf, material.position);
     for (const AreaEmitter& emitter : scene_.emitters) check_owner(emitter, emitter.position);
+    for (const DeltaLight& light : scene_.delta_lights) check_owner(light, light.position);
     if (sink_.error_count() != errors) return false;
     for (const Instance& instance : scene_.instances) check_instance(instance);
     if (sink_.error_count() != errors) return false;
     for (const Material& material : scene_.materials) check_values(material);
-    for (const AreaEmitter& emitter : scene_.emitters) check_values(emitter);
+    for (const AreaEmitter& emitter : scene_.emitters) check_values(emitter.radiance, "radiance", emitter.position);
+    for (const DeltaLight& light : scene_.delta_lights) {
+      check_projected(light);
+      check_values(light.intensity, "intensity", light.position);
+    }
     return sink_.error_count() == errors;
   }
 
@@ -153,17 +158,27 @@ class TextureChecker {
     });
   }
 
-  void check_values(const AreaEmitter& emitter) {
-    if (!emitter.radiance.texture) return;
-    const Texture& texture = scene_.textures[*emitter.radiance.texture];
+  /// A light has no mesh whose colours it could show.
+  void check_projected(const DeltaLight& light) {
+    if (!light.intensity.texture) return;
+    const Texture& texture = scene_.textures[*light.intensity.texture];
+    if (std::holds_alternative<AttributeTexture>(texture.source))
+      error(light.position, "intensity",
+            fmt::format("the {} has no mesh whose colours the texture {} could show; use a picture",
+                        text::quoted(light.name), text::quoted(texture.name)));
+  }
+
+  void check_values(const ColorParameter& light, const char* field, const SourcePosition& position) {
+    if (!light.texture) return;
+    const Texture& texture = scene_.textures[*light.texture];
     const TextureFacts facts = texture_facts(scene_, texture);
-    const glm::dvec3 most = emitter.radiance.value * facts.largest;
+    const glm::dvec3 most = light.value * facts.largest;
     const double least = std::min({facts.least.x, facts.least.y, facts.least.z});
     const double largest = std::max({most.x, most.y, most.z});
     if (facts.finite && least >= 0.0 && largest <= kMaxRadiance) return;
-    error(emitter.position, "radiance",
-          facts.finite ? fmt::format("with the texture {} the radiance is {} to {}; use 0 to {}",
-                                     text::quoted(texture.name), least, largest, kMaxRadiance)
+    error(position, field,
+          facts.finite ? fmt::format("with the texture {} the {} is {} to {}; use 0 to {}", text::quoted(texture.name),
+                                     field, least, largest, kMaxRadiance)
                        : fmt::format("the texture {} has texels that are not finite", text::quoted(texture.name)));
   }
 

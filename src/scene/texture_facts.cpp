@@ -75,6 +75,16 @@ TextureFacts texture_facts(const Scene& scene, const Texture& texture) {
   return {};
 }
 
+glm::dvec3 mean_intensity(const Scene& scene, const DeltaLight& light) {
+  if (!light.intensity.texture) return light.intensity.value;
+  return light.intensity.value * texture_facts(scene, scene.textures[*light.intensity.texture]).mean;
+}
+
+glm::dvec3 largest_intensity(const Scene& scene, const DeltaLight& light) {
+  if (!light.intensity.texture) return light.intensity.value;
+  return light.intensity.value * texture_facts(scene, scene.textures[*light.intensity.texture]).largest;
+}
+
 EmitterRadiance::EmitterRadiance(const Scene& scene, const Instance& instance) {
   const ColorParameter& radiance = scene.emitter_of(instance)->radiance;
   value_ = mean_ = largest_ = radiance.value;

@@ -42,6 +42,10 @@ class EmitterRadiance {
   glm::dvec3 largest_{0.0};
 };
 
+/// The intensity of a light without extent, its texture averaged over all of it; and the largest.
+glm::dvec3 mean_intensity(const Scene& scene, const DeltaLight& light);
+glm::dvec3 largest_intensity(const Scene& scene, const DeltaLight& light);
+
 /// The colour of a texel with alpha, linear; 8-bit codes and floats alike.
 glm::dvec4 texel_color(const Bitmap& bitmap, ColorSpace color_space, std::uint32_t x, std::uint32_t y);
 

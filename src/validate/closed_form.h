@@ -35,11 +35,13 @@ enum class SceneFamily {
   environment,  ///< a diffuse square under a small picture of all directions, turned, in half of the scenes beside a
                 ///< lamp
   texture,      ///< a textured floor under a textured lamp
+  delta,        ///< lights without extent over a floor, on a sphere, beside lamps and under a sky
 };
-inline constexpr std::array<SceneFamily, 12> kSceneFamilies{
+inline constexpr std::array<SceneFamily, 13> kSceneFamilies{
     SceneFamily::direct, SceneFamily::furnace,    SceneFamily::interior,    SceneFamily::sky,
     SceneFamily::sheet,  SceneFamily::glass,      SceneFamily::coverage,    SceneFamily::crowd,
-    SceneFamily::camera, SceneFamily::integrator, SceneFamily::environment, SceneFamily::texture};
+    SceneFamily::camera, SceneFamily::integrator, SceneFamily::environment, SceneFamily::texture,
+    SceneFamily::delta};
 const char* scene_family_name(SceneFamily family);
 
 /// How light is found: naive (by chance), nee (sampled) or mis (both, weighted).

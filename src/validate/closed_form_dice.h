@@ -103,6 +103,10 @@ inline void move_scene(Scene& scene, Dice& dice, bool turn) {
   scene.camera.near_clip *= scale;
   scene.camera.far_clip *= scale;
   if (turn) scene.sky.world_from_sky = rotation * scene.sky.world_from_sky;
+  for (DeltaLight& light : scene.delta_lights) {
+    light.world_from_light = motion * light.world_from_light;
+    if (light.type != DeltaLight::Type::directional) light.intensity.value *= scale * scale;
+  }
 }
 
 inline void set_strategy(Scene& scene, LightStrategy strategy) {
@@ -125,5 +129,6 @@ ClosedFormScene integrator_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene direct_light_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene environment_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene texture_scene(Dice& dice, LightStrategy strategy);
+ClosedFormScene delta_scene(Dice& dice, LightStrategy strategy);
 
 }  // namespace etendue::closed_form

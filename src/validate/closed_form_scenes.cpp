@@ -395,9 +395,9 @@ ClosedFormScene closed_form::direct_light_scene(Dice& dice, LightStrategy strate
 }
 
 const char* scene_family_name(SceneFamily family) {
-  constexpr std::array<const char*, kSceneFamilies.size()> kNames{"direct", "furnace",    "interior",    "sky",
-                                                                  "sheet",  "glass",      "coverage",    "crowd",
-                                                                  "camera", "integrator", "environment", "texture"};
+  constexpr std::array<const char*, kSceneFamilies.size()> kNames{
+      "direct", "furnace", "interior",   "sky",         "sheet",   "glass", "coverage",
+      "crowd",  "camera",  "integrator", "environment", "texture", "delta"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -435,6 +435,8 @@ ClosedFormScene make_closed_form(SceneFamily family, std::uint64_t seed, LightSt
         return integrator_scene(dice, strategy);
       case SceneFamily::environment:
         return environment_scene(dice, strategy);
+      case SceneFamily::delta:
+        return delta_scene(dice, strategy);
       case SceneFamily::coverage:
         break;
     }

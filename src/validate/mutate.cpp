@@ -179,6 +179,16 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
     {gpu::kMutantSideByWinding, "side by winding",
      "the winding of a triangle decides its side where its vertex normals say otherwise", "picture of twins"},
     {gpu::kMutantTiesReversed, "ties reversed", "of surfaces that coincide the last one is met", "picture of twins"},
+    {gpu::kMutantPointDistanceNotSquared, "point's distance not squared",
+     "light of a point falls off with the distance instead of its square", "points, 2"},
+    {gpu::kMutantPointWeighed, "points weighed", "light of points is weighed against material samples, which find none",
+     "points, 2"},
+    {gpu::kMutantSpotFadesByCosine, "spot fades by cosine", "a spot fades linearly in the cosine, not in the angle",
+     "picture under points"},
+    {gpu::kMutantProjectorByIntensity, "projector by intensity",
+     "a projector's picture is taken for intensity instead of irradiance of a plane", "picture under points"},
+    {gpu::kMutantDistantChoiceForgotten, "direction's choice forgotten",
+     "the probability of choosing a directional light is missing", "points, 1"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -397,6 +407,27 @@ Scene room_of_twins() {
   return scene;
 }
 
+/// The room with a point, a spot that fades over all of its cone and a projector in place of the lamp.
+Scene room_under_points() {
+  Scene scene = room();
+  scene.name = scene.file = "room under points";
+  for (Instance& instance : scene.instances) instance.emitter.reset();
+  scene.emitters.clear();
+  const auto put = [&](DeltaLight::Type type, const glm::dvec3& at, const glm::dvec3& intensity) -> DeltaLight& {
+    DeltaLight& light = scene.delta_lights.emplace_back(DeltaLight{.type = type, .intensity = intensity});
+    // Along −y.
+    light.world_from_light = glm::dmat4({1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, glm::dvec4(at, 1.0));
+    return light;
+  };
+  put(DeltaLight::Type::point, {0.3, 0.5, 0.4}, glm::dvec3(0.5));
+  DeltaLight& spot = put(DeltaLight::Type::spot, {-0.4, 0.8, 0.0}, {4.0, 2.0, 1.0});
+  spot.cutoff = 50.0;
+  spot.beam_width = 1.0;
+  put(DeltaLight::Type::projector, {0.4, 0.8, 0.0}, {1.0, 2.0, 3.0}).slope = {1.2, 0.8};
+  scene.integrator.max_depth = 3;
+  return scene;
+}
+
 Image render_room(Renderer& renderer, const Scene& scene, std::uint32_t spp) {
   Film film(scene.camera.width, scene.camera.height, film_exponent(scene));
   std::vector<RejectedSample> rejected;
@@ -500,6 +531,9 @@ std::vector<SuiteTest> make_suite() {
       scene_test(SceneFamily::integrator, mis, "floor seen"),
       scene_test(SceneFamily::texture, mis, "lamp bilinear repeat repeat sRGB"),
       scene_test(SceneFamily::texture, nee, "lamp nearest mirror clamp"),
+      scene_test(SceneFamily::delta, mis,
+                 "points, 2 point(s), 0 spot(s), 0 projector(s), 0 directional, 0 hidden, a lamp"),
+      scene_test(SceneFamily::delta, nee, "points, 1 point(s), 0 spot(s), 0 projector(s), 1 directional, 0 hidden"),
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),
@@ -517,6 +551,8 @@ std::vector<SuiteTest> make_suite() {
       albedo_test("albedo, microfacet", kCoated, kSlanted),
       {"picture against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room(), gpu); }},
+      {"picture under points against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_under_points(), gpu); }},
       {"picture of instances against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_instances(), gpu); }},
       {"picture of round shapes against the reference",

@@ -59,7 +59,7 @@ void count_path(const std::vector<PathVertex>& path, Counts& counts) {
   for (const PathVertex& vertex : path) {
     // Light that is there without a light sample having brought it was met by chance.
     const bool sampled = vertex.light_instance != PathVertex::kNone;
-    if (sampled && vertex.light_instance != PathVertex::kEnvironment) {
+    if (sampled && vertex.light_instance < counts.emitters.size()) {
       EmitterCount& emitter = counts.emitters[vertex.light_instance];
       ++emitter.tried;
       if (vertex.light_contributed == 1) ++emitter.reached;

@@ -59,6 +59,7 @@ CompiledScene numbered_scene() {
   scene.transmittances = numbered<gpu::vec4>(16);
   scene.environment.rows = numbered<gpu::EnvironmentRow>(17);
   scene.environment.texels = numbered<gpu::EnvironmentTexel>(18);
+  scene.delta_lights = numbered<gpu::DeltaLight>(19);
   scene.triangles = numbered<gpu::uvec4>(7);
   scene.normals = numbered<gpu::vec4>(8);
   scene.places = numbered<gpu::Place>(10);
@@ -93,6 +94,8 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   a.environment_row = scene.environment.rows[i];
   a.environment_row_threshold.x = scene.environment.rows[i].threshold;
   a.environment_texel = scene.environment.texels[i];
+  a.delta_light = scene.delta_lights[i];
+  a.delta_light_threshold.x = scene.delta_lights[i].threshold;
   return a;
 }
 

@@ -49,6 +49,12 @@ class RendererAgreement : public DeviceTest {
   }
 };
 
+// Shines down at a slant.
+glm::dmat4 oblique_light(const glm::dvec3& at) {
+  const glm::dvec3 z = glm::normalize(glm::dvec3(0.2, -1.0, -0.3)), x = glm::normalize(glm::cross({0, 0, 1}, z));
+  return glm::dmat4(glm::dvec4(x, 0), glm::dvec4(glm::cross(z, x), 0), glm::dvec4(z, 0), glm::dvec4(at, 1));
+}
+
 Scene cornell(std::vector<std::pair<std::string, std::string>> overrides) {
   overrides.insert(overrides.end(), {{"camera.width", "100"}, {"camera.height", "75"}});
   return read_scene(SCENES_DIR "/cbox-sphere.xml", {.overrides = std::move(overrides), .strict = true});
@@ -214,6 +220,47 @@ TEST_F(RendererAgreement, PicturesOfTheSky) {
   for (Instance& instance : alone.instances) instance.emitter.reset();
   alone.sky.picture = make_random_sky(64, 32, SkyPicture::Rows::circles, 1e4f);
   compare("alone", alone, 40000, 800, 2000);
+}
+
+// All kinds of lights without extent, few by power and many by the tree, beside lamps and a sky, on glossy and diffuse
+// surfaces.
+Scene under_points(int copies) {
+  Scene scene = everything();
+  const auto put = [&](DeltaLight::Type type, const glm::dvec3& at, const glm::dvec3& color) -> DeltaLight& {
+    DeltaLight& light = scene.delta_lights.emplace_back(DeltaLight{.type = type, .intensity = color});
+    light.world_from_light = oblique_light(at);
+    return light;
+  };
+  for (int i = 0; i < copies; ++i) {
+    const double shift = 0.3 * i;
+    put(DeltaLight::Type::point, {0.5 - shift, 1.5, 1.0}, {1.0, 0.8, 0.6});
+    DeltaLight& spot = put(DeltaLight::Type::spot, {-1.0 + shift, 2.5, 0.5}, {3.0, 4.0, 5.0});
+    spot.cutoff = 50.0;
+    spot.beam_width = 10.0;
+    spot.falloff = static_cast<DeltaLight::Falloff>(i % 3);
+    put(DeltaLight::Type::projector, {0.0, 2.0, -1.0 + shift}, {2.0, 1.0, 1.0}).slope = {0.8, 1.1};
+  }
+  put(DeltaLight::Type::directional, {0, 0, 0}, {0.5, 0.5, 0.4});
+  put(DeltaLight::Type::directional, {0, 0, 0}, {0.1, 0.2, 0.4});
+  return scene;
+}
+
+TEST_F(RendererAgreement, LightsWithoutExtent) {
+  compare("a few", under_points(1), 40000, 800, 1000);
+  Scene many = under_points(4);
+  many.integrator.light_sampler = Integrator::LightSampler::tree;
+  compare("a tree of them", many, 40000, 800, 1000);
+  many.integrator.mis = false;
+  many.sky = {};
+  many.sampler = {Sampler::Type::sobol, 16, 4};
+  compare("a tree of them without mis or sky, sobol", many, 20000, 800, 1000);
+  Scene alone = under_points(1);
+  for (Instance& instance : alone.instances) instance.emitter.reset();
+  alone.sky = {};
+  alone.integrator.type = Integrator::Type::whitted;
+  compare("alone, whitted", alone, 20000, 800, 1000);
+  std::erase_if(alone.delta_lights, [](const DeltaLight& l) { return l.type != DeltaLight::Type::directional; });
+  compare("directions alone", alone, 20000, 800, 1000);
 }
 
 // The same scene at another size and place. Coordinates are doubles on both sides, so only the rounding of the inputs

@@ -52,6 +52,14 @@ void expect_says(const std::string& messages, const char* part) {
 
 const std::string kLight = "<color name=\"sky_top\" value=\"1 1 1\"/>";
 
+TEST(Check, LightsWithoutExtentNeedLightSampling) {
+  const std::string point = "<emitter type=\"point\"><color name=\"power\" value=\"1 1 1\"/></emitter>";
+  EXPECT_EQ(check(mesh("up.obj") + point), "");
+  EXPECT_EQ(check(mesh("up.obj") + point, "0 0 5", "<integrator type=\"whitted\"/>"), "");
+  expect_says(check(mesh("up.obj") + point, "0 0 5", "<integrator type=\"path_mats\"/>"), "so they are dark");
+  expect_says(check(mesh("up.obj") + point, "0 0 5", "<integrator type=\"direct_mats\"/>"), "so they are dark");
+}
+
 TEST(Check, ASoundSceneIsQuiet) {
   EXPECT_EQ(check(mesh("up.obj") + mesh("down.obj", kEmitter, "<translate value=\"0 3 0\"/>") +
                   mesh("cube.obj", kGlass, "<translate value=\"0 0.5 0\"/>")),

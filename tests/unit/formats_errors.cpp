@@ -137,7 +137,42 @@ const BadInput kGrammar[] = {
      3, 56, "the roughness is given twice"},
     {"TooSmooth", in_mesh("<bsdf type=\"microfacet\"><float name=\"alpha\" value=\"1e-4\"/></bsdf>"), 3, 52,
      "allowed is 0.001 … 1"},
-    {"PointLight", in_mesh("<emitter type=\"point\"/>"), 3, 16, "not supported; supported are: area"},
+    {"PointLight", in_mesh("<emitter type=\"point\"><color name=\"power\" value=\"1 1 1\"/></emitter>"), 3, 1,
+     "point is a light of its own, not of a mesh"},
+    {"NoIntensity", scene_around("<emitter type=\"point\"/>"), 2, 1, "says neither \"intensity\" nor \"power\""},
+    {"IntensityAndPower",
+     scene_around(
+         "<emitter type=\"point\"><color name=\"intensity\" value=\"1 1 1\"/>\n<color name=\"power\" value=\"1 1 "
+         "1\"/></emitter>"),
+     3, 28, "keep one of them"},
+    {"PositionAndTransform",
+     scene_around("<emitter type=\"point\"><color name=\"power\" value=\"1 1 1\"/><transform "
+                  "name=\"toWorld\"/>\n<point name=\"position\" value=\"1 1 1\"/></emitter>"),
+     3, 31, "both \"position\" and \"toWorld\""},
+    {"BeamWiderThanCone",
+     scene_around("<emitter type=\"spot\"><color name=\"power\" value=\"1 1 1\"/>\n<float name=\"beamWidth\" "
+                  "value=\"30\"/></emitter>"),
+     3, 32, "the beam lies within the cone"},
+    {"TwoLanguagesOfCones",
+     scene_around("<emitter type=\"spot\"><color name=\"power\" value=\"1 1 1\"/><float name=\"totalWidth\" "
+                  "value=\"30\"/>\n<float name=\"cutoffAngle\" value=\"30\"/></emitter>"),
+     3, 34, "two words for one cone"},
+    {"Falloff",
+     scene_around("<emitter type=\"spot\"><color name=\"power\" value=\"1 1 1\"/>\n<string name=\"falloff\" "
+                  "value=\"linaer\"/></emitter>"),
+     3, 31, "did you mean \"linear\""},
+    {"NoDirection",
+     scene_around("<emitter type=\"directional\"><color name=\"irradiance\" value=\"1 1 1\"/>\n<vector "
+                  "name=\"direction\" value=\"0 0 0\"/></emitter>"),
+     3, 33, "is 0 0 0; give one"},
+    {"TargetOfASpot",
+     scene_around("<emitter type=\"spot\"><color name=\"power\" value=\"1 1 1\"/><point name=\"position\" value=\"1 1 "
+                  "1\"/>\n<point name=\"target\" value=\"1 1 1\"/></emitter>"),
+     3, 29, "is where it stands"},
+    {"UnevenLight",
+     scene_around("<emitter type=\"point\"><color name=\"power\" value=\"1 1 1\"/>\n<transform name=\"toWorld\"><scale "
+                  "value=\"1 2 1\"/></transform></emitter>"),
+     3, 1, "scales it unevenly or shears it"},
     {"CropTooLarge",
      "<scene><integrator type=\"path\"/>\n<camera type=\"perspective\"><integer name=\"cropOffsetX\" "
      "value=\"1280\"/></camera></scene>",

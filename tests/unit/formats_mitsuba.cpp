@@ -617,8 +617,33 @@ TEST(MitsubaEmitters, EnvironmentMaps) {
   EXPECT_NEAR(result.scene->sky.world_from_sky[1].z, 1.0, 1e-12);
 }
 
+TEST(MitsubaEmitters, LightsWithoutExtent) {
+  const Read result = read(around(fmt::format(R"(<emitter type="point"><point name="position" x="1" y="2" z="3"/>
+    <rgb name="intensity" value="2 3 4"/></emitter>
+    <emitter type="spot"><rgb name="intensity" value="3"/><float name="cutoff_angle" value="40"/>
+    <transform name="to_world"><lookat origin="0 5 0" target="0 0 0" up="0 0 1"/></transform>
+    <texture name="texture" type="bitmap">{0}</texture></emitter>
+    <emitter type="directional"><vector name="direction" x="0" y="-3" z="0"/><rgb name="irradiance" value="2"/></emitter>
+    <emitter type="projector"><texture name="irradiance" type="bitmap">{0}</texture><float name="scale" value="5"/>
+    <float name="fov" value="90"/></emitter>)",
+                                              kPicture)));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const std::vector<DeltaLight>& lights = result.scene->delta_lights;
+  ASSERT_EQ(lights.size(), 4u);
+  EXPECT_EQ(lights[0].origin(), glm::dvec3(1, 2, 3));
+  EXPECT_EQ(lights[0].intensity.value, glm::dvec3(2, 3, 4));
+  EXPECT_EQ(lights[1].type, DeltaLight::Type::spot);
+  EXPECT_EQ(lights[1].beam_width, 30.0);
+  EXPECT_EQ(lights[1].intensity.value, glm::dvec3(3.0));
+  EXPECT_TRUE(lights[1].intensity.texture.has_value());
+  EXPECT_LT(glm::distance(lights[1].axis(2), glm::dvec3(0, -1, 0)), 1e-12);
+  EXPECT_LT(glm::distance(lights[2].axis(2), glm::dvec3(0, -1, 0)), 1e-12);
+  EXPECT_EQ(lights[3].intensity.value, glm::dvec3(5.0));
+  EXPECT_NEAR(lights[3].slope.x, 1.0, 1e-12);
+}
+
 TEST(MitsubaMissing, AllIsListedAtOnce) {
-  const std::string text = around(R"(<integrator type="stokes"/><emitter type="sunsky"/>
+  const std::string text = around(R"(<integrator type="stokes"/><emitter type="collimated"/>
     <shape type="sphere"><bsdf type="hair"/></shape>
     <shape type="sphere"><bsdf type="hair"/></shape>
     <shape type="sdfgrid"/><shape type="sphere"><medium type="homogeneous" name="interior"/></shape>)");
@@ -627,7 +652,7 @@ TEST(MitsubaMissing, AllIsListedAtOnce) {
   EXPECT_EQ(refused.diagnostics.error_count(), 1u) << refused.messages();
   const std::string error = refused.first_error();
   for (const char* part :
-       {"bsdf hair (s.xml:3:26, s.xml:4:26)", "emitter sunsky (s.xml:2:28)", "integrator stokes (s.xml:2:1)",
+       {"bsdf hair (s.xml:3:26, s.xml:4:26)", "emitter collimated (s.xml:2:28)", "integrator stokes (s.xml:2:1)",
         "medium homogeneous (s.xml:5:", "shape sdfgrid (s.xml:5:5)"})
     EXPECT_NE(error.find(part), std::string::npos) << part << " in " << error;
   const Read approximated = read(text, {.overrides = {}, .approximate = true});

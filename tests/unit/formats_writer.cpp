@@ -92,6 +92,16 @@ Scene everything() {
                        .scale = 1.0 / 3.0,
                        .rows = SkyPicture::Rows::circles};
   scene.sky.world_from_sky = glm::dmat3({0, 1, 0}, {-1, 0, 0}, {0, 0, 1});
+  const glm::dmat4 turned_light({0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1.0 / 3.0, 0.2, 0.3, 1});
+  scene.delta_lights.push_back({.intensity = glm::dvec3(0.1, 1.0 / 3.0, 2.0), .world_from_light = turned_light});
+  scene.delta_lights.push_back({.type = DeltaLight::Type::spot,
+                                .intensity = ColorParameter(glm::dvec3(1.0), 0),
+                                .world_from_light = turned_light,
+                                .cutoff = 33.0,
+                                .beam_width = 7.0,
+                                .falloff = DeltaLight::Falloff::smooth});
+  scene.delta_lights.push_back(
+      {.type = DeltaLight::Type::directional, .intensity = glm::dvec3(3.0), .world_from_light = turned_light});
   return scene;
 }
 
@@ -149,7 +159,7 @@ TEST(SceneWriter, MitsubaIsToldWhatItCanSay) {
   }
   scene.camera.world_from_camera = glm::dmat4(1.0);
   const std::vector<std::string> differences = write_mitsuba_scene(path, scene);
-  EXPECT_EQ(differences.size(), 1u);  // the polygonal aperture
+  EXPECT_EQ(differences.size(), 2u);  // the polygonal aperture, and how the spot fades
   Diagnostics diagnostics;
   const auto file = read_scene_file(path, {.overrides = {}, .strict = true}, diagnostics);
   ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "formats/mitsuba/mitsuba_lights.h"
 #include "formats/mitsuba/mitsuba_shapes.h"
 #include "formats/mitsuba/plugins.h"
 #include "scene/bounds.h"
@@ -274,6 +275,10 @@ class MitsubaReader {
     const auto emitter = MitsubaObject::read(element, context_, "left out");
     if (!emitter) return;
     const std::string_view kind = emitter->type();
+    if (is_mitsuba_delta_light(kind)) {
+      scene_.delta_lights.push_back(read_mitsuba_delta_light(*emitter, textures_, scene_, context_));
+      return;
+    }
     if (kind == "area")
       return context_.sink.error(emitter->position(), "an emitter area belongs into the <shape> that emits");
     if (std::exchange(has_sky_, true))

@@ -51,6 +51,7 @@ class MitsubaWriter {
     write_integrator(scene_.integrator);
     write_sensor(scene_.camera);
     write_sky();
+    for (const DeltaLight& light : scene_.delta_lights) write_delta_light(light);
     for (const Instance& instance : scene_.instances) write_material(instance.material);
     for (const Instance& instance : scene_.instances) write_shape(instance);
     xml_.close();
@@ -70,6 +71,29 @@ class MitsubaWriter {
     write_texture(name, *parameter.texture, parameter.value);
   }
   void number(const char* name, double value) { xml_.number(name, value); }
+
+  void write_delta_light(const DeltaLight& light) {
+    using Type = DeltaLight::Type;
+    constexpr const char* kTypes[] = {"point", "spot", "projector", "directional"};
+    constexpr double kDegrees = 57.295779513082320877;
+    xml_.open("emitter", {{"type", kTypes[static_cast<std::size_t>(light.type)]}});
+    const bool plane = light.type == Type::projector || light.type == Type::directional;
+    const bool picture = light.type == Type::spot && light.intensity.texture;
+    if (picture) {
+      color("intensity", light.intensity.value);
+      color("texture", ColorParameter(glm::dvec3(1.0), *light.intensity.texture));
+    } else {
+      color(plane ? "irradiance" : "intensity", light.intensity);
+    }
+    if (light.type == Type::spot) {
+      number("cutoff_angle", light.cutoff);
+      number("beam_width", light.beam_width);
+      if (light.falloff != DeltaLight::Falloff::linear) differs("a spot fades linearly with the angle");
+    }
+    if (light.type == Type::projector) number("fov", 2.0 * std::atan(light.slope.x) * kDegrees);
+    xml_.transform("to_world", light.world_from_light);
+    xml_.close();
+  }
 
   void write_integrator(const Integrator& integrator) {
     using enum Integrator::Type;

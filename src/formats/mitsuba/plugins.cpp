@@ -437,6 +437,50 @@ std::vector<Plugin> emitter_rows() {
   };
 }
 
+std::vector<Plugin> delta_light_rows() {
+  const auto weight = [] {
+    return no_effect("sampling_weight", real, "has no effect: lights are chosen by what they contribute");
+  };
+  return {
+      {"emitter",
+       "point",
+       "A point that shines alike to all sides. Found by sampling lights alone.",
+       {{"position", point, "0 0 0", any(), "where it stands"},
+        color_or_texture("intensity", "1 1 1", "power per solid angle"),
+        weight(),
+        to_world()},
+       {}},
+      {"emitter",
+       "spot",
+       "A point that shines into a cone about +z, fading linearly with the angle between beam_width and cutoff_angle.",
+       {color_or_texture("intensity", "1 1 1", "power per solid angle along its axis"),
+        {"cutoff_angle", real, "20", inside(0, 180), "half angle of the cone, degrees"},
+        {"beam_width", real, "", between(0, 180), "half angle of what shines in full; 3/4 of the other unless given"},
+        {"texture", object, "", any(), "a picture across the cone", "texture"},
+        weight(),
+        to_world()},
+       {}},
+      {"emitter",
+       "projector",
+       "A camera turned around: a picture, sent from the origin along +z.",
+       {color_or_texture("irradiance", "1 1 1", "of the plane z = 1"),
+        {"scale", real, "1", at_least(0), "factor of it"},
+        {"fov", real, "40", inside(0, 180), "field of view in degrees along fov_axis"},
+        {"fov_axis", string, "x", any(), "x, y, smaller or larger"},
+        weight(),
+        to_world()},
+       {}},
+      {"emitter",
+       "directional",
+       "Light from infinitely far away, all of one direction: along `direction`, or +z of to_world.",
+       {{"direction", vector, "0 0 1", any(), "where it shines"},
+        color_or_texture("irradiance", "1 1 1", "of a surface that faces it"),
+        weight(),
+        to_world()},
+       {}},
+  };
+}
+
 std::vector<Plugin> make_rows() {
   std::vector<Plugin> rows = scene_rows();
   append(rows, integrator_rows());
@@ -445,6 +489,7 @@ std::vector<Plugin> make_rows() {
   append(rows, bsdf_rows());
   append(rows, emitter_rows());
   append(rows, texture_rows());
+  append(rows, delta_light_rows());
   return rows;
 }
 
@@ -460,9 +505,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
                 "null",       "measured",           "hair",      "phong", "ward",      "roughdiffuse", "roughcoating",
                 "coating",    "mixturebsdf",        "difftrans", "hk",    "pplastic",  "polarizer",    "retarder",
                 "circular",   "measured_polarized", "irawan"}},
-      {"emitter",
-       {"point", "spot", "directional", "directionalarea", "projector", "collimated", "sky", "sun", "sunsky",
-        "timed_sunsky"}},
+      {"emitter", {"directionalarea", "collimated", "sky", "sun", "sunsky", "timed_sunsky"}},
       {"texture", {"volume", "gridtexture", "wireframe", "curvature"}},
   };
 }

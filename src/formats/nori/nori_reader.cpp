@@ -18,6 +18,7 @@
 #include "formats/dialect/mesh_needs.h"
 #include "formats/dialect/object.h"
 #include "formats/mesh/builtin_meshes.h"
+#include "formats/nori/delta_light_reader.h"
 #include "formats/nori/plugins.h"
 #include "formats/nori/texture_reader.h"
 #include "formats/xml/xml_document.h"
@@ -82,9 +83,9 @@ class SceneReader {
     if (const auto camera = read_only_child(object, "camera")) scene.camera = read_camera(*camera);
     scene.sampler = read_sampler(object);
     scene.instancing = read_instancing(object);
-    if (const auto emitter = read_only_child(object, "emitter")) read_environment(*emitter, object, scene);
     materials_.clear();
     textures_.begin_scene();
+    read_lights(object, scene);
     meshes_.clear();
     groups_.clear();
     for (const XmlElement* mesh : object.children("mesh")) read_placed(*mesh, scene);
@@ -669,6 +670,30 @@ class SceneReader {
     return texture ? ColorParameter(textures_.factor(object, property), *texture) : ColorParameter(glm::dvec3(1.0));
   }
 
+  /// Emitters of the scene itself: lights without extent, and light from all around.
+  void read_lights(const Object& scene_object, Scene& scene) {
+    bool has_environment = false;
+    for (const XmlElement* element : scene_object.children("emitter")) {
+      const auto object = Object::read(*element, context_);
+      if (!object) continue;
+      if (is_delta_light(object->plugin().type)) {
+        const auto textured = [&](const Object& owner, const char* name) { return read_textured(owner, name, &scene); };
+        scene.delta_lights.push_back(read_delta_light(*object, textured, sink_));
+        remember_field(*object, "toWorld", "world_from_light");
+        for (const char* name : {"intensity", "irradiance", "radiance", "power"}) {
+          if (object->plugin().find(name) != nullptr) remember_field(*object, name, "intensity");
+        }
+        continue;
+      }
+      if (has_environment)
+        sink_.error(object->position(),
+                    fmt::format("{} is a second emitter of light from all around the scene; keep one of them",
+                                object->plugin().type));
+      has_environment = true;
+      read_environment(*object, scene_object, scene);
+    }
+  }
+
   /// Light from outside: an emitter of the scene itself.
   void read_environment(const Object& object, const Object& scene_object, Scene& scene) {
     const std::string_view type = object.plugin().type;
@@ -733,9 +758,10 @@ class SceneReader {
 
   AreaEmitter read_emitter(const Object& object, Scene& scene) {
     if (std::string_view(object.plugin().type) != "area") {
-      sink_.error(object.position(),
-                  fmt::format("{} is light from all around the scene, not of a mesh; move it into <scene>, or use area",
-                              object.plugin().type));
+      const char* what =
+          is_delta_light(object.plugin().type) ? "a light of its own" : "light from all around the scene";
+      sink_.error(object.position(), fmt::format("{} is {}, not of a mesh; move it into <scene>, or use area",
+                                                 object.plugin().type, what));
       return {};
     }
     if (object.child_of("radiance") != nullptr) return {read_textured(object, "radiance", &scene), object.position()};

@@ -26,6 +26,7 @@ class NoriWriter {
     if (scene_.instancing != Instancing::automatic)
       xml_.text("instancing", scene_.instancing == Instancing::never ? "never" : "always");
     write_sky();
+    for (const DeltaLight& light : scene_.delta_lights) write_delta_light(light);
     write_integrator(scene_.integrator);
     write_sampler(scene_.sampler);
     write_camera(scene_.camera);
@@ -60,6 +61,27 @@ class NoriWriter {
     xml_.number("scale", sky.picture->scale);
     if (sky.picture->rows == SkyPicture::Rows::circles) xml_.text("rows", "circles");
     xml_.transform("toWorld", glm::dmat4(sky.world_from_sky));
+    xml_.close();
+  }
+
+  void write_delta_light(const DeltaLight& light) {
+    using Type = DeltaLight::Type;
+    constexpr const char* kTypes[] = {"point", "spot", "projector", "directional"};
+    constexpr const char* kFalloffs[] = {"linear", "smooth", "quartic"};
+    constexpr double kDegrees = 57.295779513082320877;
+    xml_.open("emitter", {{"type", kTypes[static_cast<std::size_t>(light.type)]}});
+    const bool plane = light.type == Type::projector || light.type == Type::directional;
+    color(plane ? "irradiance" : "intensity", light.intensity);
+    if (light.type == Type::spot) {
+      xml_.number("cutoffAngle", light.cutoff);
+      xml_.number("beamWidth", light.beam_width);
+      xml_.text("falloff", kFalloffs[static_cast<std::size_t>(light.falloff)]);
+    }
+    if (light.type == Type::projector) {
+      xml_.number("fov", 2.0 * std::atan(light.slope.x) * kDegrees);
+      xml_.number("aspect", light.slope.x / light.slope.y);
+    }
+    xml_.transform("toWorld", light.world_from_light);
     xml_.close();
   }
 

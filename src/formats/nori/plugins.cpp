@@ -53,7 +53,7 @@ std::vector<Plugin> scene_plugins() {
         {"camera", 1, 1, ChildUse::element},
         {"sampler", 0, 1, ChildUse::element},
         {"mesh", 0, kAnyNumber, ChildUse::element},
-        {"emitter", 0, 1, ChildUse::element},
+        {"emitter", 0, kAnyNumber, ChildUse::element},
         {"bsdf", 0, kAnyNumber, ChildUse::definition}}},
   };
 }
@@ -397,6 +397,7 @@ std::vector<Plugin> make_plugins() {
   for (Plugin& row : shape_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : instance_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : object_plugins()) rows.push_back(std::move(row));
+  for (Plugin& row : delta_light_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : bsdf_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : texture_plugins()) rows.push_back(std::move(row));
   return rows;
@@ -410,7 +411,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"serialized", "heightfield"}},
       {"bsdf", {"phong", "disney", "principled", "twosided", "normalmap", "bumpmap", "blend", "mask", "null"}},
-      {"emitter", {"point", "spot", "directional", "distant", "environment"}},
+      {"emitter", {"environment"}},
   };
 }
 

@@ -253,10 +253,12 @@ struct TablesAnswer {
   EnvironmentRow environment_row;
   uvec4 environment_row_threshold;  // x
   EnvironmentTexel environment_texel;
+  DeltaLight delta_light;
+  uvec4 delta_light_threshold;  // x
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 800);
+static_assert(sizeof(TablesAnswer) == 912);
 static_assert(sizeof(TextureCase) == 48 && sizeof(TextureAnswer) == 16);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);

@@ -31,6 +31,7 @@ layout(set = 0, binding = 20, std430) buffer MaterialTexturesBuffer { MaterialTe
 layout(set = 0, binding = 20, std430) buffer PlaceBuffer { Place places[]; };
 layout(set = 0, binding = 22, std430) buffer EnvironmentRowBuffer { EnvironmentRow environment_rows[]; };
 layout(set = 0, binding = 21, std430) buffer EnvironmentTexelBuffer { EnvironmentTexel environment_texels[]; };
+layout(set = 0, binding = 23, std430) buffer DeltaLightBuffer { DeltaLight delta_lights[]; };
 layout(set = 0, binding = 18, std430) buffer SlotProfileBuffer { SlotProfile slot_profiles[]; };
 
 void main() {
@@ -56,6 +57,7 @@ void main() {
   light_pairs[0].left = 0u;
   light_bounds[0].radius = 0.0;
   light_trails[0].turns = 0u;
+  delta_lights[0].threshold = 0u;
   environment_rows[0].density = 0.0;
   environment_texels[0].threshold = 0u;
 }

@@ -1,0 +1,176 @@
+#include "formats/nori/delta_light_reader.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+
+namespace etendue {
+namespace {
+
+using Type = DeltaLight::Type;
+constexpr double kPi = std::numbers::pi;
+
+class DeltaLightReader {
+ public:
+  DeltaLightReader(const Object& object, const std::function<ColorParameter(const Object&, const char*)>& read_textured,
+                   Diagnostics& sink)
+      : object_(object), read_textured_(read_textured), sink_(sink) {}
+
+  DeltaLight read() {
+    const std::string_view type = object_.plugin().type;
+    light_.name = type;
+    light_.position = object_.position();
+    light_.world_from_light = object_.matrix("toWorld");
+    if (type == "point") {
+      light_.type = Type::point;
+      read_place();
+      read_intensity(4.0 * kPi);
+    } else if (type == "spot") {
+      light_.type = Type::spot;
+      read_place();
+      read_direction();
+      read_cone();
+      const double outer = std::cos(light_.cutoff * kPi / 180.0), inner = std::cos(light_.beam_width * kPi / 180.0);
+      read_intensity(2.0 * kPi * (1.0 - 0.5 * (outer + inner)));
+    } else if (type == "projector") {
+      light_.type = Type::projector;
+      light_.intensity = textured("irradiance");
+      light_.intensity.value *= object_.get<double>("scale");
+      const double half = std::tan(object_.get<double>("fov") * kPi / 360.0);
+      light_.slope = {half, half / object_.get<double>("aspect")};
+    } else {
+      light_.type = Type::directional;
+      read_direction();
+      if (const char* name = one_of("irradiance", "radiance")) light_.intensity = object_.get<glm::dvec3>(name);
+    }
+    return light_;
+  }
+
+ private:
+  ColorParameter textured(const char* property) {
+    if (object_.child_of(property) != nullptr) return read_textured_(object_, property);
+    return object_.get<glm::dvec3>(property);
+  }
+
+  /// The one of two properties that is given; exactly one must be.
+  const char* one_of(const char* first, const char* second) {
+    if (object_.given(first) && object_.given(second)) {
+      sink_.error(object_.position_of(second),
+                  fmt::format("the {} has both \"{}\" and \"{}\"; keep one of them", light_.name, first, second));
+    }
+    if (object_.given(first)) return first;
+    if (object_.given(second)) return second;
+    sink_.error(object_.position(), fmt::format("the {} says neither \"{}\" nor \"{}\"; add <color name=\"{}\" "
+                                                "value=\"1 1 1\"/>",
+                                                light_.name, first, second, first));
+    return nullptr;
+  }
+
+  void read_intensity(double solid_angle) {
+    const char* name = one_of("intensity", "power");
+    if (name == nullptr) return;
+    if (name == std::string_view("intensity")) {
+      light_.intensity = textured("intensity");
+    } else {
+      light_.intensity = object_.get<glm::dvec3>("power") / solid_angle;
+    }
+  }
+
+  void refuse_with_transform(const char* property) {
+    if (object_.given("toWorld"))
+      sink_.error(object_.position_of(property),
+                  fmt::format("the {} has both \"{}\" and \"toWorld\", which says the same; keep one of them",
+                              light_.name, property));
+  }
+
+  void read_place() {
+    if (!object_.given("position")) return;
+    refuse_with_transform("position");
+    light_.world_from_light[3] = glm::dvec4(object_.get<glm::dvec3>("position"), 1.0);
+  }
+
+  /// Any frame whose +Z is the direction.
+  void read_direction() {
+    const bool has_target = object_.plugin().find("target") != nullptr && object_.given("target");
+    if (!has_target && !object_.given("direction")) return;
+    const char* property = has_target ? "target" : "direction";
+    if (has_target && object_.given("direction"))
+      sink_.error(object_.position_of("target"),
+                  fmt::format("the {} has both \"direction\" and \"target\"; keep one of them", light_.name));
+    refuse_with_transform(property);
+    glm::dvec3 z = object_.get<glm::dvec3>(property);
+    if (has_target) z -= light_.origin();
+    const double length = glm::length(z);
+    if (!(length > 0.0)) {
+      sink_.error(object_.position_of(property),
+                  has_target ? fmt::format("the target of the {} is where it stands; move one of them", light_.name)
+                             : fmt::format("the direction of the {} is 0 0 0; give one", light_.name));
+      return;
+    }
+    z /= length;
+    const glm::dvec3 helper = std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 x = glm::normalize(glm::cross(helper, z));
+    light_.world_from_light[0] = glm::dvec4(x, 0.0);
+    light_.world_from_light[1] = glm::dvec4(glm::cross(z, x), 0.0);
+    light_.world_from_light[2] = glm::dvec4(z, 0.0);
+  }
+
+  /// The cone in one of two languages.
+  void read_cone() {
+    const bool other = object_.given("totalWidth") || object_.given("falloffStart");
+    for (const char* name : {"cutoffAngle", "beamWidth"}) {
+      if (other && object_.given(name))
+        sink_.error(object_.position_of(name),
+                    fmt::format("\"{}\" and \"totalWidth\" or \"falloffStart\" are two words for one cone; keep one "
+                                "pair of them",
+                                name));
+    }
+    const char* beam = other ? "falloffStart" : "beamWidth";
+    light_.cutoff = object_.get<double>(other ? "totalWidth" : "cutoffAngle");
+    light_.beam_width = object_.given(beam) ? object_.get<double>(beam) : 0.75 * light_.cutoff;
+    if (light_.beam_width > light_.cutoff) {
+      sink_.error(object_.position_of(beam),
+                  fmt::format("the beam of the spot has a half angle of {} degrees, its cone one of {}; the beam lies "
+                              "within the cone",
+                              light_.beam_width, light_.cutoff));
+      light_.beam_width = light_.cutoff;
+    }
+    light_.falloff = other ? DeltaLight::Falloff::quartic : DeltaLight::Falloff::linear;
+    if (!object_.given("falloff")) return;
+    const auto word = object_.get<std::string>("falloff");
+    if (word == "linear") {
+      light_.falloff = DeltaLight::Falloff::linear;
+    } else if (word == "smooth") {
+      light_.falloff = DeltaLight::Falloff::smooth;
+    } else if (word == "quartic") {
+      light_.falloff = DeltaLight::Falloff::quartic;
+    } else {
+      const std::vector<std::string> known = {"linear", "smooth", "quartic"};
+      sink_.error(object_.position_of("falloff"),
+                  fmt::format("{} is no way to fade{}; known are linear, smooth and quartic", text::quoted(word),
+                              text::did_you_mean(word, known)));
+    }
+  }
+
+  const Object& object_;
+  const std::function<ColorParameter(const Object&, const char*)>& read_textured_;
+  Diagnostics& sink_;
+  DeltaLight light_;
+};
+
+}  // namespace
+
+bool is_delta_light(std::string_view type) {
+  return type == "point" || type == "spot" || type == "projector" || type == "directional" || type == "distant";
+}
+
+DeltaLight read_delta_light(const Object& object,
+                            const std::function<ColorParameter(const Object&, const char*)>& read_textured,
+                            Diagnostics& sink) {
+  return DeltaLightReader(object, read_textured, sink).read();
+}
+
+}  // namespace etendue
