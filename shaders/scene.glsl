@@ -2,6 +2,9 @@
 #ifndef SCENE_GLSL
 #define SCENE_GLSL
 
+// Texel buffers are images without samplers; declared with one, they are an error by newer rules of SPIR-V.
+#extension GL_EXT_samplerless_texture_functions : require
+
 #include "gpu_types.h"
 
 layout(set = kSetKernel, binding = kBindingFrame, std140) uniform FrameBlock { Frame frame; };
@@ -14,7 +17,7 @@ layout(set = kSetKernel, binding = kBindingFrame, std140) uniform FrameBlock { F
   uvec4 load_##name(uint i) { return name##_quads[i]; }
 #else
 #define TABLE(name, table_binding)                                       \
-  layout(set = kSetScene, binding = table_binding) uniform usamplerBuffer name##_texels; \
+  layout(set = kSetScene, binding = table_binding) uniform utextureBuffer name##_texels; \
   uvec4 load_##name(uint i) { return texelFetch(name##_texels, int(i)); }
 #endif
 TABLE(record, kBindingRecords)
@@ -39,7 +42,7 @@ layout(constant_id = kConstantPlacesAt) const uint kPlacesAt = 0u;
 layout(constant_id = kConstantInstanced) const bool kInstanced = false;  // some meshes are shared, see kRecordInstance
 layout(constant_id = kConstantEnvironmentRowsAt) const uint kEnvironmentRowsAt = 0u;
 layout(constant_id = kConstantEnvironmentTexelsAt) const uint kEnvironmentTexelsAt = 0u;
-layout(set = kSetKernel, binding = kBindingFilter) uniform samplerBuffer filter_knots;
+layout(set = kSetKernel, binding = kBindingFilter) uniform textureBuffer filter_knots;
 
 // A primitive, or the first three texels of a node.
 Record fetch_record(uint slot) {

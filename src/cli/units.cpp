@@ -1,5 +1,6 @@
 #include "cli/units.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>

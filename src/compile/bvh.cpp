@@ -1,5 +1,6 @@
 #include "compile/bvh.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <span>

@@ -1,5 +1,6 @@
 #include "compile/node_layout.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 

@@ -3,6 +3,7 @@
 /// of shaders/node4.glsl and shaders/node8.glsl. Which width the kernels walk is gpu::kBvhWidth; both are built and
 /// tested.
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <span>

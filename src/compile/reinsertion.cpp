@@ -1,5 +1,6 @@
 #include "compile/reinsertion.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "core/long_task.h"

@@ -1,5 +1,6 @@
 #include "image/film.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 

@@ -3,6 +3,7 @@
 /// A mantissa m with exponent e stands for m · 2^(e − 136), as most programs have it, and e = 0 for black. Radiance
 /// itself takes m + 1/2, the middle of what was cut off.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>

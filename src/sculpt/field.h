@@ -2,6 +2,7 @@
 /// Solids as scalar fields: negative inside, zero on the surface, about the distance to it outside. The building blocks
 /// are exact or nearly exact distances, joined by smooth minima (Quílez 2013, "smooth minimum": the quadratic form).
 
+#include <algorithm>
 #include <functional>
 
 #include "sculpt/vec.h"

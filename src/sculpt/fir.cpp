@@ -1,5 +1,7 @@
 #include "sculpt/field.h"
 
+#include <algorithm>
+
 namespace etendue::sculpt {
 namespace {
 

@@ -1,5 +1,6 @@
 #include "sculpt/sky.h"
 
+#include <algorithm>
 #include <span>
 
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 #pragma once
 /// The difference of two means with standard errors, as all tests of pictures score it.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -2,6 +2,7 @@
 
 #include "render/device_team.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <limits>

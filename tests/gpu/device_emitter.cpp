@@ -1,6 +1,7 @@
 /// Light sampling: the choice among lights, points and densities on triangles and spheres, and its agreement with what
 /// emission met by chance is weighed with.
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>

@@ -1,6 +1,7 @@
 /// Texture lookups on the device against the reference: every format, wrap and filter, sizes that divide nothing,
 /// transforms, spheres, attributes, through texel buffers and through storage buffers.
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 

@@ -1,5 +1,6 @@
 /// A tree of two levels against the same scene laid out flat, and against the reference.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

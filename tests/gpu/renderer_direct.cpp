@@ -1,6 +1,7 @@
 /// Direct light on a floor from any number of lamps, against Lambert's closed form computed here; the same at other
 /// sizes and places.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

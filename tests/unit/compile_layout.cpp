@@ -1,6 +1,7 @@
 /// shaders/gpu_types.h means the same on both sides: the Offset decorations of the built SPIR-V against offsetof, the
 /// SpecId decorations against the ids that the host uses.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>

@@ -1,5 +1,6 @@
 // Every kind of bad scene file: where the first error is reported and what it says.
 
+#include <algorithm>
 #include <chrono>
 
 #include <fmt/format.h>

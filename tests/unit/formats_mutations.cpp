@@ -1,6 +1,8 @@
 // Thousands of damaged copies of sound files: each reads, or is refused with a place and a sentence of one line.
 
 #include "formats/ply/ply_reader.h"
+
+#include <algorithm>
 #include "formats_testing.h"
 #include "scene/check.h"
 

@@ -2,6 +2,7 @@
 /// The walk of shaders/trace.glsl on the host, for tests and measurements: the same order of visits, the same
 /// single-precision arithmetic.
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>

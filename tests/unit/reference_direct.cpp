@@ -1,5 +1,6 @@
 /// Direct light on a diffuse floor: closed forms for any number of polygons and spheres.
 
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 /// Light from outside: what directions see, how they are sampled, and with what effect.
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 

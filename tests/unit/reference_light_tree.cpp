@@ -2,6 +2,7 @@
 // arrangements of a thousand lamps, without shadows. A factor of two lost here is nowhere else to be seen.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <random>
 

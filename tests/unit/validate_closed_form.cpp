@@ -1,5 +1,6 @@
 /// The closed forms against plain numerical integration, and the generated scenes against the reference.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>

@@ -1,5 +1,6 @@
 /// The kernels that render pictures hold no planted errors; those of `etendue mutate` do.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 

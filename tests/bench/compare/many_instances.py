@@ -25,12 +25,12 @@ mitsuba.Bitmap(mitsuba.render(scene, spp=1)).write(sys.argv[3])
 
 
 def write_ball(path, triangles):
-    """A sphere with bumps, rows × columns quads cut in two, as binary PLY."""
+    """A sphere with bumps, as PLY: rows × columns quads cut in two, but for those at the poles."""
     rows = max(2, round(math.sqrt(triangles / 4)))
     columns = 2 * rows
     with open(path, 'wb') as file:
         count = (rows + 1) * columns
-        faces = 2 * rows * columns
+        faces = 2 * (rows - 1) * columns
         file.write(f'ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\n'
                    f'element face {faces}\nproperty list uchar int vertex_indices\nend_header\n'.encode())
         for row in range(rows + 1):
@@ -42,7 +42,10 @@ def write_ball(path, triangles):
         for row in range(rows):
             for column in range(columns):
                 a, b = row * columns + column, row * columns + (column + 1) % columns
-                file.write(f'3 {a} {b} {a + columns}\n3 {b} {b + columns} {a + columns}\n'.encode())
+                if row > 0:
+                    file.write(f'3 {a} {b} {a + columns}\n'.encode())
+                if row < rows - 1:
+                    file.write(f'3 {b} {b + columns} {a + columns}\n'.encode())
     return faces
 
 
