@@ -65,7 +65,59 @@ Plugin directional_plugin(const char* type, const char* doc) {
   return row;
 }
 
+Plugin daylight_plugin(const char* type, const char* doc, bool sky, bool sun) {
+  Plugin row{"emitter", type, doc, {}, {}};
+  row.parameters = {
+      {"turbidity", real, "3", {1.9, 10.0, false, false}, "how hazy the air is: 2 very clear, 6 hazy"},
+      {"sunDirection", vector, "", kAnywhere, "toward the sun, which stands above the horizon; without it:"},
+      {"latitude",
+       real,
+       "35.6894",
+       {-90.0, 90.0, false, false},
+       "degrees north; the defaults are a summer's afternoon in Tokyo"},
+      {"longitude", real, "139.6917", {-180.0, 180.0, false, false}, "degrees east"},
+      {"timezone", real, "9", {-14.0, 14.0, false, false}, "hours that clocks are ahead of universal time"},
+      {"month", integer, "7", {1.0, 12.0, false, false}, ""},
+      {"day", integer, "10", {1.0, 31.0, false, false}, "of the month"},
+      {"hour", real, "15", {0.0, 24.0, false, false}, "of the clock, with fractions"}};
+  const Range factor{0.0, 1e6, false, false};
+  if (sky) row.parameters.push_back({"skyScale", real, "1", factor, "factor of the sky's radiance"});
+  if (sun) {
+    row.parameters.push_back({"sunScale", real, "1", factor, "factor of the sun's"});
+    row.parameters.push_back({"sunRadiusScale",
+                              real,
+                              "1",
+                              {0.0, 60.0, false, false},
+                              "radius of its disk in those of the real sun, 0.2665 degrees; its irradiance stays"});
+  }
+  row.parameters.push_back({"groundAlbedo",
+                            real,
+                            "0",
+                            {0.0, 1.0, false, false},
+                            "of a matt ground below the horizon, lit by what is above it"});
+  row.parameters.push_back({"resolution",
+                            integer,
+                            "1024",
+                            {16.0, 8192.0, false, false},
+                            "width of the picture that is made, a power of two; it is half as high"});
+  row.parameters.push_back(place("turns it all; its own axes are +y up, +x east, -z north"));
+  return row;
+}
+
 }  // namespace
+
+std::vector<Plugin> daylight_plugins() {
+  const char* sky =
+      "A clear sky after [Preetham1999], without its sun. A child of <scene>, in place of its sky. Radiance is W/(m² "
+      "sr "
+      "nm), averaged as in Mitsuba, so that 1 is 73 000 cd/m²; the sky is of the order of 0.1.";
+  return {daylight_plugin("sky", sky, true, false),
+          daylight_plugin("sun",
+                          "The sun of sky alone, as bright as the air lets it be. It is a disk in a picture: with less "
+                          "resolution it becomes larger, and sends as much.",
+                          false, true),
+          daylight_plugin("sunsky", "sky and sun together.", true, true)};
+}
 
 std::vector<Plugin> delta_light_plugins() {
   return {

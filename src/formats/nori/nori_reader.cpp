@@ -18,6 +18,7 @@
 #include "formats/dialect/mesh_needs.h"
 #include "formats/dialect/object.h"
 #include "formats/mesh/builtin_meshes.h"
+#include "formats/nori/daylight_reader.h"
 #include "formats/nori/delta_light_reader.h"
 #include "formats/nori/plugins.h"
 #include "formats/nori/texture_reader.h"
@@ -712,13 +713,19 @@ class SceneReader {
       scene.sky.top = scene.sky.horizon = object.get<glm::dvec3>("radiance");
       return;
     }
-    scene.sky.picture = read_sky_picture(object);
+    if (is_daylight(type)) {
+      scene.sky.picture = SkyPicture{.bitmap = make_daylight(read_daylight(object, sink_))};
+    } else {
+      scene.sky.picture = read_sky_picture(object);
+    }
     scene.sky.world_from_sky = glm::dmat3(object.matrix("toWorld"));
     const auto place = [&](const char* field, const char* property) {
       fields_[{scene.position.line, scene.position.column, field}] = object.position_of(property);
     };
-    place("sky_picture", "filename");
-    place("sky_scale", "scale");
+    if (!is_daylight(type)) {
+      place("sky_picture", "filename");
+      place("sky_scale", "scale");
+    }
     place("world_from_sky", "toWorld");
   }
 

@@ -398,6 +398,7 @@ std::vector<Plugin> make_plugins() {
   for (Plugin& row : instance_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : object_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : delta_light_plugins()) rows.push_back(std::move(row));
+  for (Plugin& row : daylight_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : bsdf_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : texture_plugins()) rows.push_back(std::move(row));
   return rows;
