@@ -98,6 +98,7 @@ Bitmap decode_bitmap(std::span<const std::byte> bytes, const std::string& path, 
   if (is_exr(bytes)) return decode_exr_bitmap(bytes, path, options.layer);
   if (is_png(bytes)) return decode_png_bitmap(bytes, path);
   if (is_jpeg(bytes)) return decode_jpeg(bytes, path);
+  if (is_bmp(bytes)) return decode_bmp(bytes, path);
   return decode_hdr(bytes, path);
 }
 
@@ -108,13 +109,13 @@ Bitmap read_bitmap(const std::string& path, const BitmapOptions& options) {
     if (const char* pointer = text::pointer_sentence({reinterpret_cast<const char*>(head.data()), head.size()}))
       throw Error(ErrorKind::file, fmt::format("{}: {}", path, pointer));
     if (head.empty()) throw Error(ErrorKind::file, fmt::format("{}: is empty; expected a picture", path));
-    if (is_exr(head) || is_png(head) || is_jpeg(head) || is_hdr(head))
+    if (is_exr(head) || is_png(head) || is_jpeg(head) || is_bmp(head) || is_hdr(head))
       return decode_bitmap(read_whole_image(path), path, options);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorKind::file, fmt::format("{}: is too large for the memory of this machine", path));
   }
   throw Error(ErrorKind::file,
-              fmt::format("{}: is no PNG, JPEG, OpenEXR or Radiance HDR file; convert it to one of these", path));
+              fmt::format("{}: is no PNG, JPEG, BMP, OpenEXR or Radiance HDR file; convert it to one of these", path));
 }
 
 }  // namespace etendue

@@ -1,10 +1,12 @@
 #include "render/film_identity.h"
 
+#include <algorithm>
 #include <limits>
 
 #include <fmt/core.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 #include "core/version.h"
 
 namespace etendue {
@@ -49,6 +51,14 @@ FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
                                  {"sceneHash", fmt::format("{:016x}", scene_hash(scene))},
                                  {"seed", std::to_string(seed)},
                                  {"integrator", integrator_text(scene)}}};
+  if (!scene.approximations.empty()) {
+    constexpr std::size_t kMost = 20;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(scene.approximations.size(), kMost); ++i)
+      list += (i > 0 ? "; " : "") + text::printable(scene.approximations[i], 200);
+    if (scene.approximations.size() > kMost) list += fmt::format("; {} more", scene.approximations.size() - kMost);
+    header.metadata["approximated"] = list;
+  }
   if (scene.sampler.type == Sampler::Type::sobol)
     header.metadata["sampler"] = fmt::format("sobol setSize={}", scene.sampler.set_size());
   return header;

@@ -36,6 +36,11 @@ void Diagnostics::error(const SourcePosition& position, std::string message, Err
   add({Severity::error, position, std::move(message), kind});
 }
 
+void Diagnostics::error_first(const SourcePosition& position, std::string message) {
+  ++errors_;
+  list_.insert(list_.begin(), {Severity::error, position, std::move(message), ErrorKind::scene});
+}
+
 void Diagnostics::warning(const SourcePosition& position, std::string message) {
   add({Severity::warning, position, std::move(message), ErrorKind::scene});
 }

@@ -37,6 +37,8 @@ class Diagnostics {
   static constexpr std::size_t kMaxListed = 1000;
 
   void error(const SourcePosition& position, std::string message, ErrorKind kind = ErrorKind::scene);
+  /// The same before all that was found so far: what sums it up.
+  void error_first(const SourcePosition& position, std::string message);
   void warning(const SourcePosition& position, std::string message);
   void note(const SourcePosition& position, std::string message);
 

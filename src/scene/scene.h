@@ -255,6 +255,8 @@ struct Scene {
   std::vector<Instance> instances;  ///< in file order; area lights follow from those with an emitter
   std::vector<DeltaLight> delta_lights;
   Instancing instancing = Instancing::automatic;
+  /// Sentences on what the reader put in the place of something else, for the metadata of pictures.
+  std::vector<std::string> approximations;
   SourcePosition position;  ///< the <scene> tag
 
   const Shape& shape_of(const Instance& instance) const { return shapes[instance.shape]; }

@@ -496,5 +496,18 @@ TEST(SceneErrors, TestFileGivenToRenderNamesTheCommand) {
   }
 }
 
+TEST(SceneErrors, WhatIsLackingIsListedFirst) {
+  const Parsed parsed = parse(
+      "<scene><camera type=\"perspective\"/><integrator type=\"photonmapper\"/>\n<mesh type=\"sphere\"><bsdf "
+      "type=\"phong\"/></mesh>\n<mesh type=\"sphere\"><bsdf type=\"phong\"/></mesh>\n<medium "
+      "type=\"homogeneous\"/><mesh type=\"marching_cubes\"/></scene>",
+      {});
+  EXPECT_FALSE(parsed.file.has_value());
+  const std::string first = to_string(parsed.diagnostics.list().at(0));
+  EXPECT_NE(first.find("bsdf phong (2:"), std::string::npos) << first;
+  for (const char* part : {", 3:", "integrator photonmapper (1:", "medium (4:", "mesh marching_cubes (4:"})
+    EXPECT_NE(first.find(part), std::string::npos) << part << " in " << first;
+}
+
 }  // namespace
 }  // namespace etendue::testing

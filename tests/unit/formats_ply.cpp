@@ -143,6 +143,22 @@ TEST(Ply, WhatIsNotWantedIsNotKept) {
   EXPECT_FALSE(ply.mesh->normals.empty());
 }
 
+TEST(Ply, AttributesByName) {
+  const std::string text =
+      header("ascii", "element vertex 3\n" + kXyz + "property float heat_0\nproperty float r\nproperty float g\n" +
+                          "property float b\nelement face 1\n" + kFaces +
+                          "property float tint_0\nproperty float tint_1\nproperty float tint_2\n") +
+      "0 0 0 7 1 1 1\n1 0 0 8 1 1 1\n0 1 0 9 1 1 1\n3 0 1 2 0.5 0.25 2\n";
+  const Ply heat = read(text, {.uv = false, .attribute = "heat"});
+  ASSERT_TRUE(heat.mesh.has_value());
+  EXPECT_EQ(heat.mesh->vertex_colors, (std::vector<glm::vec3>{glm::vec3(7), glm::vec3(8), glm::vec3(9)}));
+  EXPECT_TRUE(heat.mesh->face_colors.empty());
+  const Ply tint = read(text, {.uv = false, .attribute = "tint"});
+  ASSERT_TRUE(tint.mesh.has_value());
+  EXPECT_EQ(tint.mesh->face_colors, (std::vector<glm::vec3>{{0.5f, 0.25f, 2.0f}}));
+  EXPECT_TRUE(tint.mesh->vertex_colors.empty());
+}
+
 TEST(Ply, EndsOfHeaderLines) {
   for (const char* end : {"\n", "\r\n", "\r"}) {
     std::string head = header("binary_little_endian", "element vertex 1\n" + kXyz);

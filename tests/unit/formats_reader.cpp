@@ -120,7 +120,7 @@ TEST(SceneReader, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(scene.camera.near_clip, camera.near_clip);
   EXPECT_EQ(scene.camera.far_clip, camera.far_clip);
   EXPECT_EQ(scene.camera.world_from_camera, glm::dmat4(1.0));
-  EXPECT_EQ(scene.camera.filter.type, ReconstructionFilter::Type::box);
+  EXPECT_EQ(scene.camera.filter.type, ReconstructionFilter::Type::gaussian);  // Nori's
   EXPECT_EQ(scene.sampler.sample_count, 1u);
   EXPECT_EQ(scene.integrator.max_depth, 16u);
   EXPECT_TRUE(scene.integrator.nee);
@@ -423,7 +423,7 @@ TEST(SceneReader, SobolSamplers) {
 
 TEST(SceneReader, OverridesThatMatchNothing) {
   for (const auto& [name, expected] : {std::pair{"camera.widht", "did you mean \"camera.width\"?"},
-                                       std::pair{"rfilter.radius", "known here are: camera.cropHeight"},
+                                       std::pair{"rfilter.B", "known here are: camera.cropHeight"},
                                        std::pair{"camera.toWorld", "has no property \"camera.toWorld\""}}) {
     const Parsed parsed = parse(scene_around(""), {{{name, "3"}}, false});
     EXPECT_FALSE(parsed.file.has_value());
@@ -626,6 +626,23 @@ TEST(EveryShippedScene, ReadsWithoutAWarning) {
     ++count;
   }
   EXPECT_GE(count, 3);
+}
+
+TEST(SceneReader, WordsOfCourses) {
+  const Parsed parsed = parse(
+      "<scene><integrator type=\"path\"/><camera type=\"thin_lens\"><float name=\"lensRadius\" value=\"0.5\"/><float "
+      "name=\"focalDistance\" "
+      "value=\"3\"/></camera><sampler type=\"halton\"><integer name=\"sampleCount\" value=\"7\"/></sampler>"
+      "<shape type=\"sphere\"><bsdf type=\"lambertian\"><color name=\"reflectance\" value=\"0.1 0.2 "
+      "0.3\"/></bsdf></shape></scene>",
+      {});
+  ASSERT_TRUE(parsed.file.has_value()) << all_messages(parsed.diagnostics);
+  const Scene& scene = std::get<Scene>(*parsed.file);
+  EXPECT_EQ(scene.camera.aperture.radius, 0.5);
+  EXPECT_EQ(scene.camera.aperture.focus_distance, 3.0);
+  EXPECT_EQ(scene.sampler.type, Sampler::Type::sobol);
+  EXPECT_EQ(std::get<DiffuseBsdf>(scene.materials.at(0).bsdf).albedo.value, glm::dvec3(0.1, 0.2, 0.3));
+  EXPECT_NE(all_messages(parsed.diagnostics).find("the sampler halton is taken as sobol"), std::string::npos);
 }
 
 }  // namespace

@@ -291,7 +291,8 @@ TEST(Bitmap, NamesWhatIsNoPicture) {
   spill(folder / "a.png", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n");
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "a.png"); }), HasSubstr("Git LFS pointer"));
   spill(folder / "b.png", "GIF89a");
-  EXPECT_THAT(error_of([&] { read_bitmap(folder / "b.png"); }), HasSubstr("no PNG, JPEG, OpenEXR or Radiance HDR"));
+  EXPECT_THAT(error_of([&] { read_bitmap(folder / "b.png"); }),
+              HasSubstr("no PNG, JPEG, BMP, OpenEXR or Radiance HDR"));
   spill(folder / "c.png", "");
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "c.png"); }), HasSubstr("is empty"));
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "none.png"); }), HasSubstr("none.png: cannot open it"));
@@ -316,6 +317,43 @@ TEST(Bitmap, UndoesTheCurveOfSrgb) {
   EXPECT_EQ(linear_from_srgb(1), 1);
   EXPECT_NEAR(linear_from_srgb(128 / 255.0), 0.2158605, 1e-7);
   EXPECT_NEAR(linear_from_srgb(0.04), 0.04 / 12.92, 1e-15);
+}
+
+/// A BMP file of 3 x 2 pixels with the given bits and rows as they are stored.
+std::string bmp(int bits, int height, const std::string& palette, const std::string& rows) {
+  const auto u32 = [](std::uint32_t v) {
+    return std::string{static_cast<char>(v & 255), static_cast<char>(v >> 8 & 255), static_cast<char>(v >> 16 & 255),
+                       static_cast<char>(v >> 24)};
+  };
+  const auto offset = static_cast<std::uint32_t>(54 + palette.size());
+  return "BM" + u32(offset + static_cast<std::uint32_t>(rows.size())) + u32(0) + u32(offset) + u32(40) + u32(3) +
+         u32(static_cast<std::uint32_t>(height)) + u32(1u | static_cast<std::uint32_t>(bits) << 16) + u32(0) + u32(0) +
+         u32(0) + u32(0) + u32(static_cast<std::uint32_t>(palette.size() / 4)) + u32(0) + palette + rows;
+}
+
+TEST(Bmp, RowsComeLastFirstAndColoursBlueFirst) {
+  const TempFolder folder;
+  const std::vector<int> wanted = {1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 16, 17, 18, 19};
+  using namespace std::string_literals;
+  const std::string lower = "\x0d\x0c\x0b\x10\x0f\x0e\x13\x12\x11\0\0\0"s, upper = "\3\2\1\6\5\4\x09\x08\x07\0\0\0"s;
+  const std::vector<std::string> files = {
+      bmp(24, 2, "", lower + upper), bmp(24, -2, "", upper + lower),
+      bmp(32, -2, "", "\3\2\1\0\6\5\4\0\x09\x08\x07\0\x0d\x0c\x0b\0\x10\x0f\x0e\0\x13\x12\x11\0"s),
+      bmp(8, -2, "\3\2\1\0\6\5\4\0\x09\x08\x07\0\x0d\x0c\x0b\0\x10\x0f\x0e\0\x13\x12\x11\0"s, "\0\1\2\0\3\4\5\0"s)};
+  for (const std::string& file : files) {
+    const std::string path = folder / "a.bmp";
+    spill(path, file);
+    const Bitmap bitmap = read_bitmap(path);
+    EXPECT_EQ(bitmap.width, 3u);
+    EXPECT_EQ(bitmap.height, 2u);
+    EXPECT_EQ(bitmap.color_space, ColorSpace::srgb);
+    EXPECT_EQ(codes_of(bitmap), wanted);
+  }
+  const std::string path = folder / "b.bmp";
+  spill(path, files[0].substr(0, files[0].size() - 1));
+  EXPECT_THAT(error_of([&] { read_bitmap(path); }), HasSubstr("it ends before its last pixel"));
+  spill(path, bmp(8, 2, "\0\0\0\0"s, "\1\0\0\0\0\0\0\0"s));
+  EXPECT_THAT(error_of([&] { read_bitmap(path); }), HasSubstr("a pixel has colour 1 of a palette of 1"));
 }
 
 }  // namespace

@@ -98,9 +98,25 @@ std::string_view Dialect::canonical(std::string_view tag) const {
   return found == aliases.end() ? tag : found->tag;
 }
 
+std::string_view Dialect::canonical_type(std::string_view tag, std::string_view type) const {
+  const auto found = std::find_if(type_aliases.begin(), type_aliases.end(),
+                                  [&](const TypeAlias& a) { return a.tag == tag && a.word == type; });
+  return found == type_aliases.end() ? type : found->type;
+}
+
+const Parameter* Dialect::find_parameter(const Plugin& plugin, std::string_view name) const {
+  if (const Parameter* parameter = plugin.find(name)) return parameter;
+  for (const ParameterAlias& alias : parameter_aliases) {
+    if (alias.word != name) continue;
+    if (const Parameter* parameter = plugin.find(alias.name)) return parameter;
+  }
+  return nullptr;
+}
+
 const Plugin* Dialect::find(std::string_view tag, std::string_view type) const {
+  const std::string_view word = canonical_type(tag, type);
   for (const Plugin& plugin : plugins) {
-    if (plugin.tag == tag && plugin.type == type) return &plugin;
+    if (plugin.tag == tag && plugin.type == word) return &plugin;
   }
   return nullptr;
 }

@@ -59,6 +59,16 @@ struct TagAlias {
   std::string_view tag;
 };
 
+/// Another word for a type of a tag: the property's meaning and default are those of the row.
+struct TypeAlias {
+  std::string_view tag, word, type;
+};
+
+/// Another word for a property, of whatever has that property.
+struct ParameterAlias {
+  std::string_view word, name;
+};
+
 /// The edge of a picture where texture coordinates have v = 0.
 enum class VOrigin { bottom, top };
 
@@ -79,9 +89,15 @@ struct Dialect {
   std::vector<std::string> unsupported_tags;  ///< without a usable type: "medium"
   std::vector<TagAlias> aliases;
   MeshFacts mesh_facts;
+  std::vector<TypeAlias> type_aliases = {};
+  std::vector<ParameterAlias> parameter_aliases = {};
 
   /// The word of the table for a tag.
   std::string_view canonical(std::string_view tag) const;
+  /// The word of the table for a type of a canonical tag.
+  std::string_view canonical_type(std::string_view tag, std::string_view type) const;
+  /// The parameter of a row by its name or another word for it; nullptr if there is none.
+  const Parameter* find_parameter(const Plugin& plugin, std::string_view name) const;
   /// The row of a canonical tag and a type, or nullptr.
   const Plugin* find(std::string_view tag, std::string_view type) const;
   /// Types of a tag that can be used, in table order; empty for a tag that is no object.

@@ -1,18 +1,35 @@
 #include "formats/dialect/mesh_needs.h"
 
+#include <set>
+
 #include "scene/parameters.h"
 
 namespace etendue {
 
+/// "weight" of the texture "face_weight"; colours have none.
+std::string attribute_of(const Texture& texture) {
+  for (const std::string_view prefix : {"vertex_", "face_"}) {
+    if (!texture.name.starts_with(prefix)) continue;
+    const std::string attribute = texture.name.substr(prefix.size());
+    return attribute == "color" ? "" : attribute;
+  }
+  return "";
+}
+
 MeshContent content_for(const Bsdf& bsdf, const AreaEmitter* emitter, const Scene& scene) {
   MeshContent content{.uv = false, .colors = false};
+  std::set<std::string> attributes;
   const auto add = [&](const char*, const auto& parameter) {
     if (!parameter.texture) return;
-    const bool colors = std::holds_alternative<AttributeTexture>(scene.textures[*parameter.texture].source);
+    const Texture& texture = scene.textures[*parameter.texture];
+    const bool colors = std::holds_alternative<AttributeTexture>(texture.source);
     (colors ? content.colors : content.uv) = true;
+    if (colors) attributes.insert(attribute_of(texture));
   };
   each_parameter(bsdf, add);
   if (emitter != nullptr) each_parameter(*emitter, add);
+  if (!attributes.empty()) content.attribute = *attributes.begin();
+  content.attributes = attributes.size();
   return content;
 }
 

@@ -1,11 +1,15 @@
 #pragma once
 /// What materials and emitters read of a mesh, beside its surface.
 
+#include <string>
+
 #include "formats/mesh/mesh_content.h"
 #include "scene/scene.h"
 
 namespace etendue {
 
+/// Of a texture that is an attribute of a mesh: which of its file's, "" for colours. Its name says so.
+std::string attribute_of(const Texture& texture);
 /// Of the textures of a material and, where it is not null, of an emitter.
 MeshContent content_for(const Bsdf& bsdf, const AreaEmitter* emitter, const Scene& scene);
 

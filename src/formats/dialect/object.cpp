@@ -1,10 +1,12 @@
 #include "formats/dialect/object.h"
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "core/printable.h"
 #include "core/text.h"
 
 namespace etendue {
@@ -67,6 +69,9 @@ const Plugin* find_row(const XmlElement& element, ReadContext& context) {
   if (const Plugin* plugin = dialect.find(tag, type->value)) return plugin;
   const std::vector<std::string> types = dialect.types_of(tag);
   const SourcePosition position = value_position(*type, 0, context);
+  // A slip of the pen is no missing feature.
+  if (dialect.is_known_but_unsupported(tag, type->value) || text::did_you_mean(type->value, types).empty())
+    context.lacking.emplace_back(fmt::format("{} {}", tag, type->value), position);
   if (dialect.is_known_but_unsupported(tag, type->value)) {
     context.diagnostics.error(position, fmt::format("{} type {} is not supported; supported are: {}", element.name,
                                                     text::quoted(type->value), text::join(types)));
@@ -115,12 +120,34 @@ bool check_attributes(const XmlElement& element, const std::vector<std::string>&
   return good;
 }
 
+void report_lacking(const ReadContext& context) {
+  constexpr std::size_t kMostPlaces = 5, kMostFeatures = 30;
+  std::map<std::string, std::vector<SourcePosition>> features;
+  for (const auto& [what, place] : context.lacking) features[what].push_back(place);
+  if (features.size() < 2) return;
+  std::string list;
+  std::size_t listed = 0;
+  for (const auto& [what, places] : features) {
+    if (listed++ == kMostFeatures) {
+      list += fmt::format("; and {} more", features.size() - kMostFeatures);
+      break;
+    }
+    list += (list.empty() ? "" : "; ") + text::printable(what, 60) + " (";
+    for (std::size_t i = 0; i < std::min(places.size(), kMostPlaces); ++i)
+      list += (i > 0 ? ", " : "") + fmt::format("{}:{}", places[i].line, places[i].column);
+    if (places.size() > kMostPlaces) list += fmt::format(" and {} more", places.size() - kMostPlaces);
+    list += ")";
+  }
+  const SourcePosition& first = context.lacking.front().second;
+  context.diagnostics.error_first({first.file, 0, 0}, fmt::format("the scene needs what there is not here: {}", list));
+}
+
 std::optional<Object> Object::read(const XmlElement& element, ReadContext& context) {
   const Plugin* plugin = find_row(element, context);
   if (plugin == nullptr) return std::nullopt;
   Object object(*plugin, element.name, context.document.position(element.offset));
   const XmlAttribute* type = element.find("type");
-  object.retyped_ = type != nullptr && type->value != plugin->type;
+  object.retyped_ = type != nullptr && context.dialect.canonical_type(plugin->tag, type->value) != plugin->type;
   if (object.retyped_) object.in_file_ = context.dialect.find(plugin->tag, type->value);
   for (const XmlElement& child : element.children) object.read_child(child, context);
   object.apply_overrides(context);
@@ -159,6 +186,7 @@ void Object::report_unknown_tag(const XmlElement& child, ReadContext& context) c
   static const std::vector<std::string> kOperations = {"translate", "scale", "rotate", "matrix", "lookat"};
   const SourcePosition position = context.document.position(child.offset);
   if (context.dialect.is_unsupported_tag(child.name)) {
+    context.lacking.emplace_back(child.name, position);
     context.diagnostics.error(position, fmt::format("<{}> is not supported; remove it", child.name));
   } else if (contains(kOperations, child.name)) {
     context.diagnostics.error(
@@ -233,7 +261,7 @@ void Object::report_misplaced(const XmlElement& child, std::string_view tag, Rea
 
 void Object::add_named_child(const XmlElement& child, const XmlElement& object, ReadContext& context) {
   const XmlAttribute& name = *child.find("name");
-  const Parameter* parameter = plugin_->find(name.value);
+  const Parameter* parameter = context.dialect.find_parameter(*plugin_, name.value);
   if (parameter == nullptr) return report_unknown_property(name, context);
   if (is_given_twice(*parameter, child, context)) return;
   const SourcePosition position = context.document.position(child.offset);
@@ -280,7 +308,7 @@ void Object::read_property(const XmlElement& element, ReadContext& context) {
         fmt::format("<{}> cannot hold elements; write it as <{} name=\"…\" value=\"…\"/>", element.name, element.name));
   }
   if (name == nullptr) return;
-  const Parameter* parameter = plugin_->find(name->value);
+  const Parameter* parameter = context.dialect.find_parameter(*plugin_, name->value);
   if (parameter == nullptr) return report_unknown_property(*name, context);
   if (is_given_twice(*parameter, element, context)) return;
   if (parameter->type == ParameterType::object) {

@@ -28,7 +28,12 @@ struct ReadContext {
   bool strict = false;
   std::set<std::string> overridable;   ///< "tag.property" of every object met so far that overrides can reach
   std::vector<bool> override_matched;  ///< one per override
+  /// Types and tags that there are not here, as in "bsdf phong", and where; each was reported as well.
+  std::vector<std::pair<std::string, SourcePosition>> lacking = {};
 };
+
+/// Where the file needs several things that there are not here, one more error before all others that names them all.
+void report_lacking(const ReadContext& context);
 
 class Object {
  public:

@@ -14,6 +14,9 @@ namespace etendue {
 struct MeshContent {
   bool uv = true;
   bool colors = true;
+  /// Of PLY files: what is read as colours instead, the properties NAME_0 to NAME_2, or NAME_0 alone as grey.
+  std::string attribute = {};
+  std::size_t attributes = 0;  ///< that are wanted; a mesh brings one
 };
 
 /// Point tests of ear clipping allowed per file: some ten seconds. A hostile file of huge comb-shaped polygons ends

@@ -37,4 +37,10 @@ void MissingFeatures::report(const SourcePosition& scene, Diagnostics& diagnosti
   diagnostics.error(scene, fmt::format("the scene needs what there is not here: {}", fmt::join(list, "; ")));
 }
 
+std::vector<std::string> MissingFeatures::substitutes() const {
+  std::vector<std::string> list;
+  for (const auto& [what, feature] : features_) list.push_back(fmt::format("{}: {}", what, feature.substitute));
+  return list;
+}
+
 }  // namespace etendue

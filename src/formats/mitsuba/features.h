@@ -20,6 +20,9 @@ class MissingFeatures {
   /// Where approximations are wanted a warning for each feature, else one error that lists them all.
   void report(const SourcePosition& scene, Diagnostics& diagnostics) const;
 
+  /// "bsdf hair: diffuse, grey", for the metadata of pictures.
+  std::vector<std::string> substitutes() const;
+
  private:
   struct Feature {
     std::string substitute;

@@ -333,6 +333,7 @@ std::optional<Scene> parse_mitsuba_scene(std::unique_ptr<XmlDocument> document, 
     const MitsubaContext context{mitsuba, mitsuba_dialect(), diagnostics, missing, options.strict};
     MitsubaReader(context, files, scene).read();
     missing.report(mitsuba.position(mitsuba.root()), diagnostics);
+    if (options.approximate) scene.approximations = missing.substitutes();
   }
   if (diagnostics.error_count() == errors_before) check_invariants(scene, diagnostics);
   if (diagnostics.error_count() > errors_before) return std::nullopt;

@@ -184,7 +184,9 @@ std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_mesh(const MitsubaObj
               .face_normals = object.boolean("face_normals"),
               .flip_tex_coords = false,
               .uv = content.uv,
-              .colors = content.colors};
+              .colors = content.colors,
+              .attribute = content.attribute};
+  if (content.attributes > 1) context_.missing.add("several attributes of one mesh", position, "one of them");
   if (format == nullptr) key.index = object.integer("shape_index");
   if (format != nullptr) key.flip_tex_coords = object.boolean("flip_tex_coords");
   name = fs::path(key.path).filename().string();
@@ -235,7 +237,9 @@ void MitsubaShapes::set_coordinates(const MeshKey& key, const SourcePosition& po
 }
 
 std::optional<TriangleMesh> MitsubaShapes::open(const MeshFormat* format, MeshKey& key) {
-  if (format != nullptr) return files_.mesh(*format, key.path, {.uv = key.uv, .colors = key.colors}, context_.sink);
+  if (format != nullptr)
+    return files_.mesh(*format, key.path, {.uv = key.uv, .colors = key.colors, .attribute = key.attribute},
+                       context_.sink);
   std::optional<SerializedMesh> file = files_.serialized(key.path, key.index, context_.sink);
   if (!file) return std::nullopt;
   key.face_normals = key.face_normals || file->face_normals;

@@ -26,6 +26,7 @@ class MitsubaShapes {
     std::string path;
     std::int64_t index;
     bool face_normals, flip_tex_coords, uv, colors;
+    std::string attribute;
     auto operator<=>(const MeshKey&) const = default;
   };
 

@@ -171,11 +171,14 @@ Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object) {
 std::optional<Texture> MitsubaTextures::read_attribute(const MitsubaObject& object) {
   using Source = AttributeTexture::Source;
   const std::string name = object.type() == "vertexcolors" ? "vertex_color" : object.text("name");
-  if (name != "vertex_color" && name != "face_color") {
-    context_.missing.add(fmt::format("mesh attribute {}", name), object.position(), "grey, 0.5");
+  const bool faces = name.starts_with("face_");
+  if (!faces && !name.starts_with("vertex_")) {
+    context_.sink.error(
+        object.position_of("name"),
+        fmt::format("{} is no attribute of a mesh; its name begins with vertex_ or face_", text::quoted(name)));
     return std::nullopt;
   }
-  return Texture{.source = AttributeTexture{name == "face_color" ? Source::face_color : Source::vertex_color},
+  return Texture{.source = AttributeTexture{faces ? Source::face_color : Source::vertex_color},
                  .name = name,
                  .position = object.position()};
 }

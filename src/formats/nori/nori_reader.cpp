@@ -307,7 +307,8 @@ class SceneReader {
     ReconstructionFilter filter;
     std::optional<Object> object = read_only_child(camera, "rfilter");
     if (!object && !camera.children("rfilter").empty()) return filter;
-    if (!object) object = Object::defaulted("rfilter", "box", camera.position(), context_);
+    // As in Nori, whose tests count samples without a film.
+    if (!object) object = Object::defaulted("rfilter", in_test_ ? "box" : "gaussian", camera.position(), context_);
     const std::string_view type = object->plugin().type;
     using Type = ReconstructionFilter::Type;
     filter.type = type == "tent"       ? Type::tent
@@ -329,12 +330,23 @@ class SceneReader {
     if (!object) object = Object::defaulted("sampler", "independent", scene.position(), context_);
     const std::uint32_t count = to_uint32(object->get<std::int64_t>("sampleCount"));
     if (std::string_view(object->plugin().type) != "sobol") return {Sampler::Type::independent, count};
+    note_other_sampler(scene);
     const std::uint32_t size = to_uint32(object->get<std::int64_t>("setSize"));
     if (!std::has_single_bit(size)) {
       sink_.error(object->position_of("setSize"), fmt::format("setSize {} is not a power of two; use {} or {}", size,
                                                               std::bit_floor(size), std::bit_ceil(size)));
     }
     return {Sampler::Type::sobol, count, static_cast<std::uint32_t>(std::bit_width(size)) - 1};
+  }
+
+  /// Samplers that spread their points are all the same here.
+  void note_other_sampler(const Object& scene) {
+    const std::vector<const XmlElement*> children = scene.children("sampler");
+    const XmlAttribute* type = children.empty() ? nullptr : children.front()->find("type");
+    if (type == nullptr || context_.dialect.canonical_type("sampler", type->value) == type->value) return;
+    sink_.note(
+        value_position(*type, 0, context_),
+        fmt::format("the sampler {} is taken as sobol: scrambled Sobol points in independent sets", type->value));
   }
 
   Instancing read_instancing(const Object& object) {
@@ -877,6 +889,7 @@ class SceneReader {
 
   TTest read_ttest(const Object& object) {
     TTest test;
+    in_test_ = true;
     test.significance_level = object.get<double>("significanceLevel");
     test.sample_count = static_cast<std::uint64_t>(object.get<std::int64_t>("sampleCount"));
     test.references = object.get<std::vector<double>>("references");
@@ -961,6 +974,7 @@ class SceneReader {
   std::size_t triangles_ = 0, vertices_ = 0;
   std::uintmax_t mesh_bytes_ = 0;
   bool too_many_meshes_ = false;
+  bool in_test_ = false;
   std::vector<EmptyMesh> empty_meshes_;  ///< of the scene that is being read
 };
 
@@ -999,6 +1013,7 @@ std::optional<SceneFile> read_nori(const XmlDocument& document, const ReadOption
       dialect,           document,       references, diagnostics,
       options.overrides, options.strict, {},         std::vector<bool>(options.overrides.size(), false)};
   std::optional<SceneFile> result = SceneReader(context, load_mesh).read(*document.root());
+  report_lacking(context);
   // After other errors an object may be missing that the override would have reached.
   if (diagnostics.error_count() == errors_before) report_unmatched_overrides(context);
   if (diagnostics.error_count() > errors_before) return std::nullopt;

@@ -235,11 +235,11 @@ std::vector<Plugin> view_plugins() {
        {{"sampleCount", integer, "1", between(1, kUint32Max), "samples per pixel; rounded up to whole sets"},
         {"setSize", integer, "16", between(2, 4096), "samples in a set, a power of two"}},
        {}},
-      {"rfilter", "box", "The pixel's square; the default.", {}, {}},
+      {"rfilter", "box", "The pixel's square; the default in tests.", {}, {}},
       {"rfilter", "tent", "A tent of radius 1 pixel.", {}, {}},
       {"rfilter",
        "gaussian",
-       "A Gaussian, lowered to reach zero at the radius.",
+       "A Gaussian, lowered to reach zero at the radius; the default, as in Nori.",
        {{"radius", real, "2", above_up_to(0, 32), "pixels"},
         {"stddev", real, "0.5", above_up_to(0, 32), "standard deviation in pixels"}},
        {}},
@@ -408,11 +408,88 @@ std::vector<UnsupportedTypes> unsupported_types() {
   return {
       {"integrator", {"photonmapper", "bdpt", "mlt", "sppm"}},
       {"camera", {"environment", "fisheye"}},
-      {"sampler", {"stratified", "halton", "ldsampler", "multijitter"}},
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"serialized", "heightfield"}},
       {"bsdf", {"phong", "disney", "principled", "twosided", "normalmap", "bumpmap", "blend", "mask", "null"}},
       {"emitter", {"environment"}},
+  };
+}
+
+/// Words of courses and other renderers for the same things.
+std::vector<TypeAlias> type_aliases() {
+  return {
+      {"integrator", "ambient_occlusion", "ao"},
+      {"integrator", "path_tracer", "path_mis"},
+      {"integrator", "pathtracer", "path_mis"},
+      {"integrator", "path_nee", "path_ems"},
+      {"integrator", "normal", "normals"},
+      {"camera", "thin_lens", "thinlens"},
+      {"camera", "panorama", "spherical"},
+      {"sampler", "stratified", "sobol"},
+      {"sampler", "halton", "sobol"},
+      {"sampler", "ldsampler", "sobol"},
+      {"sampler", "multijitter", "sobol"},
+      {"sampler", "hammersley", "sobol"},
+      {"bsdf", "lambertian", "diffuse"},
+      {"bsdf", "rough_conductor", "roughconductor"},
+      {"bsdf", "glass", "dielectric"},
+      {"bsdf", "rough_dielectric", "roughdielectric"},
+      {"bsdf", "thin_dielectric", "thindielectric"},
+      {"bsdf", "rough_plastic", "roughplastic"},
+      {"emitter", "pointlight", "point"},
+      {"emitter", "point_light", "point"},
+      {"emitter", "spotlight", "spot"},
+      {"emitter", "spot_light", "spot"},
+      {"emitter", "directionallight", "directional"},
+      {"emitter", "directional_light", "directional"},
+      {"emitter", "arealight", "area"},
+      {"emitter", "area_light", "area"},
+      {"emitter", "environment", "envmap"},
+      {"emitter", "environmentmap", "envmap"},
+      {"emitter", "environment_map", "envmap"},
+      {"emitter", "env_map", "envmap"},
+      {"texture", "image", "bitmap"},
+      {"texture", "imagetexture", "bitmap"},
+      {"texture", "image_texture", "bitmap"},
+      {"texture", "png_texture", "bitmap"},
+      {"texture", "texture", "bitmap"},
+      {"mesh", "quad", "rectangle"},
+  };
+}
+
+std::vector<ParameterAlias> parameter_aliases() {
+  return {
+      {"lensRadius", "apertureRadius"},
+      {"lens_radius", "apertureRadius"},
+      {"aperture", "apertureRadius"},
+      {"focalDistance", "focusDistance"},
+      {"focal_distance", "focusDistance"},
+      {"focusDist", "focusDistance"},
+      {"aperture_radius", "apertureRadius"},
+      {"focus_distance", "focusDistance"},
+      {"toWorld", "to_world"},
+      {"to_world", "toWorld"},
+      {"max_depth", "maxDepth"},
+      {"rr_depth", "rrDepth"},
+      {"rrStart", "rrDepth"},
+      {"sample_count", "sampleCount"},
+      {"int_ior", "intIOR"},
+      {"ext_ior", "extIOR"},
+      {"alphaU", "alpha_u"},
+      {"alphaV", "alpha_v"},
+      {"near_clip", "nearClip"},
+      {"far_clip", "farClip"},
+      {"flip_normals", "flipNormals"},
+      {"reflectance", "albedo"},
+      {"diffuseReflectance", "diffuse_reflectance"},
+      {"specularReflectance", "specular_reflectance"},
+      {"specularTransmittance", "specular_transmittance"},
+      {"file", "filename"},
+      {"fileName", "filename"},
+      {"wrapMode", "wrap_mode"},
+      {"filterType", "filter_type"},
+      {"raylength", "length"},
+      {"rayLength", "length"},
   };
 }
 
@@ -423,7 +500,9 @@ const Dialect& nori_dialect() {
                                    .unsupported_types = unsupported_types(),
                                    .unsupported_tags = {"medium", "phase"},
                                    .aliases = {{"shape", "mesh"}},
-                                   .mesh_facts = {.smooth_without_normals = false, .v_origin = VOrigin::bottom}};
+                                   .mesh_facts = {.smooth_without_normals = false, .v_origin = VOrigin::bottom},
+                                   .type_aliases = type_aliases(),
+                                   .parameter_aliases = parameter_aliases()};
   return kDialect;
 }
 

@@ -68,6 +68,7 @@ struct Layout {
   std::vector<int> slots;  ///< of each property: a Slot or kUnwanted
   std::array<bool, kSlots> present{};
   int corners = kUnwanted;   ///< the property that lists vertex indices
+  bool grey = false;         ///< one number stands for three
   double color_scale = 0.0;  ///< of integer colours: 1 / largest; 0 where they are linear floats
 
   template <std::size_t N>
@@ -94,13 +95,23 @@ Layout make_layout(const PlyElement& element, bool is_face, const MeshContent& c
       if (lists_corners) layout.corners = static_cast<int>(layout.slots.size()) - 1;
       continue;
     }
+    if (!content.attribute.empty()) {
+      for (const Slot slot : kColorSlots) {
+        if (property.name != fmt::format("{}_{}", content.attribute, slot - kRed)) continue;
+        layout.present[slot] = true;
+        layout.slots.back() = static_cast<int>(slot);
+      }
+    }
     for (const SlotName& row : kSlotNames) {
       if (property.name != row.name || layout.present[row.slot]) continue;
+      if (row.slot >= kRed && !content.attribute.empty()) continue;
       layout.present[row.slot] = true;
       layout.slots.back() = static_cast<int>(row.slot);
       if (row.slot == kRed && is_integer(property.type)) layout.color_scale = 1.0 / largest_of(property.type);
     }
   }
+  layout.grey = layout.present[kRed] && !layout.present[kGreen] && !layout.present[kBlue] && !content.attribute.empty();
+  if (layout.grey) layout.present[kGreen] = layout.present[kBlue] = true;
   drop_unless_whole(layout, kPositionSlots, !is_face);
   drop_unless_whole(layout, kNormalSlots, !is_face);
   drop_unless_whole(layout, kUvSlots, !is_face && content.uv);
@@ -239,7 +250,7 @@ class PlyReader {
   }
 
   static glm::vec3 color_of(const Layout& layout, const Numbers& n) {
-    const glm::dvec3 color(n[kRed], n[kGreen], n[kBlue]);
+    const glm::dvec3 color = layout.grey ? glm::dvec3(n[kRed]) : glm::dvec3(n[kRed], n[kGreen], n[kBlue]);
     return layout.color_scale > 0.0 ? linear_from_srgb(glm::vec3(color * layout.color_scale)) : glm::vec3(color);
   }
 
