@@ -91,7 +91,8 @@ DeltaLight read_mitsuba_delta_light(const MitsubaObject& object, MitsubaTextures
     if (const XmlElement* picture = object.texture("texture")) add_picture(*picture, textures, light);
   } else if (type == "projector") {
     light.type = Type::projector;
-    light.intensity.value *= object.real("scale");
+    // What Mitsuba calls its irradiance is the radiance of a white surface that is lit so.
+    light.intensity.value *= std::numbers::pi * object.real("scale");
     read_slope(object, scene, light, context);
   } else {
     light.type = Type::directional;

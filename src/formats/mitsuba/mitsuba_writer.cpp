@@ -90,7 +90,10 @@ class MitsubaWriter {
       number("beam_width", light.beam_width);
       if (light.falloff != DeltaLight::Falloff::linear) differs("a spot fades linearly with the angle");
     }
-    if (light.type == Type::projector) number("fov", 2.0 * std::atan(light.slope.x) * kDegrees);
+    if (light.type == Type::projector) {
+      number("scale", 1.0 / std::numbers::pi);  // see mitsuba_lights.cpp
+      number("fov", 2.0 * std::atan(light.slope.x) * kDegrees);
+    }
     xml_.transform("to_world", light.world_from_light);
     xml_.close();
   }

@@ -464,7 +464,7 @@ std::vector<Plugin> delta_light_rows() {
       {"emitter",
        "projector",
        "A camera turned around: a picture, sent from the origin along +z.",
-       {color_or_texture("irradiance", "1 1 1", "of the plane z = 1"),
+       {color_or_texture("irradiance", "1 1 1", "of the plane z = 1, over π: the radiance of a white surface there"),
         {"scale", real, "1", at_least(0), "factor of it"},
         {"fov", real, "40", inside(0, 180), "field of view in degrees along fov_axis"},
         {"fov_axis", string, "x", any(), "x, y, smaller or larger"},
