@@ -82,6 +82,7 @@ etendue_require_header(CLI11_HEADER CLI/CLI.hpp "the library CLI11" libcli11-dev
 etendue_require_header(XXHASH_HEADER xxhash.h "the library xxHash" libxxhash-dev LIBRARY xxhash)
 etendue_require_program(GLSLANG_VALIDATOR "glslangValidator;glslang" glslang-tools)
 etendue_require_program(SPIRV_VAL spirv-val spirv-tools)
+etendue_require_program(SPIRV_OPT spirv-opt spirv-tools)
 
 # What tests need beyond the program. The parts of GoogleTest are looked for one by one: where one is missing, its CMake package is no help.
 if(ETENDUE_TESTS)

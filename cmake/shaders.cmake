@@ -1,23 +1,33 @@
 # GLSL -> SPIR-V -> a C++ array. Each kernel is compiled with a depfile (an edited include rebuilds what uses it), checked by
 # spirv-val and embedded, so that the installed binary needs no files beside it.
 
-# etendue_embed_kernels(TARGET kernel.comp... [SUFFIX _variant] [DEFINES NAME...]): adds `kernels::<name>` spans to TARGET through
-# "kernels.h"; a second build with other defines becomes `kernels::<name>_variant` in "kernels_variant.h".
+# etendue_embed_kernels(TARGET kernel.comp... [SUFFIX _variant] [DEFINES NAME...] [PRUNE]): adds `kernels::<name>` spans to TARGET through
+# "kernels.h"; a second build with other defines becomes `kernels::<name>_variant` in "kernels_variant.h". PRUNE
+# takes out what constants rule out.
 function(etendue_embed_kernels target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "SUFFIX" "DEFINES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "PRUNE" "SUFFIX" "DEFINES")
   list(TRANSFORM arg_DEFINES PREPEND -D)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/kernels_${target})
+  set(prune)
+  if(arg_PRUNE)
+    set(prune COMMAND ${SPIRV_OPT} --strip-debug --eliminate-local-single-store --ccp --eliminate-dead-branches --eliminate-dead-functions --eliminate-dead-code-aggressive)
+  endif()
   set(sources)
   set(declarations "")
   foreach(kernel IN LISTS arg_UNPARSED_ARGUMENTS)
     get_filename_component(name ${kernel} NAME_WE)
     string(APPEND name "${arg_SUFFIX}")
     set(spv ${out}/${name}.spv)
+    set(prune_this ${prune})
+    if(prune)
+      list(APPEND prune_this ${spv} -o ${spv})
+    endif()
     add_custom_command(
       OUTPUT ${spv}
       COMMAND ${GLSLANG_VALIDATOR} --target-env vulkan1.2 -V --quiet -I${PROJECT_SOURCE_DIR}/shaders -DETENDUE_BVH_WIDTH=${ETENDUE_BVH_WIDTH}
               ${arg_DEFINES}
               --depfile ${spv}.d -o ${spv} ${kernel}
+      ${prune_this}
       COMMAND ${SPIRV_VAL} --target-env vulkan1.2 ${spv}
       DEPENDS ${kernel}
       DEPFILE ${spv}.d

@@ -2,6 +2,7 @@
 #ifndef CAMERA_GLSL
 #define CAMERA_GLSL
 
+#include "features.glsl"
 #include "frame.glsl"
 #include "mutants.h"
 #include "ray.glsl"
@@ -10,8 +11,8 @@
 #include "warp.glsl"
 
 layout(constant_id = kConstantFilterKind) const uint kFilterKind = kFilterBox;
-layout(constant_id = kConstantCamera) const uint kCamera = kCameraPinhole;
-layout(constant_id = kConstantCameraWindow) const bool kCameraWindow = false;  // a part of the film, or its axis off centre
+FEATURE(uint, kCamera, kConstantCamera, kCameraPinhole)
+FEATURE(bool, kCameraWindow, kConstantCameraWindow, false)  // a part of the film, or its axis off centre
 
 // Offset from the pixel centre, in pixels, distributed like |filter|; `weight` is ±∫|f|/∫f.
 float sample_filter(float u, out float weight) {

@@ -2,19 +2,20 @@
 #ifndef INTERSECT_GLSL
 #define INTERSECT_GLSL
 
+#include "features.glsl"
 #include "cylinder.glsl"
 #include "frame.glsl"
 #include "ray.glsl"
 #include "scene.glsl"
 
 layout(constant_id = kConstantHasSpheres) const bool kHasSpheres = true;
-layout(constant_id = kConstantHasDisks) const bool kHasDisks = true;
-layout(constant_id = kConstantHasCylinders) const bool kHasCylinders = true;
+FEATURE(bool, kHasDisks, kConstantHasDisks, false)
+FEATURE(bool, kHasCylinders, kConstantHasCylinders, false)
 // The primitives that are tested before the tree, see kFewPrimitives.
 layout(constant_id = kConstantFewCount) const uint kFewCount = 0u;
 layout(constant_id = kConstantFewSpheres) const uint kFewSpheres = 0u;  // bit i: the i-th of them is a sphere
-layout(constant_id = kConstantFewDisks) const uint kFewDisks = 0u;
-layout(constant_id = kConstantFewCylinders) const uint kFewCylinders = 0u;
+FEATURE(uint, kFewDisks, kConstantFewDisks, 0u)
+FEATURE(uint, kFewCylinders, kConstantFewCylinders, 0u)
 
 // Their floats: kFew<i>_<k> is float k of p0, p1, p2 of primitive i.
 #define FOR_EACH_FEW(X) \
@@ -40,8 +41,8 @@ struct Nearest {
 
 bool is_sphere(Primitive prim) { return kHasSpheres && (prim.kind & kPrimitiveKindMask) == kPrimitiveSphere; }
 
-bool is_disk(Primitive prim) { return kHasDisks && (prim.kind & kPrimitiveKindMask) == kPrimitiveDisk; }
-bool is_cylinder(Primitive prim) { return kHasCylinders && (prim.kind & kPrimitiveKindMask) == kPrimitiveCylinder; }
+#define is_disk(prim) (kHasDisks && ((prim).kind & kPrimitiveKindMask) == kPrimitiveDisk)
+#define is_cylinder(prim) (kHasCylinders && ((prim).kind & kPrimitiveKindMask) == kPrimitiveCylinder)
 
 // A ray with the plane it is seen along: every primitive is projected onto (s, t), perpendicular to the ray, and tested in 2D.
 struct RayFrame {

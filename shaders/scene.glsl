@@ -5,6 +5,7 @@
 // Texel buffers are images without samplers; declared with one, they are an error by newer rules of SPIR-V.
 #extension GL_EXT_samplerless_texture_functions : require
 
+#include "features.glsl"
 #include "gpu_types.h"
 
 layout(set = kSetKernel, binding = kBindingFrame, std140) uniform FrameBlock { Frame frame; };
@@ -39,7 +40,7 @@ layout(constant_id = kConstantLightPairsAt) const uint kLightPairsAt = 0u;
 layout(constant_id = kConstantLightTrailsAt) const uint kLightTrailsAt = 0u;
 layout(constant_id = kConstantDeltaLightsAt) const uint kDeltaLightsAt = 0u;
 layout(constant_id = kConstantPlacesAt) const uint kPlacesAt = 0u;
-layout(constant_id = kConstantInstanced) const bool kInstanced = false;  // some meshes are shared, see kRecordInstance
+FEATURE(bool, kInstanced, kConstantInstanced, false)  // some meshes are shared, see kRecordInstance
 layout(constant_id = kConstantEnvironmentRowsAt) const uint kEnvironmentRowsAt = 0u;
 layout(constant_id = kConstantEnvironmentTexelsAt) const uint kEnvironmentTexelsAt = 0u;
 layout(set = kSetKernel, binding = kBindingFilter) uniform textureBuffer filter_knots;

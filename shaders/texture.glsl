@@ -3,14 +3,15 @@
 #ifndef TEXTURE_GLSL
 #define TEXTURE_GLSL
 
+#include "features.glsl"
 #include "math.glsl"
 #include "mutants.h"
 #include "scene.glsl"
 
-layout(constant_id = kConstantTextureFeatures) const uint kTextureFeatures = 0u;
+FEATURE(uint, kTextureFeatures, kConstantTextureFeatures, 0u)
 const bool kTextured = kTextureFeatures != 0u;
 
-bool textures_have(uint feature) { return (kTextureFeatures & feature) != 0u; }
+#define textures_have(feature) ((kTextureFeatures & (feature)) != 0u)
 
 // A point of a surface as its attributes see it.
 struct SurfacePoint {

@@ -8,6 +8,7 @@
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
+#include "../features.glsl"
 #include "../material_flags.glsl"
 #include "../microfacets.glsl"
 #include "../scene.glsl"
@@ -42,7 +43,11 @@ bool is_delta(uint lobe) { return lobe == kLobeDeltaReflection || lobe == kLobeD
 // surface has should not be there.
 layout(constant_id = kConstantBsdfsUsed) const uint kBsdfsUsed = 0xffffffffu;
 
-bool bsdf_is(Material m, uint bsdf) {
+// What is not built is known here already, not in the function.
+#define bsdf_is(m, bsdf) ((kBsdfsBuilt & 1u << (bsdf)) != 0u && has_bsdf(m, bsdf))
+#define bsdf_among(m, types) ((kBsdfsBuilt & (types)) != 0u && has_bsdf_among(m, types))
+
+bool has_bsdf(Material m, uint bsdf) {
   const uint bit = 1u << bsdf;
   return (kBsdfsUsed & bit) != 0u && (kBsdfsUsed == bit || (m.header & kMaterialTypeMask) == bsdf);
 }
@@ -66,7 +71,7 @@ bool material_has(Material m, uint flag) {
 const uint kRoughTypes = 1u << kBsdfMicrofacet | 1u << kBsdfRoughConductor | 1u << kBsdfRoughDielectric | 1u << kBsdfRoughPlastic;
 const uint kRichTypes = kRoughTypes | 1u << kBsdfConductor | 1u << kBsdfThinDielectric | 1u << kBsdfPlastic;
 
-bool bsdf_among(Material m, uint types) {
+bool has_bsdf_among(Material m, uint types) {
   return (kBsdfsUsed & types) != 0u && ((kBsdfsUsed & ~types) == 0u || (types >> (m.header & kMaterialTypeMask) & 1u) != 0u);
 }
 
@@ -84,7 +89,7 @@ Material rich_material(MaterialRecord r) {
 
 // The material of an instance without its textures.
 Material stored_material(Instance instance) {
-  if (kBsdfsUsed != 0u && (kBsdfsUsed & kRichTypes) == 0u) {
+  if ((kBsdfsBuilt & kRichTypes) == 0u || (kBsdfsUsed != 0u && (kBsdfsUsed & kRichTypes) == 0u)) {
     const MaterialRecord r = fetch_material(instance.material, false);
     return plain_material(r.header, r.params);
   }

@@ -1,13 +1,14 @@
 // Lights without extent: points, spots, projectors and light from one direction. docs/conventions.md, "Lights without extent".
+#include "../features.glsl"
 #include "../mutants.h"
 
-layout(constant_id = kConstantDeltaLights) const uint kDeltaLights = 0u;      // kDelta… of all of them
-layout(constant_id = kConstantDistantLights) const uint kDistantLights = 0u;  // the first ones of the table are infinitely far away
+FEATURE(uint, kDeltaLights, kConstantDeltaLights, 0u)      // kDelta… of all of them
+FEATURE(uint, kDistantLights, kConstantDistantLights, 0u)  // the first ones of the table are infinitely far away
 
 // In place of a density that no other strategy has a share in: the weights of multiple importance sampling are 1 and 0.
 const float kDeltaDensity = 1e30;
 
-bool delta_lights_are(uint flag) { return (kDeltaLights & flag) != 0u; }
+#define delta_lights_are(flags) ((kDeltaLights & (flags)) != 0u)
 
 // Share of a spot's light at the angle θ from its axis, for a unit direction w.
 float spot_share(DeltaLight light, vec3 w) {

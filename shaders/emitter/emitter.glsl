@@ -2,6 +2,7 @@
 #ifndef EMITTER_GLSL
 #define EMITTER_GLSL
 
+#include "../features.glsl"
 #include "../sampler.glsl"
 #include "../surface.glsl"
 #include "../texture.glsl"
@@ -20,7 +21,7 @@ struct LightSample {
 };
 
 layout(constant_id = kConstantSphereLights) const bool kSphereLights = true;
-layout(constant_id = kConstantCylinderLights) const bool kCylinderLights = true;
+FEATURE(bool, kCylinderLights, kConstantCylinderLights, false)
 layout(constant_id = kConstantLightNormals) const bool kLightNormals = true;  // some light has vertex normals
 
 #include "area.glsl"

@@ -11,7 +11,11 @@ layout(constant_id = kConstantEnvironmentRowRounds) const uint kEnvironmentRowRo
 layout(constant_id = kConstantEnvironmentColumnRounds) const uint kEnvironmentColumnRounds = 32u;
 const bool kHasEnvironment = kEnvironment != kEnvironmentNone;
 const bool kHasOutside = kHasEnvironment || kDistantLights > 0u;
+#ifdef ETENDUE_PLAIN
+const bool kEnvironmentPictured = false;
+#else
 const bool kEnvironmentPictured = kEnvironment == kEnvironmentPicture;
+#endif
 
 // More cells than texels in a column: rows are bands, and the first and last row of cells are half a band each.
 const bool kEnvironmentBands = kEnvironmentCellRows > kEnvironmentTexelRows;
@@ -167,7 +171,7 @@ vec3 environment_radiance(vec3 w, out float pdf_w) {
 bool chooses_environment(uvec4 words) { return kHasEnvironment && (kEnvironmentAlone || words.x < frame.environment_threshold); }
 
 // Whether they choose a directional light, where they do not choose the environment.
-bool chooses_distant_light(uvec4 words) { return kDistantLights > 0u && (frame.light_instance_count == 0u || words.x < frame.distant_threshold); }
+#define chooses_distant_light(words) (kDistantLights > 0u && (frame.light_instance_count == 0u || (words).x < frame.distant_threshold))
 
 // A direction, as a light that lies infinitely far away.
 LightSample sample_environment(uvec4 words) {

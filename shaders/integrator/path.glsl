@@ -4,16 +4,17 @@
 #ifndef PATH_GLSL
 #define PATH_GLSL
 
+#include "../features.glsl"
 #include "../bsdf/bsdf.glsl"
 #include "../camera.glsl"
 #include "../emitter/emitter.glsl"
 #include "../mutants.h"
 #include "../trace.glsl"
 
-layout(constant_id = kConstantIntegrator) const uint kIntegrator = kIntegratorPath;
+FEATURE(uint, kIntegrator, kConstantIntegrator, kIntegratorPath)
 layout(constant_id = kConstantNee) const bool kNee = true;  // and there are lights
 layout(constant_id = kConstantMis) const bool kMis = true;
-layout(constant_id = kConstantHideEmitters) const bool kHideEmitters = false;
+FEATURE(bool, kHideEmitters, kConstantHideEmitters, false)
 const bool kGathersLight = kIntegrator == kIntegratorPath || kIntegrator == kIntegratorDirect || kIntegrator == kIntegratorWhitted;
 
 // A path under construction: the ray that is traced next and what it carries.
@@ -211,7 +212,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     return;
   }
   const SurfacePoint at = SurfacePoint(s.instance, s.primitive, attribute_weights(hit, s), s.ng);
-  if (hidden_from_camera(path, instance)) {
+  if (kHideEmitters && hidden_from_camera(path, instance)) {
     pass_through(path, s, hit);
     return;
   }

@@ -404,7 +404,8 @@ RenderProfile GpuRenderer::profile(std::uint32_t samples) {
 std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress,
                                   std::vector<RejectedSample>& rejected) {
   check_film(film);
-  if (!render_kernel_.get()) render_kernel_ = make_kernel(scene_->film_kernels(), kernels_.render, "render");
+  if (!render_kernel_.get())
+    render_kernel_ = make_kernel(scene_->film_kernels(), etendue::render_kernel(kernels_, constants_), "render");
   prepare_sizer();
   rejected_.clear();
   const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context()));

@@ -1,7 +1,12 @@
 #include "gpu/kernel_set.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "kernels.h"
 #include "kernels_mutant.h"
+#include "kernels_plain.h"
+#include "kernels_plain_storage.h"
 #include "kernels_profile.h"
 #include "kernels_profile_storage.h"
 #include "kernels_profile_subgroups.h"
@@ -18,6 +23,7 @@ KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
             kernels::trace_path_storage,
             kernels::trace_rays_storage,
             kernels::bsdf_samples_storage,
+            kernels::render_plain_storage,
             kernels::render_profile_storage,
             kernels::render_profile_subgroups_storage,
             {}};
@@ -27,18 +33,52 @@ KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
             kernels::trace_path,
             kernels::trace_rays,
             kernels::bsdf_samples,
+            kernels::render_plain,
             kernels::render_profile,
             kernels::render_profile_subgroups,
             {}};
   // Errors are planted to be found in pictures, not in counts.
-  return {kernels::render_mutant,
-          kernels::trace_samples_mutant,
-          kernels::trace_path_mutant,
-          kernels::trace_rays_mutant,
-          kernels::bsdf_samples_mutant,
-          kernels::render_profile,
-          kernels::render_profile_subgroups,
-          {{gpu::kConstantMutant, *mutant}}};
+  return {kernels::render_mutant,     kernels::trace_samples_mutant,     kernels::trace_path_mutant,
+          kernels::trace_rays_mutant, kernels::bsdf_samples_mutant,      kernels::render_mutant,
+          kernels::render_profile,    kernels::render_profile_subgroups, {{gpu::kConstantMutant, *mutant}}};
+}
+
+namespace {
+
+// What a plain kernel is built for, bit by bit: a constant may have no other bits than these. Ids that are missing here
+// are constants of it, too.
+struct PlainConstant {
+  std::uint32_t id, bits;
+};
+constexpr PlainConstant kPlain[] = {
+    {gpu::kConstantCamera, gpu::kCameraPinhole},
+    {gpu::kConstantCameraWindow, 0},
+    {gpu::kConstantCylinderLights, 0},
+    {gpu::kConstantDeltaLights, 0},
+    {gpu::kConstantDistantLights, 0},
+    {gpu::kConstantTextureFeatures, 0},
+    {gpu::kConstantIntegrator, gpu::kIntegratorPath},
+    {gpu::kConstantHideEmitters, 0},
+    {gpu::kConstantHasDisks, 0},
+    {gpu::kConstantHasCylinders, 0},
+    {gpu::kConstantFewDisks, 0},
+    {gpu::kConstantFewCylinders, 0},
+    {gpu::kConstantInstanced, 0},
+    {gpu::kConstantBsdfsUsed, 1u << gpu::kBsdfDiffuse | 1u << gpu::kBsdfMirror | 1u << gpu::kBsdfDielectric},
+};
+static_assert(gpu::kCameraPinhole == 0 && gpu::kIntegratorPath == 0);
+
+bool is_plain(const vulkan::Specialization& c) {
+  if (c.id == gpu::kConstantEnvironment) return c.value != gpu::kEnvironmentPicture;
+  const auto known = std::ranges::find(kPlain, c.id, &PlainConstant::id);
+  return known == std::end(kPlain) || (c.value & ~known->bits) == 0;
+}
+
+}  // namespace
+
+std::span<const std::uint32_t> render_kernel(const KernelSet& kernels,
+                                             std::span<const vulkan::Specialization> constants) {
+  return std::ranges::all_of(constants, is_plain) ? kernels.render_plain : kernels.render;
 }
 
 }  // namespace etendue

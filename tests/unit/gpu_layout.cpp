@@ -60,6 +60,8 @@ void check_kernels(const KernelSet& kernels, TableLoads loads) {
                requests = in_layout(scene, request_bindings());
   Places of_film, of_counted, of_requests;
   check("render", kernels.render, film, of_film);
+  Places of_plain;
+  check("render_plain", kernels.render_plain, film, of_plain);
   check("profile", kernels.profile, counted, of_counted);
   check("profile_subgroups", kernels.profile_subgroups, counted, of_counted);
   check("trace_samples", kernels.trace_samples, requests, of_requests);
@@ -75,6 +77,49 @@ TEST(GpuLayout, HoldsWhatKernelsDeclareAndNothingElse) {
   check_kernels(kernel_set({}, TableLoads::texel_buffer), TableLoads::texel_buffer);
   check_kernels(kernel_set({}, TableLoads::storage_buffer), TableLoads::storage_buffer);
   check_kernels(kernel_set(0), TableLoads::texel_buffer);
+}
+
+// Ids of the specialization constants that a kernel declares.
+std::set<std::uint32_t> constants_of(std::span<const std::uint32_t> kernel) {
+  constexpr std::uint32_t kDecorate = 71, kSpecId = 1, kHeaderWords = 5;
+  std::set<std::uint32_t> out;
+  for (std::size_t i = kHeaderWords; i < kernel.size(); i += kernel[i] >> 16)
+    if ((kernel[i] & 0xffffu) == kDecorate && kernel[i + 2] == kSpecId) out.insert(kernel[i + 3]);
+  return out;
+}
+
+// What is a constant of the render kernel and none of the plain one must make the host choose the former, or place the
+// data of a feature that does.
+TEST(GpuLayout, ThePlainKernelLacksWhatTheHostKnowsThatItLacks) {
+  const std::set<std::uint32_t> details = {gpu::kConstantEnvironmentTexelRows,
+                                           gpu::kConstantEnvironmentTexelsAt,
+                                           gpu::kConstantEnvironmentColumnRounds,
+                                           gpu::kConstantDeltaLightsAt,
+                                           gpu::kConstantPlacesAt,
+                                           gpu::kConstantMaterialTexturesAt,
+                                           gpu::kConstantSrgbAt,
+                                           gpu::kConstantTexelsAt,
+                                           gpu::kConstantTransmittancesAt,
+                                           gpu::kConstantTexturesAt,
+                                           gpu::kConstantInstanceAttributesAt,
+                                           gpu::kConstantAttributesAt};
+  for (const TableLoads loads : {TableLoads::texel_buffer, TableLoads::storage_buffer}) {
+    const KernelSet kernels = kernel_set({}, loads);
+    const auto chosen = [&](std::uint32_t id, std::uint32_t value) {
+      return render_kernel(kernels, std::vector<vulkan::Specialization>{{id, value}}).data();
+    };
+    const std::set<std::uint32_t> plain = constants_of(kernels.render_plain);
+    EXPECT_LT(kernels.render_plain.size(), kernels.render.size() * 2 / 3);
+    for (const std::uint32_t id : constants_of(kernels.render)) {
+      EXPECT_EQ(chosen(id, 0), kernels.render_plain.data()) << id;
+      if (plain.contains(id) || details.contains(id)) continue;
+      EXPECT_EQ(chosen(id, 1), kernels.render.data()) << "the plain kernel knows nothing of constant " << id;
+    }
+    EXPECT_EQ(chosen(gpu::kConstantBsdfsUsed, 7), kernels.render_plain.data());
+    EXPECT_EQ(chosen(gpu::kConstantBsdfsUsed, 8), kernels.render.data());
+    EXPECT_EQ(chosen(gpu::kConstantEnvironment, gpu::kEnvironmentGradient), kernels.render_plain.data());
+    EXPECT_EQ(chosen(gpu::kConstantEnvironment, gpu::kEnvironmentPicture), kernels.render.data());
+  }
 }
 
 // The least that a Vulkan device may offer (specification, "Required Limits").
