@@ -78,7 +78,7 @@ void MitsubaShapes::add_group_instance(const MitsubaObject& object) {
   for (const Instance& part : group(shown)) {
     if (too_much_) return;
     Instance instance = part;
-    instance.world_from_object = placement * part.world_from_object;
+    instance.world_from_object = placement * part.world_from_object + glm::dmat4(0.0);  // no negative zeros
     add(std::move(instance));
   }
 }

@@ -93,7 +93,7 @@ std::optional<Texture> MitsubaTextures::read_bitmap(const MitsubaObject& object)
   source.bitmap = known->second;
   // Both its coordinates and those of surfaces are turned over.
   return Texture{.source = source,
-                 .uv_transform = kFlip * uv_transform(object) * kFlip,
+                 .uv_transform = kFlip * uv_transform(object) * kFlip + glm::dmat3(0.0),  // no negative zeros
                  .name = std::filesystem::path(text::trim(object.text("filename"))).filename().string(),
                  .position = object.position()};
 }
@@ -163,7 +163,7 @@ Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object) {
   const CheckerboardTexture board{constant(object.color("color0", SpectrumUse::reflectance), "a checkerboard"),
                                   constant(object.color("color1", SpectrumUse::reflectance), "a checkerboard")};
   return {.source = board,
-          .uv_transform = uv_transform(object) * kFlip,
+          .uv_transform = uv_transform(object) * kFlip + glm::dmat3(0.0),
           .name = "checkerboard",
           .position = object.position()};
 }

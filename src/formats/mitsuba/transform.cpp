@@ -122,7 +122,7 @@ glm::dmat4 read_mitsuba_transform(const XmlElement& element, const MitsubaContex
       context.sink.error(context.document.position(error.offset), error.message);
     }
   }
-  if (is_finite(product)) return product;
+  if (is_finite(product)) return product + glm::dmat4(0.0);  // no negative zeros, which other files would not keep
   context.sink.error(context.document.position(element), "the product of this <transform> overflows; check its scales");
   return glm::dmat4(1.0);
 }
