@@ -102,6 +102,9 @@ const uint kConstantFewDisks = 57u;
 const uint kConstantFewCylinders = 58u;
 const uint kConstantCylinderLights = 59u;
 const uint kConstantTransmittancesAt = 60u;
+const uint kConstantAdapters = 61u;       // see adapters.glsl
+const uint kConstantAdapterDepth = 62u;
+const uint kConstantCountPasses = 63u;
 const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -118,6 +121,14 @@ const uint kBsdfRoughDielectric = 6u;
 const uint kBsdfThinDielectric = 7u;
 const uint kBsdfPlastic = 8u;
 const uint kBsdfRoughPlastic = 9u;
+const uint kBsdfNull = 10u;
+
+// Records of materials that are none, but choose one of them. params.x and params.y are the numbers of what they choose from, params.z is a probability.
+const uint kAdapterFirst = 32u;
+const uint kAdapterTwoSided = 32u;
+const uint kAdapterMask = 33u;
+const uint kAdapterBlend = 34u;
+const uint kAdaptersPass = 0x80000000u;  // in the constant that has a bit for each kind of adapter: there are surfaces that light may pass
 
 // A material's header: its type, kBsdf*, and what holds for it at every point.
 const uint kMaterialTypeMask = 0xffu;
@@ -135,6 +146,7 @@ const uint kLobeDeltaReflection = 2u;
 const uint kLobeDeltaTransmission = 3u;
 const uint kLobeGlossyReflection = 4u;
 const uint kLobeGlossyTransmission = 5u;
+const uint kLobePassed = 6u;  // the surface was as if it were not there
 
 // What comes from outside the scene.
 const uint kEnvironmentNone = 0u;
@@ -260,7 +272,7 @@ const uint kInstanceTexels = 2u;
 
 // A material as it is stored; what the parameters are is up to its type. shaders/bsdf/bsdf.glsl makes a Material of it.
 struct MaterialRecord {
-  vec3 params;  // the diffuse albedo, or what a clear boundary lets pass; dielectric: interior and exterior index of refraction
+  vec3 params;  // the diffuse albedo, or what a clear boundary lets pass; dielectric: interior and exterior index of refraction; of adapters see kAdapterFirst
   uint header;  // kMaterial*
   // What only some types have; those that have none of it do not load it.
   vec3 specular;  // specular reflectance

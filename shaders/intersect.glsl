@@ -5,6 +5,7 @@
 #include "features.glsl"
 #include "cylinder.glsl"
 #include "frame.glsl"
+#include "material_flags.glsl"
 #include "ray.glsl"
 #include "scene.glsl"
 
@@ -30,6 +31,14 @@ FOR_EACH_FEW(FEW_VALUES_OF)
 
 #define FEW_CYLINDER(i) \
   vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), vec3(kFew##i##_3, kFew##i##_4, kFew##i##_5), kFew##i##_6
+
+// A surface that a ray has passed: it goes on from t_min, where that was met. At t_min itself the instances behind it in the order of the scene are still
+// before the ray; its own surface goes on beyond t_own only, or a ray through an edge would meet both of its triangles.
+struct Passed {
+  uint instance;  // kNone: nothing
+  float t_own;
+};
+const Passed kNothingPassed = Passed(kNone, 0.0);
 
 // The nearest primitive so far, while primitives are being tested.
 struct Nearest {
@@ -127,8 +136,11 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
 
 // Tests a primitive record and takes it when it is nearer, or as near and earlier in the scene: which of two coincident surfaces is seen must not
 // depend on the order of the walk.
-bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, inout Nearest nearest) {
+bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, Passed passed, inout Nearest nearest) {
   const Primitive prim = to_primitive(record);
+  if (kPassable && instance > passed.instance)
+    rf.ray.t_min = uintBitsToFloat(floatBitsToUint(rf.ray.t_min) - 1u);  // the float before t_min, so that t_min itself lies above it
+  if (kPassable && instance == passed.instance) rf.ray.t_min = passed.t_own;
   bool earlier = prim.kind < nearest.order;
   if (kInstanced) earlier = instance < nearest.instance || (instance == nearest.instance && earlier);
   MUTATE(kMutantTiesReversed, earlier = !earlier)

@@ -8,4 +8,9 @@
 layout(constant_id = kConstantMaterialFlagsSome) const uint kMaterialFlagsSome = 0xffffffffu;
 layout(constant_id = kConstantMaterialFlagsAll) const uint kMaterialFlagsAll = 0u;
 
+// What of adapters the scene has: bit i for the type kAdapterFirst + i, and kAdaptersPass where there are surfaces that light may pass. Without any, a
+// surface's material is that of its instance.
+layout(constant_id = kConstantAdapters) const uint kAdapters = 0u;
+const bool kPassable = (kAdapters & kAdaptersPass) != 0u;
+
 #endif

@@ -98,7 +98,12 @@ const uint kMutantPointWeighed = 82u;
 const uint kMutantSpotFadesByCosine = 83u;
 const uint kMutantProjectorByIntensity = 84u;
 const uint kMutantDistantChoiceForgotten = 85u;
-const uint kMutantCount = 86u;
+const uint kMutantSidesSwapped = 86u;
+const uint kMutantBlendSwapped = 87u;
+const uint kMutantMaskShadowsAll = 88u;
+const uint kMutantMaskSidesTogether = 89u;
+const uint kMutantPassesFree = 90u;
+const uint kMutantCount = 91u;
 #endif
 
 #ifdef __cplusplus

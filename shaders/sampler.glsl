@@ -36,6 +36,13 @@ uvec4 pcg4d(uvec4 v) {
   return v;
 }
 
+// What an adapter at vertex k decides is a hash of what is met there, whatever else is met on the way; docs/conventions.md, "Adapters". `flags` has 1 for
+// the side behind the geometric normal, 2 for a shadow ray that began at the vertex.
+uvec4 choice_words(uint seed, uint pixel, uint path, uint k, uint instance, uint primitive, uint flags) {
+  MUTATE(kMutantSampleIndexIgnored, path = 0u);
+  return pcg4d(uvec4(pixel, path, 0x82000000u + (k & 0xffffffu), seed)) + uvec4(instance, primitive, flags, 0u);
+}
+
 // Nested uniform scrambling of words whose most significant digit is bit 0: bit n changes by a hash of the bits below it and of the
 // seed [Burley2020], constants of [Vegdahl2021].
 uint owen_hash(uint x, uint seed) {
@@ -92,6 +99,8 @@ uvec4 reserved_words(uint seed, uint pixel, uint path, uint block) {
 
 // [0,1) from the top 24 bits: 1 is never returned.
 float to_unit(uint word) { return float(word >> 8u) * (1.0 / 16777216.0); }
+// Of the adapter in one row of the materials.
+float choice_number(uvec4 words, uint row) { return to_unit(pcg4d(words + uvec4(0u, 0u, 0u, row)).x); }
 vec2 to_unit(uvec2 words) { return vec2(words >> 8u) * (1.0 / 16777216.0); }
 
 #endif

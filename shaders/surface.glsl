@@ -135,4 +135,10 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
   return s;
 }
 
+// For a ray that goes on behind a surface met at t.
+Passed pass_behind(Surface s, float t, vec3 d) {
+  const float cosine = max(abs(dot(s.ng, d)), 0.01);
+  return Passed(s.instance, t + 2.0 * s.error / cosine);
+}
+
 #endif

@@ -24,6 +24,7 @@ struct Walk {
   Nearest nearest;
   uint current;
   bool any_hit;
+  Passed passed;
   // Where meshes are shared: the instance whose mesh's tree the walk is in, kNone in the world, and the ray in the world. In there rf and inv_d are
   // those of the ray in the mesh's space, and one entry of the stack leads out again.
   uint instance;
@@ -47,7 +48,7 @@ vec3 safe_inverse(vec3 d) {
 // walk_stack[0]; pushing shifts the whole array, which keeps it in registers: cheaper by far on lavapipe than an indexed array.
 StackEntry walk_stack[kStackSize];
 
-Walk begin_walk(Ray ray, bool any_hit) {
+Walk begin_walk(Ray ray, bool any_hit, Passed passed) {
   Walk walk;
   walk.rf = make_ray_frame(ray);
   walk.inv_d = safe_inverse(ray.d);
@@ -55,6 +56,7 @@ Walk begin_walk(Ray ray, bool any_hit) {
   // A ray that is no ray would meet every box of the tree, or none, as the driver's min and max please: it misses.
   walk.current = is_finite(ray.o + ray.d) ? (kHasFew ? kBeforeTree : kTreeRoot) : kNone;
   walk.any_hit = any_hit;
+  walk.passed = passed;
   walk.instance = kNone;
   walk.world_o = ray.o;
   walk.world_d = ray.d;
@@ -121,7 +123,7 @@ void walk_step(inout Walk walk) {
   const NodeVisit visit = visit_node(walk, record);
   const uint hits = node ? visit.hits : 0u;
   const uint instance = kInstanced && walk.instance != kNone ? walk.instance : record.a.w;
-  const bool found = !node && !enter && intersect_primitive(walk.rf, record, walk.current, instance, walk.nearest);
+  const bool found = !node && !enter && intersect_primitive(walk.rf, record, walk.current, instance, walk.passed, walk.nearest);
 
   const bool push = hits > 1u || enter;
   const bool pop = hits == 0u && !enter;
@@ -159,8 +161,8 @@ void advance_walk(inout Walk walk, uint steps) {
 }
 
 // Walks to the end, or until `steps` exceeds the budget: some drivers end long loops silently. The few primitives together are one step.
-Walk trace(Ray ray, bool any_hit, uint step_budget, inout uint steps) {
-  Walk walk = begin_walk(ray, any_hit);
+Walk trace(Ray ray, bool any_hit, Passed passed, uint step_budget, inout uint steps) {
+  Walk walk = begin_walk(ray, any_hit, passed);
   test_few_primitives(walk);
   if (kHasFew) ++steps;
   // The exit is tested at the top as well: a loop that can only leave at its bottom loses lanes on some drivers.
@@ -171,5 +173,6 @@ Walk trace(Ray ray, bool any_hit, uint step_budget, inout uint steps) {
   }
   return walk;
 }
+Walk trace(Ray ray, bool any_hit, uint step_budget, inout uint steps) { return trace(ray, any_hit, kNothingPassed, step_budget, steps); }
 
 #endif

@@ -8,6 +8,7 @@
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
+#include "../adapters.glsl"
 #include "../features.glsl"
 #include "../material_flags.glsl"
 #include "../microfacets.glsl"
@@ -61,6 +62,7 @@ bool material_has(Material m, uint flag) {
 #include "diffuse.glsl"
 #include "microfacet.glsl"
 #include "mirror.glsl"
+#include "null.glsl"
 #include "plastic.glsl"
 #include "roughconductor.glsl"
 #include "roughdielectric.glsl"
@@ -87,22 +89,22 @@ Material rich_material(MaterialRecord r) {
   return Material(r.header, r.params, r.eta.x, r.eta.y, vec2(r.alpha_u, r.alpha_v), r.specular, r.share, r.eta, r.k);
 }
 
-// The material of an instance without its textures.
-Material stored_material(Instance instance) {
+// A material without its textures.
+Material stored_material(uint row) {
   if ((kBsdfsBuilt & kRichTypes) == 0u || (kBsdfsUsed != 0u && (kBsdfsUsed & kRichTypes) == 0u)) {
-    const MaterialRecord r = fetch_material(instance.material, false);
+    const MaterialRecord r = fetch_material(row, false);
     return plain_material(r.header, r.params);
   }
-  const MaterialRecord r = fetch_material(instance.material, true);
+  const MaterialRecord r = fetch_material(row, true);
   Material m = rich_material(r);
   if (!bsdf_among(m, kRichTypes)) m = plain_material(r.header, r.params);
   return m;
 }
 
-// The material of an instance at a point, evaluated once per hit. The first texture is that of the albedo.
-Material evaluate_material(Instance instance, SurfacePoint at) {
-  Material m = stored_material(instance);
-  if (kTextured && material_has(m, kMaterialTextured)) m.albedo *= color_factor(fetch_material_textures(instance.material).first.x, at);
+// A material at a point, evaluated once per hit. The first texture is that of the albedo.
+Material evaluate_material(uint row, SurfacePoint at) {
+  Material m = stored_material(row);
+  if (kTextured && material_has(m, kMaterialTextured)) m.albedo *= color_factor(fetch_material_textures(row).first.x, at);
   return m;
 }
 
@@ -130,6 +132,7 @@ BsdfSample bsdf_sample(Material m, vec3 wo, float u_lobe, vec2 u) {
   if (bsdf_is(m, kBsdfThinDielectric)) return thindielectric_sample(m, wo, u_lobe);
   if (bsdf_is(m, kBsdfPlastic)) return plastic_sample(m, wo, u_lobe, u);
   if (bsdf_among(m, kRoughTypes)) return rough_sample(m, wo, u_lobe, u);
+  if (bsdf_is(m, kBsdfNull)) return null_sample(wo);
   return kNoBsdfSample;
 }
 

@@ -23,6 +23,7 @@ void next_direct_round(inout Path path) {
   if (!path.alive) return;
   float weight;
   path.ray = camera_ray(path.pixel, path.sample_index, weight);
+  path.passed = kNothingPassed;
   path.beta = vec3(1.0);
   path.full_emission = true;
   path.segment = 2u * round + 1u;
@@ -38,6 +39,7 @@ void pass_through(inout Path path, Surface s, Hit hit) {
   Ray ray = spawn_ray(s.p, s.ng, s.error, path.ray.d);
   ray.t_max = path.ray.t_max - hit.t;
   path.ray = ray;
+  path.passed = kNothingPassed;
   path.alive = true;
 }
 

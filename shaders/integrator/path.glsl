@@ -4,6 +4,7 @@
 #ifndef PATH_GLSL
 #define PATH_GLSL
 
+#include "../adapters.glsl"
 #include "../features.glsl"
 #include "../bsdf/bsdf.glsl"
 #include "../camera.glsl"
@@ -35,6 +36,11 @@ struct Path {
   bool shadow_pending;
   Ray shadow_ray;
   vec3 shadow_value;
+  // Where there are surfaces that light may pass: what the rays have passed, and how many more segments the shadow ray may have.
+  Passed passed;
+  Passed shadow_passed;
+  uint shadow_segments;
+  uint shadow_vertex;  // where it began
 };
 
 // Decisions taken at the end of a segment; kNone where nothing was decided. Folded into signatures or written out by the kernels that
@@ -59,7 +65,8 @@ Ray camera_ray(uint pixel, uint sample_index, out float weight) {
 Path begin_path(uint pixel, uint sample_index) {
   float weight;
   const Ray ray = camera_ray(pixel, sample_index, weight);
-  return Path(ray, vec3(1.0), 0.0, vec3(0.0), vec3(0.0), 1.0, 1u, true, pixel, sample_index, weight, true, false, ray, vec3(0.0));
+  return Path(ray, vec3(1.0), 0.0, vec3(0.0), vec3(0.0), 1.0, 1u, true, pixel, sample_index, weight, true, false, ray, vec3(0.0),
+              kNothingPassed, kNothingPassed, 0u, 0u);
 }
 
 // The value of a finished path's sample.
@@ -148,6 +155,38 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   path.shadow_value = path.beta * reflected * (w_light / (light_sample_count() * light.pdf_w));
   // Near a point light has no bound; nearer than single precision tells places apart, this is one.
   if (kDeltaLights != 0u && light.instance == kDeltaLightSampled) path.shadow_value = min(path.shadow_value, vec3(frame.delta_light_limit));
+  path.shadow_passed = kNothingPassed;
+  path.shadow_segments = frame.max_depth - path.segment - 1u;
+  path.shadow_vertex = path.segment - 1u;
+}
+
+// What stands at vertex k, or where a shadow ray from there has met a surface; d is the direction of the ray, `flags` as in choice_words().
+Choice choose_at(Path path, uint k, Surface s, uint material, SurfacePoint at, vec3 d, uint flags) {
+  uint side = dot(d, s.ng) > 0.0 ? 1u : 0u;
+  MUTATE(kMutantMaskSidesTogether, side = 0u);
+  return choose_material(material, s.frame, at, -d,
+                         choice_words(frame.seed, path.pixel, path.sample_index, k, s.instance, s.primitive, side | flags));
+}
+
+// Whether the shadow ray, which has met a surface, goes on behind it.
+bool shadow_passes(inout Path path, Ray ray, Hit hit) {
+  MUTATE(kMutantMaskShadowsAll, return false);
+  bool limited = kCountPasses;
+  MUTATE(kMutantPassesFree, limited = false);
+  if (limited && path.shadow_segments == 0u) return false;
+  const Instance instance = fetch_instance(hit.instance);
+  const Surface s = make_surface(ray, hit, instance);
+  if (choose_at(path, path.shadow_vertex, s, instance.material, SurfacePoint(s.instance, s.primitive, hit.weights, s.ng), ray.d, 2u).material != kNone) return false;
+  --path.shadow_segments;
+  path.shadow_ray.t_min = hit.t;
+  path.shadow_passed = pass_behind(s, hit.t, ray.d);
+  return true;
+}
+
+// Whether a shadow ray that has arrived goes on, because it may pass what it met. Where none may, any hit ends it; else what is nearest is asked first.
+const bool kShadowRaysEnd = !kPassable || !kGathersLight;
+bool shadow_ray_goes_on(inout Path path, Walk walk) {
+  return !kShadowRaysEnd && walk_found(walk) && shadow_passes(path, path.shadow_ray, walk_hit(walk));
 }
 
 // The shadow ray has been traced.
@@ -183,12 +222,22 @@ void scatter(inout Path path, Surface s, Material material, vec3 wo, inout Decis
   path.bsdf_pdf = bs.pdf;
   path.n = light_normal(s, material);
   path.ray = spawn_ray(s.p, s.ng, s.error, wi);
+  path.passed = kNothingPassed;
   path.alive = true;
   if (path.segment >= frame.rr_depth) {
     path.alive = survive_roulette(path, to_unit(words.w));
     decisions.survived = path.alive ? 1u : 0u;
   }
   if (path.alive) ++path.segment;
+}
+
+// The same ray goes on behind a surface that it passes.
+void pass_surface(inout Path path, Surface s, float t, inout Decisions decisions) {
+  decisions.lobe = kLobePassed;
+  path.ray.t_min = t;
+  path.passed = pass_behind(s, t, path.ray.d);
+  path.alive = true;
+  if (kCountPasses) ++path.segment;
 }
 
 // Shades the end of path.ray: gathers emission, prepares the shadow ray (path.shadow_pending) and the next segment (path.alive).
@@ -204,7 +253,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     return;
   }
   const Instance instance = fetch_instance(hit.instance);
-  const Surface s = make_surface(path.ray, hit, instance);
+  Surface s = make_surface(path.ray, hit, instance);
   decisions.instance = s.instance;
   decisions.primitive = s.primitive;
   if (!kGathersLight) {
@@ -219,12 +268,21 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   if (!no_light_to_camera(path)) path.radiance += gather_emission(path, s, instance, hit.geometry, at);
   uint max_depth = frame.max_depth;
   MUTATE(kMutantDepthOffByOne, ++max_depth);
+  Choice choice = Choice(instance.material, s.frame);
+  if (kAdapters != 0u && (path.segment < max_depth || !kCountPasses)) {
+    choice = choose_at(path, path.segment - 1u, s, instance.material, at, path.ray.d, 0u);
+    if (kPassable && choice.material == kNone) {
+      pass_surface(path, s, hit.t, decisions);
+      return;
+    }
+  }
   if (kIntegrator == kIntegratorDirect && !is_camera_segment(path)) {
     next_direct_round(path);
     return;
   }
   if (path.segment >= max_depth) return;
-  const Material material = evaluate_material(instance, at);
+  s.frame = choice.frame;
+  const Material material = evaluate_material(choice.material, at);
   const vec3 wo = to_local(s.frame, -path.ray.d);
   if (material_has(material, kMaterialOneSided) && wo.z <= 0.0) {
     decisions.lobe = kLobeNone;
@@ -240,10 +298,15 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
 
 // One whole segment, for the kernels that look at single paths. `steps` counts traversal rounds; beyond the budget the result is void.
 void path_segment(inout Path path, uint step_budget, inout uint steps, out Decisions decisions) {
-  arrive(path, walk_hit(trace(path.ray, false, step_budget, steps)), decisions);
+  arrive(path, walk_hit(trace(path.ray, false, path.passed, step_budget, steps)), decisions);
   steps += (2u * kLightTreeDepth + 7u) / 8u;  // this lane's share of the loops that all lanes of a SIMD group go through together
   if (!path.shadow_pending) return;
-  const bool occluded = walk_found(trace(path.shadow_ray, true, step_budget, steps));
+  bool occluded;
+  for (;;) {
+    const Walk walk = trace(path.shadow_ray, kShadowRaysEnd, path.shadow_passed, step_budget, steps);
+    occluded = walk_found(walk);
+    if (!occluded || !shadow_ray_goes_on(path, walk)) break;
+  }
   if (kGathersLight) decisions.light_contributed = occluded ? 0u : 1u;
   else decisions.survived = occluded ? 0u : 1u;
   settle_light(path, occluded);

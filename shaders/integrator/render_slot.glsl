@@ -78,7 +78,7 @@ void render_slot(uint group, uint lane) {
   vec3 set_sum = vec3(0.0);
   if (kSetBits > 0u) set_sum = set_sums[slot].xyz;
   Path path = begin_path(pixel, first_path);
-  Walk walk = begin_walk(path.ray, false);
+  Walk walk = begin_walk(path.ray, false, kNothingPassed);
   Rejected first_rejected = Rejected(kNone, 0u);
   uint iterations = 0u;
   while (path.sample_index < pass.path_end) {
@@ -88,11 +88,15 @@ void render_slot(uint group, uint lane) {
       advance_walk(walk, kStepsPerTurn);
       if (walk_done(walk) && path.shadow_pending) {
         PROFILE(profile_arrival(true, false));
-        settle_light(path, walk_found(walk));
-        if (path.alive) walk = begin_walk(path.ray, false);
+        if (shadow_ray_goes_on(path, walk)) {
+          walk = begin_walk(path.shadow_ray, false, path.shadow_passed);
+        } else {
+          settle_light(path, walk_found(walk));
+          if (path.alive) walk = begin_walk(path.ray, false, path.passed);
+        }
       }
     }
-    if (!walk_done(walk)) continue;
+    if (!walk_done(walk) || (!kShadowRaysEnd && path.shadow_pending)) continue;
     if (path.alive) {
       PROFILE(profile_arrival(false, path.segment == 1u));
       Decisions decisions;
@@ -105,7 +109,7 @@ void render_slot(uint group, uint lane) {
     }
     Ray next_ray = path.ray;
     if (path.shadow_pending) next_ray = path.shadow_ray;
-    walk = begin_walk(next_ray, path.shadow_pending);
+    walk = begin_walk(next_ray, path.shadow_pending && kShadowRaysEnd, path.shadow_pending ? path.shadow_passed : path.passed);
   }
   if (path.sample_index < pass.path_end) {
     atomicAdd(report.unfinished, 1u);

@@ -12,7 +12,7 @@ layout(set = kSetKernel, binding = kBindingResults, std430) writeonly buffer Res
 
 void probe_bsdf(uint i) {
   if (i >= probe.count) return;
-  const Material material = evaluate_material(fetch_instance(0u), SurfacePoint(0u, 0u, vec3(1.0 / 3.0), vec3(0.0, 0.0, 1.0)));
+  const Material material = evaluate_material(fetch_instance(0u).material, SurfacePoint(0u, 0u, vec3(1.0 / 3.0), vec3(0.0, 0.0, 1.0)));
   if (probe.evaluate != 0u) {
     const vec3 wi = queries[i].xyz;
     results[i] = BsdfProbeResult(wi, bsdf_pdf(material, probe.wo, wi), bsdf_eval(material, probe.wo, wi), kLobeNone);

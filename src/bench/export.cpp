@@ -125,6 +125,8 @@ Json camera_json(const Scene& scene) {
 }
 
 Json instance_json(const Scene& scene, const Instance& instance, bool mirror, const std::string& ply) {
+  if (scene.materials[instance.material].adapter)
+    throw Error(ErrorKind::scene, "the comparison scenes know no adapters around materials; this scene has one");
   Json out = {{"name", instance.name}, {"bsdf", bsdf_json(scene.bsdf_of(instance))}, {"radiance", nullptr}};
   if (const AreaEmitter* emitter = scene.emitter_of(instance)) out["radiance"] = json(emitter->radiance.value);
   if (const auto* sphere = std::get_if<Sphere>(&scene.shape_of(instance))) {

@@ -28,6 +28,7 @@
 #include "core/memory.h"
 #include "scene/film_unit.h"
 #include "scene/invariants.h"
+#include "scene/materials.h"
 #include "scene/parameters.h"
 #include "scene/placed.h"
 #include "scene/sharing.h"
@@ -50,6 +51,20 @@ gpu::MaterialRecord flatten(const MirrorBsdf&) {
 }
 gpu::MaterialRecord flatten(const DielectricBsdf& bsdf) {
   return {.params = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0), .header = gpu::kBsdfDielectric | gpu::kMaterialDelta};
+}
+gpu::MaterialRecord flatten(const NullBsdf&) {
+  return {.header = gpu::kBsdfNull | gpu::kMaterialDelta};
+}
+// Rows are whole numbers below 2^24, which floats hold.
+gpu::MaterialRecord flatten(const TwoSidedAdapter& adapter) {
+  return {.params = glm::vec3(adapter.front, adapter.back, 0.0f), .header = gpu::kAdapterTwoSided};
+}
+gpu::MaterialRecord flatten(const MaskAdapter& mask) {
+  return {.params = glm::vec3(static_cast<float>(mask.inner), 0.0f, mask.opacity.value), .header = gpu::kAdapterMask};
+}
+gpu::MaterialRecord flatten(const BlendAdapter& blend) {
+  return {.params = glm::vec3(static_cast<float>(blend.first), blend.second, blend.weight.value),
+          .header = gpu::kAdapterBlend};
 }
 gpu::uint distribution_flag(Roughness::Distribution distribution) {
   return distribution == Roughness::Distribution::beckmann ? gpu::kMaterialBeckmann : 0u;
@@ -236,6 +251,8 @@ class Compiler {
 
   CompiledScene compile() {
     check_size();
+    for (const Instance& instance : scene_.instances) passing_.push_back(may_pass(scene_, instance.material));
+    passes_ = std::ranges::find(passing_, true) != passing_.end();
     flatten_materials();
     flatten_instances();
     build_tree();
@@ -270,13 +287,15 @@ class Compiler {
 
   void flatten_materials() {
     for (const Material& material : scene_.materials)
-      out_.materials.push_back(std::visit([&](const auto& bsdf) { return flatten_material(bsdf); }, material.bsdf));
+      out_.materials.push_back(
+          material.adapter ? std::visit([](const auto& adapter) { return flatten(adapter); }, *material.adapter)
+                           : std::visit([&](const auto& bsdf) { return flatten_material(bsdf); }, material.bsdf));
     if (out_.materials.empty()) out_.materials.push_back({});
     out_.textures = compile_textures(scene_);
     if (out_.textures.features == 0) return;
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
-      out_.material_textures.push_back(material_textures(scene_.materials[i].bsdf));
-      if (is_textured(scene_.materials[i].bsdf)) out_.materials[i].header |= gpu::kMaterialTextured;
+      out_.material_textures.push_back(material_textures(scene_.materials[i]));
+      if (is_textured(scene_.materials[i])) out_.materials[i].header |= gpu::kMaterialTextured;
     }
   }
 
@@ -376,7 +395,8 @@ class Compiler {
         order, [&](std::uint32_t a, std::uint32_t b) { return key(shared_records_[a]) < key(shared_records_[b]); });
     std::vector<bool> twin(order.size(), false);
     for (std::size_t i = 1; i < order.size(); ++i)
-      twin[order[i]] = same(shared_records_[order[i - 1]], shared_records_[order[i]]);
+      twin[order[i]] = same(shared_records_[order[i - 1]], shared_records_[order[i]]) &&
+                       !passing_.at(shared_records_[order[i - 1]].instance & ~gpu::kRecordInstance);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < twin.size(); ++i) {
       if (twin[i]) continue;
@@ -441,6 +461,8 @@ class Compiler {
 
   // The primitives outside the tree, in the order of the scene.
   std::vector<std::uint32_t> take_few_primitives(const std::vector<Box>& boxes) {
+    // A ray that passes a surface begins there anew, and which of equally near ones lie behind only the tree can tell.
+    if (passes_) return {};
     std::vector<std::uint32_t> few = choose_few_primitives(boxes, boxes.size() - shared_records_.size());
     out_.few_count = static_cast<std::uint32_t>(few.size());
     for (std::size_t i = 0; i < few.size(); ++i) {
@@ -456,7 +478,7 @@ class Compiler {
     std::vector<Box> boxes;
     boxes.reserve(flat_primitives_.size());
     for (const gpu::Primitive& p : flat_primitives_) boxes.push_back(primitive_box(p));
-    const std::vector<Twin> twins = find_twins(flat_primitives_);
+    const std::vector<Twin> twins = find_twins(flat_primitives_, passes_ ? passing_ : std::vector<bool>());
     for (const Twin& twin : twins) boxes[twin.primitive] = {};
     drop_shared_twins();
     const std::size_t first_shared = flat_primitives_.size();
@@ -658,6 +680,8 @@ class Compiler {
   const Scene& scene_;
   Sharing sharing_;
   Normalization normalization_;
+  std::vector<bool> passing_;                        // by instance: a ray may pass it
+  bool passes_ = false;                              // some of them
   std::vector<std::unique_ptr<SharedMesh>> meshes_;  // by shape; none where it is not shared
   std::vector<gpu::Primitive> shared_records_;       // instances of these
   std::vector<Box> shared_boxes_;

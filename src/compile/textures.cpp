@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "core/errors.h"
+#include "scene/materials.h"
 #include "scene/parameters.h"
 #include "scene/placed.h"
 #include "scene/sharing.h"
@@ -80,7 +81,7 @@ class TextureCompiler {
     const auto add = [&](const char*, const auto& parameter) {
       if (parameter.texture) add_need(scene_.textures[*parameter.texture], instance, needs);
     };
-    each_parameter(scene_.bsdf_of(instance), add);
+    each_material(scene_, instance.material, [&](const Material& material) { each_parameter(material, add); });
     const AreaEmitter* emitter = scene_.emitter_of(instance);
     if (emitter == nullptr) return;
     each_parameter(*emitter, add);
@@ -255,9 +256,7 @@ class TextureCompiler {
 gpu::uint texture_of(const ColorParameter& parameter) {
   return parameter.texture.value_or(gpu::kNone);
 }
-[[maybe_unused]]  // no material has one yet
-gpu::uint
-texture_of(const ScalarParameter& parameter) {
+gpu::uint texture_of(const ScalarParameter& parameter) {
   if (!parameter.texture) return gpu::kNone;
   return *parameter.texture | static_cast<gpu::uint>(parameter.channel) << gpu::kTextureOfChannelShift;
 }
@@ -268,10 +267,10 @@ CompiledTextures compile_textures(const Scene& scene) {
   return TextureCompiler(scene).compile();
 }
 
-gpu::MaterialTextures material_textures(const Bsdf& bsdf) {
+gpu::MaterialTextures material_textures(const Material& material) {
   gpu::MaterialTextures textures{.first = gpu::uvec4(gpu::kNone), .second = gpu::uvec4(gpu::kNone)};
   int i = 0;
-  each_parameter(bsdf, [&](const char*, const auto& parameter) {
+  each_parameter(material, [&](const char*, const auto& parameter) {
     (i < 4 ? textures.first : textures.second)[i % 4] = texture_of(parameter);
     ++i;
   });

@@ -36,7 +36,8 @@ std::uint64_t hash_of(const gpu::Primitive& p) {
 
 }  // namespace
 
-std::vector<Twin> find_twins(const std::vector<gpu::Primitive>& primitives) {
+std::vector<Twin> find_twins(const std::vector<gpu::Primitive>& primitives,
+                             const std::vector<bool>& passing_instances) {
   std::vector<Twin> twins;
   // Open addressing over bare numbers.
   std::vector<std::uint32_t> table(std::bit_ceil(2 * primitives.size() + 1), kNone);
@@ -48,7 +49,11 @@ std::vector<Twin> find_twins(const std::vector<gpu::Primitive>& primitives) {
     std::size_t at = hash_of(primitives[i]) & (table.size() - 1);
     while (table[at] != kNone && !same_geometry(primitives[table[at]], primitives[i]))
       at = (at + 1) & (table.size() - 1);
-    if (table[at] == kNone) {
+    // What a ray may pass stands for copies of its own instance alone.
+    const bool passed = table[at] != kNone && !passing_instances.empty() &&
+                        primitives[table[at]].instance != primitives[i].instance &&
+                        passing_instances[primitives[table[at]].instance];
+    if (table[at] == kNone || passed) {
       table[at] = i;
     } else {
       twins.push_back({i, table[at]});

@@ -16,7 +16,9 @@ struct Twin {
 
 /// The primitives, ascending, that have exactly the vertices of an earlier one in the same order (or centre and
 /// radius), and the triangles with two equal vertices, which are never hit. A ray that meets one of thousands of twins
-/// meets them all, and no tree can part them.
-std::vector<Twin> find_twins(const std::vector<gpu::Primitive>& primitives);
+/// meets them all, and no tree can part them. An instance that a ray may pass, `passing_instances` true, stands for no
+/// other.
+std::vector<Twin> find_twins(const std::vector<gpu::Primitive>& primitives,
+                             const std::vector<bool>& passing_instances = {});
 
 }  // namespace etendue

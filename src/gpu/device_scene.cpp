@@ -79,14 +79,32 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
 
 // What the materials that surfaces have are: kernels are built for them and no others.
 struct MaterialsUsed {
-  explicit MaterialsUsed(const CompiledScene& scene) {
-    for (const gpu::Instance& instance : scene.instances) {
-      const gpu::uint header = scene.materials[instance.material].header;
-      types |= 1u << (header & gpu::kMaterialTypeMask);
-      flags_some |= header & ~gpu::kMaterialTypeMask;
-      flags_all &= header & ~gpu::kMaterialTypeMask;
-    }
+  explicit MaterialsUsed(const CompiledScene& scene) : depths(scene.materials.size(), kUnknown) {
+    for (const gpu::Instance& instance : scene.instances)
+      adapter_depth = std::max(adapter_depth, look_at(scene, instance.material));
   }
+
+  // Adapters between a surface with this material and what scatters. What an adapter chooses from lies before it.
+  std::uint32_t look_at(const CompiledScene& scene, gpu::uint row) {
+    if (depths[row] != kUnknown) return depths[row];
+    const gpu::MaterialRecord& record = scene.materials[row];
+    const gpu::uint type = record.header & gpu::kMaterialTypeMask;
+    if (type < gpu::kAdapterFirst) {
+      types |= 1u << type;
+      flags_some |= record.header & ~gpu::kMaterialTypeMask;
+      flags_all &= record.header & ~gpu::kMaterialTypeMask;
+      if (type == gpu::kBsdfNull) adapters |= gpu::kAdaptersPass;
+      return depths[row] = 0;
+    }
+    adapters |= 1u << (type - gpu::kAdapterFirst) | (type == gpu::kAdapterMask ? gpu::kAdaptersPass : 0u);
+    std::uint32_t depth = look_at(scene, static_cast<gpu::uint>(record.params.x));
+    if (type != gpu::kAdapterMask) depth = std::max(depth, look_at(scene, static_cast<gpu::uint>(record.params.y)));
+    return depths[row] = depth + 1;
+  }
+
+  static constexpr std::uint32_t kUnknown = ~0u;
+  std::vector<std::uint32_t> depths;
+  std::uint32_t adapters = 0, adapter_depth = 0;
   std::uint32_t types = 0;  // bit i for the type kBsdf… = i
   std::uint32_t flags_some = 0, flags_all = ~gpu::kMaterialTypeMask;
 };
@@ -189,6 +207,8 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantBsdfsUsed, used.types},
                                      {gpu::kConstantMaterialFlagsSome, used.flags_some},
                                      {gpu::kConstantMaterialFlagsAll, used.flags_all},
+                                     {gpu::kConstantAdapters, used.adapters},
+                                     {gpu::kConstantAdapterDepth, used.adapter_depth},
                                      {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
                                      {gpu::kConstantSphereLights, has_lights(scene, gpu::kPrimitiveSphere) ? 1u : 0u},
                                      {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},

@@ -255,6 +255,7 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
           {gpu::kConstantNee, nee ? 1u : 0u},
           {gpu::kConstantMis, weighs_strategies(view.integrator) ? 1u : 0u},
           {gpu::kConstantHideEmitters, gathers_light(view.integrator) && view.integrator.hide_emitters ? 1u : 0u},
+          {gpu::kConstantCountPasses, counts_passes(view.integrator) ? 1u : 0u},
           {gpu::kConstantLuminance, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
           {gpu::kConstantStepsPerTurn, steps},
           {gpu::kConstantTurnsPerRound, turns},

@@ -20,7 +20,8 @@ enum class Lobe : std::uint32_t {
   delta_reflection = 2,
   delta_transmission = 3,
   glossy_reflection = 4,
-  glossy_transmission = 5
+  glossy_transmission = 5,
+  passed = 6  ///< the surface was as if it were not there
 };
 
 inline bool is_delta(Lobe lobe) {
@@ -75,6 +76,10 @@ Vec3 eval(const RoughPlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 double pdf(const RoughPlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 BsdfSample sample(const RoughPlasticBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
 
+Vec3 eval(const NullBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const NullBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const NullBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
 inline Vec3 eval(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   return std::visit([&](const auto& b) { return eval(b, wo, wi); }, bsdf);
 }
@@ -120,6 +125,9 @@ constexpr BsdfTraits traits(const PlasticBsdf&) {
 }
 constexpr BsdfTraits traits(const RoughPlasticBsdf&) {
   return {.delta = false, .one_sided = true};
+}
+constexpr BsdfTraits traits(const NullBsdf&) {
+  return {.delta = true, .one_sided = false};
 }
 inline BsdfTraits traits(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return traits(b); }, bsdf);

@@ -91,7 +91,7 @@ bool Bvh::traverse(const Ray& ray, Visit&& visit) const {
   // A box is entered no later than what is in it is met, but for rounding; surfaces at the same distance all count.
   constexpr double kSlack = 1.0 + 0x1p-40;
   const auto enter = [&](std::uint32_t node) {
-    return enter_box(nodes_[node].box, ray.origin, inverse, ray.t_min, t_max * kSlack);
+    return enter_box(nodes_[node].box, ray.origin, inverse, ray.t_min / kSlack, t_max * kSlack);
   };
   if (const double t = enter(0); t != kMissed) stack[size++] = {0, t};
   while (size > 0) {

@@ -17,6 +17,13 @@ class Frame {
     s_ = {1.0 + sign * unit.x * unit.x * a, sign * b, -sign * unit.x};
     t_ = {b, sign + unit.y * unit.y * a, -unit.y};
   }
+  const Vec3& normal() const { return n_; }
+  /// The same seen from the other side: left-handed where this is right-handed.
+  Frame mirrored() const {
+    Frame other = *this;
+    other.n_ = -n_;
+    return other;
+  }
   Vec3 to_world(const Vec3& local) const { return local.x * s_ + local.y * t_ + local.z * n_; }
   Vec3 to_local(const Vec3& world) const { return {glm::dot(world, s_), glm::dot(world, t_), glm::dot(world, n_)}; }
 

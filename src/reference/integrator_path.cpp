@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reference/adapters.h"
 #include "reference/frame.h"
 #include "reference/integrator.h"
 #include "reference/texture.h"
@@ -17,11 +18,13 @@ double power_heuristic(double own, double other) {
 /// A material at a point of the surface, in world space. The shading normal alone decides which side a direction is on.
 class Scatterer {
  public:
-  Scatterer(const Bsdf& bsdf, const Surface& surface, const Vec3& wo)
-      : bsdf_(bsdf), frame_(surface.ns), wo_(frame_.to_local(wo)) {}
+  Scatterer(Bsdf bsdf, const Frame& frame, const Vec3& wo)
+      : bsdf_(std::move(bsdf)), frame_(frame), wo_(frame_.to_local(wo)) {}
 
   /// The normal by which lights are chosen; 0 where light from both sides counts.
-  Vec3 light_normal(const Vec3& ns) const { return traits(bsdf_).transmissive ? Vec3(0.0) : ns; }
+  Vec3 light_normal() const { return traits(bsdf_).transmissive ? Vec3(0.0) : frame_.normal(); }
+  /// Nothing but delta lobes scatter.
+  bool delta() const { return reference::is_delta(bsdf_); }
   /// Nothing scatters toward `wo`.
   bool black() const { return is_one_sided(bsdf_) && wo_.z <= 0.0; }
 
@@ -36,7 +39,7 @@ class Scatterer {
   }
 
  private:
-  const Bsdf& bsdf_;  // its parameters are constants
+  Bsdf bsdf_;  // its parameters are constants
   Frame frame_;
   Vec3 wo_;
 };
@@ -52,21 +55,19 @@ class Path {
         integrator_(world.scene().integrator),
         samples_lights_(samples_lights(integrator_)),
         weighs_(weighs_strategies(integrator_)),
+        counts_passes_(counts_passes(integrator_)),
         random_(random),
         log_(log) {}
 
   Vec3 trace(Ray ray) {
     const bool path = integrator_.type == Integrator::Type::path;
     max_depth_ = path ? integrator_.max_depth : Integrator::kUnlimitedDepth;
-    std::optional<Surface> hit = first_visible(ray);
-    for (std::uint32_t depth = 1; depth <= max_depth_; ++depth) {
-      if (depth > 1) {
-        hit = world_.closest_hit(ray);
-        log_.segment(hit);
-      }
-      const bool goes_on = hit ? scatter(*hit, depth, ray) : leave(ray, depth == 1);
+    for (std::uint32_t depth = 1; depth <= max_depth_;) {
+      const std::optional<Surface> hit = next_surface(ray, depth == 1);
+      const Step step = hit ? scatter(*hit, depth, ray) : leave(ray, depth == 1);
       log_.radiance(radiance_);
-      if (!goes_on) break;
+      if (step == Step::ends) break;
+      if (step == Step::scatters || counts_passes_) ++depth;
     }
     return radiance_;
   }
@@ -79,27 +80,81 @@ class Path {
       Ray ray = camera_ray;
       beta_ = Vec3(1.0);
       previous_.reset();
-      const std::optional<Surface> hit = first_visible(ray);
-      if (!hit && round == 0) leave(ray, true);
-      const bool bounced = hit && direct_round(*hit, round, ray);
-      log_.radiance(radiance_);
-      if (!hit || black_) break;
-      if (!bounced) continue;
-      const std::optional<Surface> end = world_.closest_hit(ray);
-      log_.segment(end);
-      if (end) {
-        radiance_ += beta_ * emission(*end, -ray.direction);
-      } else {
-        leave(ray, false);
+      std::optional<Surface> hit;
+      Step step = Step::passes;
+      while (step == Step::passes) {
+        hit = next_surface(ray, true);
+        if (!hit && round == 0) leave(ray, true);
+        step = hit ? direct_round(*hit, round, ray) : Step::ends;
+        log_.radiance(radiance_);
       }
-      log_.radiance(radiance_);
+      if (!hit || black_) break;
+      if (step == Step::scatters) end_direct_round(ray, 2 * round + 1);
     }
     return radiance_;
   }
 
  private:
-  bool leave(const Ray& ray, bool seen_by_camera) {
+  /// What becomes of a path at a surface: it ends, it goes on in another direction, or it goes on as if there were no
+  /// surface.
+  enum class Step { ends, scatters, passes };
+
+  Step leave(const Ray& ray, bool seen_by_camera) {
     if (!(seen_by_camera && integrator_.hide_emitters)) radiance_ += beta_ * from_outside(ray.direction);
+    return Step::ends;
+  }
+
+  std::optional<Surface> next_surface(Ray& ray, bool from_camera) {
+    if (from_camera) return first_visible(ray);
+    const std::optional<Surface> hit = world_.closest_hit(ray);
+    log_.segment(hit);
+    return hit;
+  }
+
+  /// The second segment of a round: what it meets by chance.
+  void end_direct_round(Ray ray, std::uint32_t vertex) {
+    for (;;) {
+      const std::optional<Surface> end = next_surface(ray, false);
+      if (end) {
+        radiance_ += beta_ * emission(*end, -ray.direction);
+      } else {
+        leave(ray, false);
+      }
+      const bool passes = end && !scatterer_at(*end, ray.direction, vertex);
+      if (passes) pass(*end, ray);
+      log_.radiance(radiance_);
+      if (!passes) return;
+    }
+  }
+
+  /// The material that light from vertex `k` on meets in the direction `w`, or nothing where it passes the surface.
+  std::optional<Scatterer> scatterer_at(const Surface& surface, const Vec3& w, std::uint32_t k) const {
+    const std::optional<ChosenMaterial> chosen = choose_material(world_.scene(), surface, w, random_, k, false);
+    if (!chosen) return std::nullopt;
+    return Scatterer(at_point(world_.scene(), world_.scene().materials[chosen->row].bsdf, surface), chosen->frame, -w);
+  }
+
+  /// The same ray, from the surface on.
+  static void go_behind(const Surface& surface, Ray& ray) {
+    ray.t_min = surface.t;
+    // By the distance that the next surface lies behind the point where a ray begins, see offset_toward().
+    const double cosine = std::max(0.01, std::abs(glm::dot(ray.direction, surface.ng)));
+    ray.passed = {surface.instance, surface.t + glm::distance(surface.offset_toward(surface.ng), surface.p) / cosine};
+  }
+  Step pass(const Surface& surface, Ray& ray) {
+    log_.lobe(Lobe::passed);
+    go_behind(surface, ray);
+    return Step::passes;
+  }
+
+  /// Whether a shadow ray from vertex `k` meets nothing, or passes all that it meets.
+  bool unoccluded(Ray ray, std::uint32_t k) const {
+    for (std::uint64_t segment = std::uint64_t{k} + 2; !counts_passes_ || segment <= max_depth_; ++segment) {
+      const std::optional<Surface> hit = world_.closest_hit(ray);
+      if (!hit) return true;
+      if (choose_material(world_.scene(), *hit, ray.direction, random_, k, true)) return false;
+      go_behind(*hit, ray);
+    }
     return false;
   }
 
@@ -117,33 +172,30 @@ class Path {
     }
   }
 
-  /// The first segment of a round; true when `ray` has become that of a material sample.
-  bool direct_round(const Surface& surface, std::uint32_t round, Ray& ray) {
-    const Instance& instance = world_.scene().instances[surface.instance];
-    const Bsdf bsdf = at_point(world_.scene(), world_.scene().bsdf_of(instance), surface);
-    const Vec3 wo = -ray.direction;
-    if (round == 0) radiance_ += beta_ * emission(surface, wo);
-    const Scatterer scatterer(bsdf, surface, wo);
+  /// The first segment of a round; when it scatters, `ray` has become that of a material sample.
+  Step direct_round(const Surface& surface, std::uint32_t round, Ray& ray) {
+    if (round == 0) radiance_ += beta_ * emission(surface, -ray.direction);
+    // Numbers are counted by segments, of which a round has two.
+    const std::uint32_t k = 2 * round;
+    const std::optional<Scatterer> chosen = scatterer_at(surface, ray.direction, k);
+    if (!chosen) return pass(surface, ray);
+    const Scatterer& scatterer = *chosen;
     black_ = scatterer.black();
     if (black_) {
       log_.lobe(Lobe::none);
-      return false;
+      return Step::ends;
     }
-    // Numbers are counted by segments, of which a round has two.
-    const std::uint32_t k = 2 * round;
-    const bool delta = is_delta(bsdf);
+    const bool delta = scatterer.delta();
     if (round < integrator_.emitter_samples && !delta) add_sampled_light(surface, scatterer, k);
-    if (round >= integrator_.bsdf_samples) return false;
+    if (round >= integrator_.bsdf_samples) return Step::ends;
     const BsdfSample bounce = scatterer.sample(random_.material(k));
     log_.lobe(bounce.lobe);
-    if (bounce.lobe == Lobe::none) return false;
+    if (bounce.lobe == Lobe::none) return Step::ends;
     beta_ *= bounce.weight / static_cast<double>(integrator_.bsdf_samples);
-    previous_ = Previous{.point = surface.p,
-                         .ns = scatterer.light_normal(surface.ns),
-                         .pdf_w = bounce.pdf,
-                         .delta = is_delta(bounce.lobe)};
+    previous_ = Previous{
+        .point = surface.p, .ns = scatterer.light_normal(), .pdf_w = bounce.pdf, .delta = is_delta(bounce.lobe)};
     ray = {.origin = surface.offset_toward(bounce.wi), .direction = bounce.wi};
-    return true;
+    return Step::scatters;
   }
 
   /// Light that arrives from outside, times the share that finding it by chance has in the estimate.
@@ -158,36 +210,35 @@ class Path {
   /// Whether the vertex before has sampled lights, too.
   bool found_by_sampling() const { return samples_lights_ && previous_ && !previous_->delta; }
 
-  /// Gathers light at vertex `depth` − 1 and turns `ray` into the next segment; false when the path ends.
-  bool scatter(const Surface& surface, std::uint32_t depth, Ray& ray) {
-    const Instance& instance = world_.scene().instances[surface.instance];
-    const Bsdf bsdf = at_point(world_.scene(), world_.scene().bsdf_of(instance), surface);
-    const Vec3 wo = -ray.direction;
-    radiance_ += beta_ * emission(surface, wo);
-    if (depth == max_depth_) return false;
-    const Scatterer scatterer(bsdf, surface, wo);
+  /// Gathers light at vertex `depth` − 1 and turns `ray` into the next segment.
+  Step scatter(const Surface& surface, std::uint32_t depth, Ray& ray) {
+    const bool last = depth == max_depth_;
+    const std::uint32_t k = depth - 1;
+    radiance_ += beta_ * emission(surface, -ray.direction);
+    if (last && counts_passes_) return Step::ends;
+    const std::optional<Scatterer> chosen = scatterer_at(surface, ray.direction, k);
+    if (!chosen) return pass(surface, ray);
+    if (last) return Step::ends;
+    const Scatterer& scatterer = *chosen;
     if (scatterer.black()) {
       log_.lobe(Lobe::none);
-      return false;
+      return Step::ends;
     }
-    const std::uint32_t k = depth - 1;
-    if (samples_lights_ && !is_delta(bsdf)) add_sampled_light(surface, scatterer, k);
-    if (integrator_.type == Integrator::Type::whitted && !is_delta(bsdf)) return false;
+    if (samples_lights_ && !scatterer.delta()) add_sampled_light(surface, scatterer, k);
+    if (integrator_.type == Integrator::Type::whitted && !scatterer.delta()) return Step::ends;
 
     const SampleRandom::Material random = random_.material(k);
     const BsdfSample bounce = scatterer.sample(random);
     log_.lobe(bounce.lobe);
-    if (bounce.lobe == Lobe::none) return false;
+    if (bounce.lobe == Lobe::none) return Step::ends;
     beta_ *= bounce.weight;
     eta_scale_ *= bounce.eta * bounce.eta;
-    if (!survives(depth, random.roulette)) return false;
+    if (!survives(depth, random.roulette)) return Step::ends;
 
-    previous_ = Previous{.point = surface.p,
-                         .ns = scatterer.light_normal(surface.ns),
-                         .pdf_w = bounce.pdf,
-                         .delta = is_delta(bounce.lobe)};
+    previous_ = Previous{
+        .point = surface.p, .ns = scatterer.light_normal(), .pdf_w = bounce.pdf, .delta = is_delta(bounce.lobe)};
     ray = {.origin = surface.offset_toward(bounce.wi), .direction = bounce.wi};
-    return true;
+    return Step::scatters;
   }
 
   /// Radiance emitted toward `wo`, times the share that finding it by chance has in the estimate.
@@ -214,17 +265,22 @@ class Path {
     const Environment& environment = world_.environment();
     if (environment.is_sampled()) {
       if (const auto sample = environment.sample(random_.environment(k)))
-        return outside_light(surface, scatterer, *sample, delta);
+        return outside_light(surface, scatterer, *sample, k, delta);
     }
     if (world_.lights().empty()) return Vec3(0.0);
-    return direct_light(surface, scatterer, random_.light(k), delta) / environment.lights_prob();
+    return direct_light(surface, scatterer, k, delta) / environment.lights_prob();
   }
 
   Vec3 outside_light(const Surface& surface, const Scatterer& scatterer, const EnvironmentSample& sample,
-                     bool& delta) const {
+                     std::uint32_t k, bool& delta) const {
     delta = sample.delta;
     const Vec3 unshadowed = scatterer.eval(sample.wi) * sample.radiance;
-    const bool contributes = !is_zero(unshadowed) && world_.escapes(surface.offset_toward(sample.wi), sample.wi);
+    const auto free = [&] {
+      const Vec3 from = surface.offset_toward(sample.wi);
+      return world_.may_pass() ? unoccluded({.origin = from, .direction = sample.wi}, k)
+                               : world_.escapes(from, sample.wi);
+    };
+    const bool contributes = !is_zero(unshadowed) && free();
     log_.environment(sample, contributes);
     if (!contributes) return Vec3(0.0);
     const bool shared = weighs_ && !delta;
@@ -234,17 +290,15 @@ class Path {
   }
 
   /// Reflected radiance due to one sampled point of one light, where no other than those is chosen.
-  Vec3 direct_light(const Surface& surface, const Scatterer& scatterer, const SampleRandom::Light& random,
-                    bool& delta) const {
+  Vec3 direct_light(const Surface& surface, const Scatterer& scatterer, std::uint32_t k, bool& delta) const {
     const std::optional<LightSample> chosen =
-        world_.lights().sample(world_.scene(), surface.p, scatterer.light_normal(surface.ns), random);
+        world_.lights().sample(world_.scene(), surface.p, scatterer.light_normal(), random_.light(k));
     if (!chosen) return Vec3(0.0);
     const LightSample& light = *chosen;
     delta = light.delta;
     const Vec3 f = light.pdf_w > 0.0 ? scatterer.eval(light.wi) : Vec3(0.0);
     const Vec3 unshadowed = f * light.radiance;
-    const bool contributes = !is_zero(unshadowed) &&
-                             !world_.occluded(surface.offset_toward(light.wi), light.surface.offset_toward(-light.wi));
+    const bool contributes = !is_zero(unshadowed) && lit(surface, light, k);
     log_.light(light, contributes);
     if (!contributes) return Vec3(0.0);
     const double pdf_mis = light.pdf_w_mis * world_.environment().lights_prob();
@@ -252,6 +306,14 @@ class Path {
     const double w_light =
         shared ? power_heuristic(light_count() * pdf_mis, bsdf_count() * scatterer.pdf(light.wi)) : 1.0;
     return unshadowed / light.pdf_w * w_light / light_count();
+  }
+
+  /// Whether a shadow ray from vertex `k` reaches the point of a light.
+  bool lit(const Surface& surface, const LightSample& light, std::uint32_t k) const {
+    const Vec3 from = surface.offset_toward(light.wi), to = light.surface.offset_toward(-light.wi);
+    if (!world_.may_pass()) return !world_.occluded(from, to);
+    const double distance = glm::length(to - from);
+    return !(distance > 0.0) || unoccluded({.origin = from, .direction = (to - from) / distance, .t_max = distance}, k);
   }
 
   /// Russian roulette. Paths inside a medium carry radiance scaled by its squared index; `eta_scale_` undoes this, so
@@ -280,7 +342,7 @@ class Path {
 
   const World& world_;
   const Integrator& integrator_;
-  const bool samples_lights_, weighs_;
+  const bool samples_lights_, weighs_, counts_passes_;
   std::uint32_t max_depth_ = 1;
   bool black_ = false;  ///< the surface that the rounds of `direct` look at reflects nothing
   const SampleRandom& random_;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "reference/vec.h"
 
@@ -13,6 +14,13 @@ struct Ray {
   Vec3 direction{0.0};  ///< unit length
   double t_min = 0.0;   ///< hits count in the open interval (t_min, t_max)
   double t_max = std::numeric_limits<double>::infinity();
+  /// An instance whose surface at t_min the ray has passed: at t_min itself those behind it in the order of the scene
+  /// count, too, and of itself only what lies beyond `t_own`.
+  struct Passed {
+    std::uint32_t instance;
+    double t_own;
+  };
+  std::optional<Passed> passed = {};
 };
 
 /// A point of the scene's surface.
@@ -24,6 +32,7 @@ struct Surface {
   std::uint32_t instance = 0;
   std::uint32_t primitive = 0;
   Vec3 weights{0.0};  ///< of the triangle's vertices
+  double t = 0.0;     ///< along the ray that met it
 
   static constexpr double kRelativeOffset = 0x1p-42;
   /// Where a ray toward `w` starts (or one from there ends): off the surface, to the side of `w`, by far more than the

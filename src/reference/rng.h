@@ -86,6 +86,23 @@ class SampleRandom {
     return {words[0], words[1], unit_float(words[2]), unit_float(words[3])};
   }
 
+  /// What an adapter decides about a surface at vertex `k`, or about one met by a shadow ray from there.
+  struct Decision {
+    std::uint32_t vertex;
+    std::uint32_t instance, primitive;
+    bool behind;  ///< the surface is met on the side behind its geometric normal
+    bool shadow_ray;
+  };
+  /// A number in [0,1) for the adapter in row `material` of the table; docs/conventions.md, "Adapters".
+  double choice(const Decision& d, std::uint32_t material) const {
+    Words words = pcg4d({pixel_, path_, kReserved + (2u << 24) + d.vertex % (1u << 24), seed_});
+    words[0] += d.instance;
+    words[1] += d.primitive;
+    words[2] += (d.behind ? 1u : 0u) + (d.shadow_ray ? 2u : 0u);
+    words[3] += material;
+    return unit_float(pcg4d(words)[0]);
+  }
+
   Words block(std::uint32_t index) const;
 
  private:

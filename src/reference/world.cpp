@@ -10,6 +10,7 @@
 #include "reference/rng.h"
 #include "scene/bounds.h"
 #include "scene/film_unit.h"
+#include "scene/materials.h"
 
 namespace etendue::reference {
 namespace {
@@ -27,7 +28,11 @@ World::World(const Scene& scene, Rounding rounding)
       environment_(scene, lights_.power()),
       filter_(scene.camera.filter) {
   if (!scene_.delta_lights.empty()) delta_light_limit_ = etendue::delta_light_limit(radiance_exponent(scene_));
-  for (const Instance& instance : scene_.instances) placements_.emplace_back(instance);
+  for (const Instance& instance : scene_.instances) {
+    placements_.emplace_back(instance);
+    passing_.push_back(etendue::may_pass(scene_, instance.material));
+  }
+  may_pass_ = std::ranges::find(passing_, true) != passing_.end();
   sharing_.emplace(scene_);
   add_meshes(*sharing_);
   primitives_ = collect(*sharing_);
@@ -135,8 +140,9 @@ std::vector<World::Primitive> World::collect(const Sharing& sharing) const {
   return without_twins(std::move(primitives));
 }
 
-/// Of primitives with the same vertices in the same order only the first counts: a ray meets all or none of them.
-std::vector<World::Primitive> World::without_twins(std::vector<Primitive> primitives) {
+/// Of primitives with the same vertices in the same order only the first counts: a ray meets all or none of them. Where
+/// it may pass that one, those of other instances lie behind.
+std::vector<World::Primitive> World::without_twins(std::vector<Primitive> primitives) const {
   const auto key = [&](std::uint32_t i) {
     const Primitive& p = primitives[i];
     return std::tie(p.p0.x, p.p0.y, p.p0.z, p.p1.x, p.p1.y, p.p1.z, p.p2.x, p.p2.y, p.p2.z, p.radius);
@@ -154,8 +160,12 @@ std::vector<World::Primitive> World::without_twins(std::vector<Primitive> primit
     return a.disk.has_value() == b.disk.has_value() && a.tube.has_value() == b.tube.has_value() &&
            (!a.tube || a.tube->side == b.tube->side);
   };
-  for (std::size_t i = 1; i < order.size(); ++i)
-    is_twin[order[i]] = key(order[i]) == key(order[i - 1]) && alike(primitives[order[i]], primitives[order[i - 1]]);
+  for (std::size_t i = 1, first = 0; i < order.size(); ++i) {
+    const Primitive &p = primitives[order[i]], &standing = primitives[order[first]];
+    const bool same = key(order[i]) == key(order[first]) && alike(p, standing);
+    is_twin[order[i]] = same && (p.instance == standing.instance || !passing_[standing.instance]);
+    if (!is_twin[order[i]]) first = i;
+  }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     if (!is_twin[i]) primitives[kept++] = primitives[i];
@@ -166,6 +176,12 @@ std::vector<World::Primitive> World::without_twins(std::vector<Primitive> primit
 
 void World::meet(const Primitive& p, std::uint32_t instance, const Ray& ray, const TriangleTest& test, double& t_max,
                  Found& found) {
+  if (ray.passed && instance >= ray.passed->instance) {
+    Ray reaching = ray;
+    reaching.t_min = instance == ray.passed->instance ? ray.passed->t_own : std::nextafter(ray.t_min, -1.0);
+    reaching.passed.reset();
+    return meet(p, instance, reaching, TriangleTest(reaching), t_max, found);
+  }
   // Among equally near surfaces the first of the scene is the one that is met, whatever the order of the tree.
   const bool precedes = found.any && std::pair(instance, p.index) < std::pair(found.instance, found.index);
   const double reach = precedes ? std::nextafter(t_max, INFINITY) : t_max;
@@ -233,6 +249,7 @@ std::optional<Surface> World::closest_hit(const Ray& exact) const {
   });
   if (!found.any) return std::nullopt;
   Surface met = surface(found, ray.origin + found.hit.t * ray.direction);
+  met.t = found.hit.t;
   if (rounding_ == Rounding::single) shake(met);
   return met;
 }

@@ -35,6 +35,8 @@ class World {
 
   /// The nearest surface along the ray.
   std::optional<Surface> closest_hit(const Ray& ray) const;
+  /// Whether some surface may be passed as if it were not there.
+  bool may_pass() const { return may_pass_; }
   /// Whether anything lies between two points that have already been offset off their surfaces.
   bool occluded(const Vec3& from, const Vec3& to) const;
   /// Whether a ray from a point that has already been offset off its surface meets nothing.
@@ -73,7 +75,7 @@ class World {
   /// Tests one primitive, that of `instance`, against a ray in its space; takes it when it is the nearest.
   static void meet(const Primitive& primitive, std::uint32_t instance, const Ray& ray, const TriangleTest& test,
                    double& t_max, Found& found);
-  static std::vector<Primitive> without_twins(std::vector<Primitive> primitives);
+  std::vector<Primitive> without_twins(std::vector<Primitive> primitives) const;
   Surface surface(const Found& found, const Vec3& near_point) const;
   void shake(Surface& surface) const;
   Surface triangle_surface(const Found& found) const;
@@ -90,6 +92,8 @@ class World {
   Bvh bvh_;
   std::vector<Primitive> primitives_;  ///< in the order of the hierarchy's leaves
   std::vector<Placement> placements_;  ///< of the instances
+  std::vector<bool> passing_;          ///< of the instances: whether rays may pass them
+  bool may_pass_ = false;
   std::optional<Sharing> sharing_;
   std::vector<Mesh> meshes_;  ///< by shape; empty where it is not shared
 };

@@ -23,7 +23,8 @@ enum class ProbeLobe : std::uint32_t {
   delta_reflection = 2,
   delta_transmission = 3,
   glossy_reflection = 4,
-  glossy_transmission = 5
+  glossy_transmission = 5,
+  passed = 6
 };
 inline bool is_delta(ProbeLobe lobe) {
   return lobe == ProbeLobe::delta_reflection || lobe == ProbeLobe::delta_transmission;

@@ -37,8 +37,9 @@ std::string integrator_text(const Scene& scene) {
     case Integrator::Type::depth:
       return "depth";
   }
-  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}{}{}", integrator.max_depth, integrator.nee,
-                     integrator.mis, integrator.rr_depth, tree, hidden);
+  const std::string passes = integrator.count_passes ? "" : " countPasses=false";
+  return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}{}{}{}", integrator.max_depth, integrator.nee,
+                     integrator.mis, integrator.rr_depth, tree, hidden, passes);
 }
 
 FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {

@@ -8,6 +8,9 @@
 
 namespace etendue {
 
+/// Nothing: light passes as if the surface were not there.
+struct NullBsdf {};
+
 /// Roughness of a surface of microfacets: the root mean square slopes along and across the tangent, times √2.
 struct Roughness {
   enum class Distribution : std::uint32_t { beckmann, ggx };

@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "scene/bounds.h"
 #include "scene/limits.h"
+#include "scene/materials.h"
 #include "scene/placed.h"
 #include "scene/texture_checks.h"
 
@@ -67,10 +68,16 @@ class Checker {
     for (const AreaEmitter& emitter : scene_.emitters)
       check_radiance(emitter.radiance.value, emitter.position, "radiance");
     for (const DeltaLight& light : scene_.delta_lights) check_delta_light(light);
-    for (const Material& material : scene_.materials)
-      std::visit([&](const auto& bsdf) { check_bsdf(bsdf, material); }, material.bsdf);
+    for (const Material& material : scene_.materials) {
+      if (material.adapter) {
+        std::visit([&](const auto& adapter) { check_adapter(adapter, material); }, *material.adapter);
+      } else {
+        std::visit([&](const auto& bsdf) { check_bsdf(bsdf, material); }, material.bsdf);
+      }
+    }
     check_totals();
     if (tables_fit()) {
+      check_adapters();
       shapes_.resize(scene_.shapes.size());
       for (const Instance& instance : scene_.instances) check_instance(instance);
       check_textures(scene_, sink_, locate_);
@@ -268,6 +275,7 @@ class Checker {
       error(material.position, "albedo", fmt::format("albedo {} {} {} is not finite", albedo.x, albedo.y, albedo.z));
   }
   void check_bsdf(const MirrorBsdf&, const Material&) {}
+  void check_bsdf(const NullBsdf&, const Material&) {}
   void check_bsdf(const DielectricBsdf& bsdf, const Material& material) {
     check_indices(material, bsdf.int_ior, bsdf.ext_ior);
   }
@@ -349,6 +357,50 @@ class Checker {
     check_roughness(material, "alpha", bsdf.alpha);
   }
 
+  void check_adapter(const TwoSidedAdapter&, const Material&) {}
+  void check_adapter(const MaskAdapter& mask, const Material& material) {
+    check_probability(material, "opacity", mask.opacity.value);
+  }
+  void check_adapter(const BlendAdapter& blend, const Material& material) {
+    check_probability(material, "weight", blend.weight.value);
+  }
+  void check_probability(const Material& material, const char* field, double value) {
+    if (!(value >= 0.0 && value <= 1.0))
+      error(material.position, field, fmt::format("{} {} is not between 0 and 1", field, value));
+  }
+
+  /// Adapters as a whole: how deep they stand one in the other, and what has no back of its own.
+  void check_adapters() {
+    std::vector<std::uint32_t> depths;
+    for (std::uint32_t row = 0; row < scene_.materials.size(); ++row) {
+      const Material& material = scene_.materials[row];
+      std::uint32_t depth = 0;
+      if (material.adapter)
+        each_choice(*material.adapter, [&](std::uint32_t choice) { depth = std::max(depth, depths[choice] + 1); });
+      depths.push_back(depth);
+      if (depth == kMaxAdapterDepth + 1)
+        sink_.error(material.position,
+                    fmt::format("around {} there are {} adapters, one in the other; at most {} are supported",
+                                text::quoted(material.name), depth, kMaxAdapterDepth));
+      if (material.adapter && std::holds_alternative<TwoSidedAdapter>(*material.adapter)) check_two_sided(row);
+    }
+  }
+
+  void check_two_sided(std::uint32_t row) {
+    const Material& two_sided = scene_.materials[row];
+    each_material(scene_, row, [&](const Material& inner) {
+      const bool clear = !inner.adapter && (std::holds_alternative<DielectricBsdf>(inner.bsdf) ||
+                                            std::holds_alternative<RoughDielectricBsdf>(inner.bsdf) ||
+                                            std::holds_alternative<ThinDielectricBsdf>(inner.bsdf) ||
+                                            std::holds_alternative<NullBsdf>(inner.bsdf));
+      if (!clear && !(inner.adapter && std::holds_alternative<MaskAdapter>(*inner.adapter))) return;
+      error(two_sided.position, "twosided",
+            fmt::format("{} lets light through, so that it has no back of its own; take it out of the twosided "
+                        "material, or put that inside of it",
+                        text::quoted(inner.name)));
+    });
+  }
+
   void check_totals() {
     std::size_t triangles = 0, vertices = 0;
     for (const Shape& shape : scene_.shapes) {
@@ -374,6 +426,18 @@ class Checker {
       sink_.error(instance.position, fmt::format("{} refers to number {} of the scene's {}, of which there are {}",
                                                  text::quoted(instance.name), index, table, size));
     };
+    for (std::uint32_t row = 0; row < scene_.materials.size(); ++row) {
+      const Material& material = scene_.materials[row];
+      if (!material.adapter) continue;
+      each_choice(*material.adapter, [&](std::uint32_t choice) {
+        if (choice < row) return;
+        fit = false;
+        sink_.error(material.position,
+                    fmt::format("{}, number {} of the scene's materials, refers to number {}; it can refer to earlier "
+                                "ones only",
+                                text::quoted(material.name), row, choice));
+      });
+    }
     for (const Instance& instance : scene_.instances) {
       within(instance.shape, scene_.shapes.size(), "shapes", instance);
       within(instance.material, scene_.materials.size(), "materials", instance);

@@ -21,6 +21,8 @@ inline constexpr double kMaxSlope = 1000.0;
 inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
 /// Least roughness of microfacets: single precision resolves no narrower lobe.
 inline constexpr double kMinRoughness = 1e-3;
+/// Adapters one in the other around a material.
+inline constexpr std::uint32_t kMaxAdapterDepth = 16;
 /// Least relative difference of the indices on both sides of a rough dielectric: without any, nothing is bent.
 inline constexpr double kMinIndexContrast = 1e-3;
 /// Largest relative index of the coat of a plastic.

@@ -22,11 +22,33 @@ void each_parameter(T& bsdf, F&& f) {
 template <typename T, typename F>
 requires MaybeConst<T, MirrorBsdf> || MaybeConst<T, DielectricBsdf> || MaybeConst<T, MicrofacetBsdf> ||
     MaybeConst<T, ConductorBsdf> || MaybeConst<T, RoughConductorBsdf> || MaybeConst<T, RoughDielectricBsdf> ||
-    MaybeConst<T, ThinDielectricBsdf> || MaybeConst<T, PlasticBsdf> || MaybeConst<T, RoughPlasticBsdf>
+    MaybeConst<T, ThinDielectricBsdf> || MaybeConst<T, PlasticBsdf> || MaybeConst<T, RoughPlasticBsdf> ||
+    MaybeConst<T, NullBsdf> || MaybeConst<T, TwoSidedAdapter>
 void each_parameter(T&, F&&) {}
 template <MaybeConst<Bsdf> T, typename F>
 void each_parameter(T& bsdf, F&& f) {
   std::visit([&](auto& of_type) { each_parameter(of_type, f); }, bsdf);
+}
+template <MaybeConst<MaskAdapter> T, typename F>
+void each_parameter(T& mask, F&& f) {
+  f("opacity", mask.opacity);
+}
+template <MaybeConst<BlendAdapter> T, typename F>
+void each_parameter(T& blend, F&& f) {
+  f("weight", blend.weight);
+}
+template <MaybeConst<Adapter> T, typename F>
+void each_parameter(T& adapter, F&& f) {
+  std::visit([&](auto& of_type) { each_parameter(of_type, f); }, adapter);
+}
+/// Of its own row alone.
+template <MaybeConst<Material> T, typename F>
+void each_parameter(T& material, F&& f) {
+  if (material.adapter) {
+    each_parameter(*material.adapter, f);
+  } else {
+    each_parameter(material.bsdf, f);
+  }
 }
 template <MaybeConst<AreaEmitter> T, typename F>
 void each_parameter(T& emitter, F&& f) {

@@ -8,6 +8,7 @@
 #include <xxhash.h>
 
 #include "scene/bounds.h"
+#include "scene/materials.h"
 #include "scene/sharing.h"
 
 namespace etendue {
@@ -68,10 +69,17 @@ void hash(Hasher& h, const ColorParameter& parameter) {
   h.value(parameter.value);
   if (parameter.texture) h.value(*parameter.texture);
 }
+void hash(Hasher& h, const ScalarParameter& parameter) {
+  h.value(parameter.value);
+  if (!parameter.texture) return;
+  h.value(*parameter.texture);
+  h.value(parameter.channel);
+}
 void hash(Hasher& h, const DiffuseBsdf& bsdf) {
   hash(h, bsdf.albedo);
 }
 void hash(Hasher&, const MirrorBsdf&) {}
+void hash(Hasher&, const NullBsdf&) {}
 void hash(Hasher& h, const DielectricBsdf& bsdf) {
   h.value(bsdf.int_ior);
   h.value(bsdf.ext_ior);
@@ -136,6 +144,30 @@ template <typename... Ts>
 void hash(Hasher& h, const std::variant<Ts...>& variant) {
   h.value(variant.index());
   std::visit([&](const auto& value) { hash(h, value); }, variant);
+}
+
+void hash(Hasher&, const TwoSidedAdapter&) {}
+void hash(Hasher& h, const MaskAdapter& mask) {
+  hash(h, mask.opacity);
+}
+void hash(Hasher& h, const BlendAdapter& blend) {
+  hash(h, blend.weight);
+}
+
+/// Of each row what it is hashed as: of an adapter a digest that holds those of its choices.
+std::vector<std::uint64_t> adapter_digests(const Scene& scene) {
+  std::vector<std::uint64_t> digests;
+  for (const Material& material : scene.materials) {
+    Hasher h;
+    if (material.adapter) {
+      hash(h, *material.adapter);
+      each_choice(*material.adapter, [&](std::uint32_t row) { h.value(digests[row]); });
+    } else {
+      hash(h, material.bsdf);
+    }
+    digests.push_back(h.digest());
+  }
+  return digests;
 }
 
 void hash(Hasher& h, const glm::dmat4& matrix) {
@@ -249,6 +281,19 @@ std::size_t primitive_count(const Shape& shape) {
   return mesh != nullptr ? mesh->triangles.size() : 1;
 }
 
+bool may_pass(const Scene& scene, std::uint32_t row) {
+  bool passes = false;
+  each_material(scene, row, [&](const Material& material) {
+    passes |= material.adapter ? std::holds_alternative<MaskAdapter>(*material.adapter)
+                               : std::holds_alternative<NullBsdf>(material.bsdf);
+  });
+  return passes;
+}
+
+bool may_pass(const Scene& scene) {
+  return std::ranges::any_of(scene.instances, [&](const Instance& i) { return may_pass(scene, i.material); });
+}
+
 std::uint64_t scene_hash(const Scene& scene) {
   Hasher h;
   hash(h, scene.camera);
@@ -259,12 +304,18 @@ std::uint64_t scene_hash(const Scene& scene) {
   for (const Shape& shape : scene.shapes) hash(h, shape);
   // Lights of shared meshes are chosen otherwise: other samples.
   if (Sharing(scene).any()) h.value(scene.instancing);
+  const std::vector<std::uint64_t> adapters = adapter_digests(scene);
   h.value(scene.instances.size());
   for (const Instance& instance : scene.instances) {
     h.value(instance.shape);
     hash(h, instance.world_from_object);
     h.value(instance.flip_normals);
-    hash(h, scene.bsdf_of(instance));
+    if (scene.materials[instance.material].adapter) {
+      h.value('A');
+      h.value(adapters[instance.material]);
+    } else {
+      hash(h, scene.bsdf_of(instance));
+    }
     h.value(instance.emitter.has_value());
     if (const AreaEmitter* emitter = scene.emitter_of(instance)) hash(h, emitter->radiance);
   }
@@ -290,6 +341,11 @@ bool weighs_strategies(const Integrator& integrator) {
   using enum Integrator::Type;
   if (integrator.type == direct) return integrator.emitter_samples > 0 && integrator.bsdf_samples > 0;
   return integrator.type == path && integrator.nee && integrator.mis;
+}
+
+bool counts_passes(const Integrator& integrator) {
+  using enum Integrator::Type;
+  return integrator.type == whitted || (integrator.type == path && integrator.count_passes);
 }
 
 bool uses_light_tree(const Scene& scene) {

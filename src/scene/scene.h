@@ -13,6 +13,7 @@
 #include <glm/glm.hpp>
 
 #include "image/bitmap.h"
+#include "scene/adapters.h"
 #include "scene/bsdfs.h"
 #include "scene/sky.h"
 #include "scene/source_position.h"
@@ -32,13 +33,14 @@ struct DielectricBsdf {
   double ext_ior = 1.000277;
 };
 using Bsdf = std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf, MicrofacetBsdf, ConductorBsdf, RoughConductorBsdf,
-                          RoughDielectricBsdf, ThinDielectricBsdf, PlasticBsdf, RoughPlasticBsdf>;
+                          RoughDielectricBsdf, ThinDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, NullBsdf>;
 
 /// A material and its place in the file. Whatever scatters light at a surface is one of these.
 struct Material {
-  Bsdf bsdf;
-  std::string name;         ///< for messages: the id or type it has in the file
-  SourcePosition position;  ///< the tag that makes it; that of its instance where it stands by default
+  Bsdf bsdf;                       ///< of no account where there is an adapter
+  std::optional<Adapter> adapter;  ///< chooses among earlier rows of the table
+  std::string name;                ///< for messages: the id or type it has in the file
+  SourcePosition position;         ///< the tag that makes it; that of its instance where it stands by default
 };
 
 /// Emits `radiance` (W·sr⁻¹·m⁻², Rec. 709) in all directions alike, on the side of the shading normal.
@@ -225,6 +227,7 @@ struct Integrator {
   std::uint32_t emitter_samples = 1;  ///< direct: light samples of a camera ray, 0 … kMaxDirectSamples
   std::uint32_t bsdf_samples = 1;     ///< direct: material samples
   bool hide_emitters = false;         ///< path, direct, whitted: camera rays pass emitters and find no sky
+  bool count_passes = true;           ///< path: a segment ends where it passes a mask or null
   double length = std::numeric_limits<double>::infinity();  ///< ambient_occlusion, visibility: scene units
   SimpleLight light;                                        ///< simple
 };
@@ -234,6 +237,9 @@ bool gathers_light(const Integrator& integrator);
 /// Whether it samples lights, and whether it weighs them against material samples.
 bool samples_lights(const Integrator& integrator);
 bool weighs_strategies(const Integrator& integrator);
+
+/// Whether a segment ends where it passes a mask or null: of path as it says, of whitted always, of direct never.
+bool counts_passes(const Integrator& integrator);
 
 /// How meshes that several instances show are laid out: `automatic` keeps them once where that pays, `never` copies
 /// them into the world, `always` keeps every mesh in object space, for tests. See sharing.h.

@@ -10,6 +10,7 @@
 
 #include "core/text.h"
 #include "scene/limits.h"
+#include "scene/materials.h"
 #include "scene/parameters.h"
 #include "scene/texture_facts.h"
 
@@ -33,7 +34,7 @@ class TextureChecker {
     for (const auto& bitmap : scene_.bitmaps) check_bitmap(bitmap.get());
     if (sink_.error_count() != errors) return false;
     for (const Texture& texture : scene_.textures) check_texture(texture);
-    for (const Material& material : scene_.materials) check_owner(material.bsdf, material.position);
+    for (const Material& material : scene_.materials) check_owner(material, material.position);
     for (const AreaEmitter& emitter : scene_.emitters) check_owner(emitter, emitter.position);
     for (const DeltaLight& light : scene_.delta_lights) check_owner(light, light.position);
     if (sink_.error_count() != errors) return false;
@@ -100,7 +101,7 @@ class TextureChecker {
     const auto add = [&](const char* field, const auto& parameter) {
       if (parameter.texture) check_attributes(scene_.textures[*parameter.texture], field, instance);
     };
-    each_parameter(scene_.bsdf_of(instance), add);
+    each_material(scene_, instance.material, [&](const Material& material) { each_parameter(material, add); });
     if (const AreaEmitter* emitter = scene_.emitter_of(instance)) each_parameter(*emitter, add);
   }
 
@@ -146,7 +147,7 @@ class TextureChecker {
   }
 
   void check_values(const Material& material) {
-    each_parameter(material.bsdf, [&](const char* field, const auto& parameter) {
+    each_parameter(material, [&](const char* field, const auto& parameter) {
       if (!parameter.texture) return;
       const Texture& texture = scene_.textures[*parameter.texture];
       const auto* picture = std::get_if<BitmapTexture>(&texture.source);

@@ -49,6 +49,7 @@ std::vector<DeltaLobe> delta_lobes(const Bsdf& bsdf, const dvec3& wo) {
     return wo.z > 0.0 ? std::vector<DeltaLobe>{{ProbeLobe::delta_reflection, mirrored, 1.0, dvec3(1.0)}}
                       : std::vector<DeltaLobe>{};
   }
+  if (std::holds_alternative<NullBsdf>(bsdf)) return {{ProbeLobe::delta_transmission, -wo, 1.0, dvec3(1.0)}};
   if (const auto* metal = std::get_if<ConductorBsdf>(&bsdf)) {
     if (wo.z <= 0.0) return {};
     dvec3 weight = metal->specular_reflectance;

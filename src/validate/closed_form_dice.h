@@ -130,5 +130,6 @@ ClosedFormScene direct_light_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene environment_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene texture_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene delta_scene(Dice& dice, LightStrategy strategy);
+ClosedFormScene adapter_scene(Dice& dice, LightStrategy strategy);
 
 }  // namespace etendue::closed_form

@@ -397,7 +397,7 @@ ClosedFormScene closed_form::direct_light_scene(Dice& dice, LightStrategy strate
 const char* scene_family_name(SceneFamily family) {
   constexpr std::array<const char*, kSceneFamilies.size()> kNames{
       "direct", "furnace", "interior",   "sky",         "sheet",   "glass", "coverage",
-      "crowd",  "camera",  "integrator", "environment", "texture", "delta"};
+      "crowd",  "camera",  "integrator", "environment", "texture", "delta",      "adapter"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -429,6 +429,8 @@ ClosedFormScene make_closed_form(SceneFamily family, std::uint64_t seed, LightSt
         return glass_scene(dice);
       case SceneFamily::texture:
         return texture_scene(dice, strategy);
+      case SceneFamily::adapter:
+        return adapter_scene(dice, strategy);
       case SceneFamily::camera:
         return camera_scene(dice);
       case SceneFamily::integrator:

@@ -20,6 +20,7 @@ struct RoughnessOf {
   std::optional<Roughness> operator()(const MicrofacetBsdf& bsdf) const {
     return if_narrow({Roughness::Distribution::beckmann, bsdf.alpha, bsdf.alpha});
   }
+  std::optional<Roughness> operator()(const NullBsdf&) const { return std::nullopt; }
   std::optional<Roughness> operator()(const ThinDielectricBsdf&) const { return std::nullopt; }
   std::optional<Roughness> operator()(const PlasticBsdf&) const { return std::nullopt; }
   std::optional<Roughness> operator()(const RoughPlasticBsdf& bsdf) const {

@@ -189,6 +189,16 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "a projector's picture is taken for intensity instead of irradiance of a plane", "picture under points"},
     {gpu::kMutantDistantChoiceForgotten, "direction's choice forgotten",
      "the probability of choosing a directional light is missing", "points, 1"},
+    {gpu::kMutantSidesSwapped, "sides swapped", "a two-sided material shows its back in front",
+     "adapters, floor t(dd)"},
+    {gpu::kMutantBlendSwapped, "blend swapped", "a mixture takes the share of one material for that of the other",
+     "adapters, floor b(dd)"},
+    {gpu::kMutantMaskShadowsAll, "masks cast full shadows", "shadow rays end at surfaces that light may pass",
+     "adapters, floor d"},
+    {gpu::kMutantMaskSidesTogether, "mask decided once", "both walls of a masked ball let the same rays pass",
+     "adapters, floor d"},
+    {gpu::kMutantPassesFree, "passes not counted", "shadow rays pass surfaces whatever the limit of the path",
+     "adapters, floor m(d)"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -534,6 +544,10 @@ std::vector<SuiteTest> make_suite() {
       scene_test(SceneFamily::delta, mis,
                  "points, 2 point(s), 0 spot(s), 0 projector(s), 0 directional, 0 hidden, a lamp"),
       scene_test(SceneFamily::delta, nee, "points, 1 point(s), 0 spot(s), 0 projector(s), 1 directional, 0 hidden"),
+      scene_test(SceneFamily::adapter, nee, "floor t(dd) from behind"),
+      scene_test(SceneFamily::adapter, mis, "floor b(dd) from the front, veil m(d), deep"),
+      scene_test(SceneFamily::adapter, mis, "floor d from the front, ball m(d), deep,"),
+      scene_test(SceneFamily::adapter, nee, "floor m(d) from the front, veil m(d), shallow,"),
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),

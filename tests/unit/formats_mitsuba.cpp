@@ -677,5 +677,32 @@ TEST(MitsubaMissing, WhatBreaksAnInvariantIsAnError) {
   EXPECT_EQ(result.first_error().find("s.xml:2:1:"), 0u) << result.messages();
 }
 
+TEST(MitsubaAdapters, BecomeRows) {
+  const Read result = read(around(R"(<shape type="sphere"><bsdf type="mask"><float name="opacity" value="0.25"/>
+      <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></bsdf></shape>
+      <shape type="sphere"><bsdf type="blendbsdf"><float name="weight" value="0.75"/><bsdf type="conductor"/>
+      <bsdf type="null"/></bsdf></shape>)"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const std::vector<Material>& rows = result.scene->materials;
+  ASSERT_EQ(rows.size(), 6u);
+  const auto& sides = std::get<TwoSidedAdapter>(rows[1].adapter.value());
+  EXPECT_EQ(sides.front, 0u);
+  EXPECT_EQ(sides.back, 0u);
+  const auto& mask = std::get<MaskAdapter>(rows[2].adapter.value());
+  EXPECT_EQ(mask.opacity.value, 0.25);
+  EXPECT_EQ(mask.inner, 1u);
+  const auto& blend = std::get<BlendAdapter>(rows[5].adapter.value());
+  EXPECT_EQ(blend.weight.value, 0.75);
+  EXPECT_EQ(blend.first, 3u);
+  EXPECT_EQ(blend.second, 4u);
+}
+
+TEST(MitsubaAdapters, AMaterialCannotStandInItself) {
+  const Read result = read(around(R"(<bsdf type="twosided" id="a"><ref id="a"/></bsdf>
+      <shape type="sphere"><ref id="a"/></shape>)"));
+  EXPECT_FALSE(result.scene.has_value());
+  EXPECT_NE(result.first_error().find("stands in itself"), std::string::npos) << result.messages();
+}
+
 }  // namespace
 }  // namespace etendue::testing

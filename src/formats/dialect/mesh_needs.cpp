@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "scene/materials.h"
 #include "scene/parameters.h"
 
 namespace etendue {
@@ -16,7 +17,7 @@ std::string attribute_of(const Texture& texture) {
   return "";
 }
 
-MeshContent content_for(const Bsdf& bsdf, const AreaEmitter* emitter, const Scene& scene) {
+MeshContent content_for(std::uint32_t row, const AreaEmitter* emitter, const Scene& scene) {
   MeshContent content{.uv = false, .colors = false};
   std::set<std::string> attributes;
   const auto add = [&](const char*, const auto& parameter) {
@@ -26,7 +27,7 @@ MeshContent content_for(const Bsdf& bsdf, const AreaEmitter* emitter, const Scen
     (colors ? content.colors : content.uv) = true;
     if (colors) attributes.insert(attribute_of(texture));
   };
-  each_parameter(bsdf, add);
+  each_material(scene, row, [&](const Material& material) { each_parameter(material, add); });
   if (emitter != nullptr) each_parameter(*emitter, add);
   if (!attributes.empty()) content.attribute = *attributes.begin();
   content.attributes = attributes.size();

@@ -11,6 +11,6 @@ namespace etendue {
 /// Of a texture that is an attribute of a mesh: which of its file's, "" for colours. Its name says so.
 std::string attribute_of(const Texture& texture);
 /// Of the textures of a material and, where it is not null, of an emitter.
-MeshContent content_for(const Bsdf& bsdf, const AreaEmitter* emitter, const Scene& scene);
+MeshContent content_for(std::uint32_t material, const AreaEmitter* emitter, const Scene& scene);
 
 }  // namespace etendue

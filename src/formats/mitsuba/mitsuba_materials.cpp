@@ -15,11 +15,20 @@ namespace etendue {
 std::uint32_t MitsubaMaterials::row_of(const XmlElement& bsdf) {
   if (const auto found = rows_.find(&bsdf); found != rows_.end()) return found->second;
   const XmlAttribute *id = bsdf.find("id"), *type = bsdf.find("type");
-  Material material{.bsdf = read(bsdf),
+  Material material{.bsdf = DiffuseBsdf{},
                     .name = id != nullptr     ? id->value
                             : type != nullptr ? type->value
                                               : "bsdf",
                     .position = context_.document.position(bsdf)};
+  if (!open_.insert(&bsdf).second) {
+    context_.sink.error(material.position,
+                        fmt::format("the material {} stands in itself", text::quoted(material.name)));
+    return default_row(false, material.position);
+  }
+  if (const auto object = MitsubaObject::read(bsdf, context_, "diffuse, grey")) {
+    material.adapter = read_adapter(*object);
+    if (!material.adapter) material.bsdf = read(*object);
+  }
   const auto row = static_cast<std::uint32_t>(scene_.materials.size());
   scene_.materials.push_back(std::move(material));
   rows_.emplace(&bsdf, row);
@@ -35,22 +44,42 @@ std::uint32_t MitsubaMaterials::default_row(bool emits, const SourcePosition& sh
   return *row;
 }
 
-Bsdf MitsubaMaterials::read(const XmlElement& element) {
-  const auto object = MitsubaObject::read(element, context_, "diffuse, grey");
-  if (!object) return DiffuseBsdf{};
-  const std::string_view type = object->type();
-  if (type == "diffuse") return read_diffuse(*object);
-  if (type == "dielectric") return read_dielectric(*object);
-  if (type == "thindielectric") return read_clear<ThinDielectricBsdf>(*object);
+std::optional<Adapter> MitsubaMaterials::read_adapter(const MitsubaObject& object) {
+  const std::string_view type = object.type();
+  if (type != "twosided" && type != "mask" && type != "blendbsdf") return std::nullopt;
+  std::vector<std::uint32_t> rows;
+  for (const XmlElement* child : object.children("bsdf")) rows.push_back(row_of(*child));
+  if (rows.empty()) return std::nullopt;  // has been reported
+  if (type == "twosided") return TwoSidedAdapter{rows.front(), rows.back()};
+  std::optional<Adapter> adapter;
+  const ScalarParameter share = share_of(object, type == "mask" ? "opacity" : "weight");
+  if (type == "mask")
+    adapter.emplace(MaskAdapter{share, rows.front()});
+  else
+    adapter.emplace(BlendAdapter{share, rows.front(), rows.back()});
+  return adapter;
+}
+
+ScalarParameter MitsubaMaterials::share_of(const MitsubaObject& object, const char* name) {
+  const XmlElement* texture = object.texture(name);
+  return texture != nullptr ? textures_.scalar(*texture) : ScalarParameter(object.real(name));
+}
+
+Bsdf MitsubaMaterials::read(const MitsubaObject& object) {
+  const std::string_view type = object.type();
+  if (type == "diffuse") return read_diffuse(object);
+  if (type == "dielectric") return read_dielectric(object);
+  if (type == "thindielectric") return read_clear<ThinDielectricBsdf>(object);
   if (type == "roughdielectric") {
-    auto glass = read_clear<RoughDielectricBsdf>(*object);
-    read_roughness(*object, glass.roughness);
+    auto glass = read_clear<RoughDielectricBsdf>(object);
+    read_roughness(object, glass.roughness);
     return glass;
   }
-  if (type == "conductor") return read_conductor(*object);
-  if (type == "roughconductor") return read_rough_conductor(*object);
-  if (type == "plastic") return read_plastic<PlasticBsdf>(*object);
-  if (type == "roughplastic") return read_rough_plastic(*object);
+  if (type == "conductor") return read_conductor(object);
+  if (type == "roughconductor") return read_rough_conductor(object);
+  if (type == "plastic") return read_plastic<PlasticBsdf>(object);
+  if (type == "roughplastic") return read_rough_plastic(object);
+  if (type == "null") return NullBsdf{};
   throw std::logic_error(fmt::format("the reader has no material {}", type));
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 
 #include "formats/mitsuba/mitsuba_object.h"
 #include "formats/mitsuba/mitsuba_textures.h"
@@ -21,7 +22,11 @@ class MitsubaMaterials {
   std::uint32_t default_row(bool emits, const SourcePosition& shape);
 
  private:
-  Bsdf read(const XmlElement& element);
+  Bsdf read(const MitsubaObject& object);
+  /// Nothing for a material of its own; the rows of what it chooses from are read first.
+  std::optional<Adapter> read_adapter(const MitsubaObject& object);
+  /// A probability, or the texture that stands for it.
+  ScalarParameter share_of(const MitsubaObject& object, const char* name);
   Bsdf read_diffuse(const MitsubaObject& object);
   Bsdf read_dielectric(const MitsubaObject& object);
   template <typename Glass>
@@ -49,6 +54,7 @@ class MitsubaMaterials {
   MitsubaTextures& textures_;
   Scene& scene_;
   std::map<const XmlElement*, std::uint32_t> rows_;
+  std::set<const XmlElement*> open_;  ///< that are being read, or have been
   std::optional<std::uint32_t> grey_, black_;
 };
 

@@ -85,6 +85,7 @@ class MitsubaReader {
     const std::int64_t depth = object.integer("max_depth");
     integrator.max_depth = depth < 0 ? Integrator::kUnlimitedDepth : static_cast<std::uint32_t>(depth);
     integrator.rr_depth = static_cast<std::uint32_t>(object.integer("rr_depth"));
+    integrator.count_passes = object.type().find("vol") == std::string_view::npos;
     if (depth != 0) return;
     context_.sink.error(object.position_of("max_depth"), "max_depth 0 leaves no light at all; use 1 or more, or -1");
     integrator.max_depth = 1;

@@ -111,7 +111,7 @@ std::optional<Instance> MitsubaShapes::read(const MitsubaObject& object) {
   instance.name = object.type();
   instance.position = object.position();
   instance.world_from_object = object.matrix("to_world");
-  const MeshContent content = content_for(scene_.bsdf_of(instance), scene_.emitter_of(instance), scene_);
+  const MeshContent content = content_for(instance.material, scene_.emitter_of(instance), scene_);
   const std::optional<Geometry> geometry = read_geometry(object, content, instance);
   if (!geometry) return std::nullopt;
   instance.shape = geometry->shape;

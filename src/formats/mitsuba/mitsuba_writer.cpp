@@ -340,8 +340,37 @@ class MitsubaWriter {
 
   void write_material(std::uint32_t row) {
     if (!written_.insert(row).second) return;
-    std::visit([&](const auto& bsdf) { write_bsdf(material_id(row), bsdf); }, scene_.materials[row].bsdf);
+    const Material& material = scene_.materials[row];
+    if (material.adapter) {
+      each_choice(*material.adapter, [&](std::uint32_t choice) { write_material(choice); });
+      std::visit([&](const auto& adapter) { write_adapter(material_id(row), adapter); }, *material.adapter);
+    } else {
+      std::visit([&](const auto& bsdf) { write_bsdf(material_id(row), bsdf); }, material.bsdf);
+    }
     xml_.close();
+  }
+  void refer_to(std::uint32_t row) { xml_.leaf("ref", {{"id", material_id(row)}}); }
+  void write_adapter(const std::string& id, const TwoSidedAdapter& adapter) {
+    open_bsdf(id, "twosided");
+    refer_to(adapter.front);
+    if (adapter.back != adapter.front) refer_to(adapter.back);
+  }
+  void write_adapter(const std::string& id, const MaskAdapter& mask) {
+    open_bsdf(id, "mask");
+    number("opacity", mask.opacity);
+    refer_to(mask.inner);
+    if (!scene_.integrator.count_passes) differs("a mask makes no path longer, in Mitsuba it does");
+  }
+  void write_adapter(const std::string& id, const BlendAdapter& blend) {
+    open_bsdf(id, "blendbsdf");
+    number("weight", blend.weight);
+    refer_to(blend.first);
+    refer_to(blend.second);
+  }
+  void number(const char* name, const ScalarParameter& parameter) {
+    if (!parameter.texture) return number(name, parameter.value);
+    if (parameter.channel != TextureChannel::luminance) refuse("a number is a channel of a texture");
+    write_texture(name, *parameter.texture, glm::dvec3(parameter.value));
   }
   void open_bsdf(const std::string& id, const char* type) { xml_.open("bsdf", {{"type", type}, {"id", id}}); }
 
@@ -354,6 +383,7 @@ class MitsubaWriter {
     open_bsdf(id, "dielectric");
     write_indices(bsdf);
   }
+  void write_bsdf(const std::string& id, const NullBsdf&) { open_bsdf(id, "null"); }
   void write_bsdf(const std::string&, const MicrofacetBsdf&) { refuse("a material is Nori's microfacet"); }
   void write_bsdf(const std::string& id, const ConductorBsdf& bsdf) {
     open_bsdf(id, "conductor");

@@ -51,6 +51,35 @@ std::vector<Parameter> plastic() {
       {"nonlinear", boolean, "false", {}, "whether light takes the base's colour at each reflection below the coat"}};
 }
 
+/// A probability that may vary over the surface.
+Parameter probability(const char* name, const char* doc) {
+  return {name, real, "0.5", kUnit, doc, "texture"};
+}
+
+/// Rows of what stands around other materials.
+std::vector<Plugin> adapter_plugins() {
+  return {
+      {"bsdf",
+       "twosided",
+       "The same material on both sides, or one for the front and one for the back, both seen as from their front. "
+       "They "
+       "must not let light through.",
+       {},
+       {{"bsdf", 1, 2}}},
+      {"bsdf",
+       "mask",
+       "A material with holes: where it is not opaque, light passes as if there were nothing.",
+       {probability("opacity", "share of the light that meets the material")},
+       {{"bsdf", 1, 1}}},
+      {"bsdf",
+       "blend",
+       "A mixture of two materials.",
+       {probability("weight", "share of the second")},
+       {{"bsdf", 2, 2}}},
+      {"bsdf", "null", "No material: light passes as if there were nothing.", {}, {}},
+  };
+}
+
 std::vector<Parameter> joined(std::vector<Parameter> a, const std::vector<Parameter>& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
@@ -59,7 +88,7 @@ std::vector<Parameter> joined(std::vector<Parameter> a, const std::vector<Parame
 }  // namespace
 
 std::vector<Plugin> bsdf_plugins() {
-  return {
+  std::vector<Plugin> rows = {
       {"bsdf",
        "diffuse",
        "Lambertian reflection on the side of the normal; black from behind.",
@@ -106,6 +135,8 @@ std::vector<Plugin> bsdf_plugins() {
                {"alpha", real, "0.1", kRoughness, "roughness of the coat"}}),
        {}},
   };
+  for (const Plugin& row : adapter_plugins()) rows.push_back(row);
+  return rows;
 }
 
 }  // namespace etendue

@@ -25,6 +25,7 @@
 #include "formats/xml/xml_document.h"
 #include "scene/invariants.h"
 #include "scene/limits.h"
+#include "scene/materials.h"
 #include "scene/metals.h"
 #include "scene/parameters.h"
 
@@ -139,10 +140,12 @@ class SceneReader {
       // The scene's nee counts only where the integrator is silent: the nearer word wins.
       integrator.nee = object.given("nee") ? object.get<bool>("nee") : scene.get<bool>("nee");
       integrator.mis = object.get<bool>("mis");
+      integrator.count_passes = object.get<bool>("countPasses");
       if (object.given("nee") && scene.given("nee")) warn_scene_nee(scene, "the integrator has its own");
     } else {
       integrator.nee = !type.ends_with("mats") && type != "path_simple";
       integrator.mis = integrator.nee && type != "path_ems";
+      integrator.count_passes = type.find("vol") == std::string::npos;
       if (scene.given("nee") && scene.get<bool>("nee") != integrator.nee)
         warn_scene_nee(scene, "the integrator " + type + " decides it");
     }
@@ -445,26 +448,18 @@ class SceneReader {
 
   std::optional<Instance> read_instance(const Object& object, Scene& scene) {
     const std::vector<const XmlElement*> bsdfs = object.children("bsdf");
-    const auto shared = bsdfs.empty() ? materials_.end() : materials_.find(bsdfs.front());
-    std::optional<Material> material;
-    if (shared == materials_.end() && !bsdfs.empty()) material = read_material(*bsdfs.front(), &scene);
-    if (!material) material = Material{.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = object.position()};
+    const std::uint32_t material =
+        bsdfs.empty() ? add_material({.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = object.position()}, scene)
+                      : material_row(*bsdfs.front(), scene);
     std::optional<AreaEmitter> area_emitter;
     const auto emitter = read_only_child(object, "emitter");
     if (emitter) area_emitter = read_emitter(*emitter, scene);
     std::string name = object.plugin().type;
-    const Bsdf& bsdf = shared != materials_.end() ? scene.materials[shared->second].bsdf : material->bsdf;
     const std::optional<std::uint32_t> shape =
-        read_shape(object, content_for(bsdf, area_emitter ? &*area_emitter : nullptr, scene), name, scene);
+        read_shape(object, content_for(material, area_emitter ? &*area_emitter : nullptr, scene), name, scene);
     if (!shape) return std::nullopt;
     Instance instance;
-    if (shared != materials_.end()) {
-      instance.material = shared->second;
-    } else {
-      instance.material = static_cast<std::uint32_t>(scene.materials.size());
-      scene.materials.push_back(std::move(*material));
-      if (!bsdfs.empty()) materials_.emplace(bsdfs.front(), instance.material);
-    }
+    instance.material = material;
     if (area_emitter) {
       instance.emitter = static_cast<std::uint32_t>(scene.emitters.size());
       scene.emitters.push_back(*area_emitter);
@@ -529,14 +524,58 @@ class SceneReader {
     return Sphere{object.get<glm::dvec3>("center"), object.get<double>("radius")};
   }
 
-  /// The material of a <bsdf>, which becomes a row of the table once an instance uses it.
-  std::optional<Material> read_material(const XmlElement& element, Scene* scene) {
-    const auto object = Object::read(element, context_);
-    if (!object) return std::nullopt;
-    const XmlAttribute* id = element.find("id");
-    return Material{.bsdf = read_bsdf(*object, scene),
-                    .name = id != nullptr ? id->value : object->plugin().type,
-                    .position = object->position()};
+  static std::uint32_t add_material(Material material, Scene& scene) {
+    scene.materials.push_back(std::move(material));
+    return static_cast<std::uint32_t>(scene.materials.size() - 1);
+  }
+
+  /// The row of a <bsdf>, which is read when it is asked for the first time. What stands in it comes before it.
+  std::uint32_t material_row(const XmlElement& element, Scene& scene) {
+    if (const auto known = materials_.find(&element); known != materials_.end()) return known->second;
+    Material material{.bsdf = DiffuseBsdf{}, .name = "bsdf", .position = context_.document.position(element.offset)};
+    if (const auto object = Object::read(element, context_)) {
+      const XmlAttribute* id = element.find("id");
+      material.name = id != nullptr ? id->value : object->plugin().type;
+      material.position = object->position();
+      material.adapter = read_adapter(*object, scene);
+      if (!material.adapter) material.bsdf = read_bsdf(*object, &scene);
+    }
+    const std::uint32_t row = add_material(std::move(material), scene);
+    materials_.emplace(&element, row);
+    return row;
+  }
+
+  /// Nothing for a material of its own.
+  std::optional<Adapter> read_adapter(const Object& object, Scene& scene) {
+    const std::string_view type = object.plugin().type;
+    if (!is_adapter(type)) return std::nullopt;
+    std::vector<std::uint32_t> rows;
+    for (const XmlElement* child : object.children("bsdf")) rows.push_back(material_row(*child, scene));
+    if (rows.empty()) return std::nullopt;  // has been reported
+    if (type == "twosided") return TwoSidedAdapter{rows.front(), rows.back()};
+    const ScalarParameter share = read_scalar(object, type == "mask" ? "opacity" : "weight", scene);
+    std::optional<Adapter> adapter;
+    if (type == "mask")
+      adapter.emplace(MaskAdapter{share, rows.front()});
+    else
+      adapter.emplace(BlendAdapter{share, rows.front(), rows.back()});
+    return adapter;
+  }
+  static bool is_adapter(std::string_view type) { return type == "twosided" || type == "mask" || type == "blend"; }
+
+  /// A number, or the channel of a texture that stands for it.
+  ScalarParameter read_scalar(const Object& object, const char* property, Scene& scene) {
+    remember_fields(object, {property});
+    if (object.child_of(property) == nullptr) return object.get<double>(property);
+    const std::optional<std::uint32_t> texture = textures_.read(object, property, scene);
+    if (!texture) return ScalarParameter(1.0);
+    const glm::dvec3 factor = textures_.factor(object, property);
+    if (factor.x != factor.y || factor.y != factor.z)
+      sink_.error(
+          object.position_of(property),
+          fmt::format("a number takes a texture times a number, not times the colour {} {} {}; use a grey scale",
+                      factor.x, factor.y, factor.z));
+    return {factor.x, *texture, textures_.channel_of(object, property)};
   }
 
   /// What is defined and used nowhere is still read, for its mistakes.
@@ -569,6 +608,13 @@ class SceneReader {
   /// Without a scene, which has the textures, parameters are constants.
   Bsdf read_bsdf(const Object& object, Scene* scene) {
     const std::string_view type = object.plugin().type;
+    if (is_adapter(type)) {
+      sink_.error(object.position(), fmt::format("a test looks at one material at a time, and {} stands around others; "
+                                                 "test what is in it",
+                                                 type));
+      return DiffuseBsdf{};
+    }
+    if (type == "null") return NullBsdf{};
     if (type == "mirror") return MirrorBsdf{};
     if (type == "dielectric") return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR")};
     if (type == "microfacet") return read_microfacet(object);

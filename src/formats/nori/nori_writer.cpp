@@ -94,6 +94,7 @@ class NoriWriter {
         xml_.integer("rrDepth", integrator.rr_depth);
         xml_.boolean("nee", integrator.nee);
         if (integrator.nee) xml_.boolean("mis", integrator.mis);
+        if (!integrator.count_passes) xml_.boolean("countPasses", false);
         break;
       case normals:
       case absolute_normals:
@@ -230,14 +231,17 @@ class NoriWriter {
 
   /// The texture that stands for a property: at its first use with an id, later by that. A texture that is multiplied
   /// by different colours is written for each of them.
-  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor) {
+  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor,
+                     TextureChannel channel = TextureChannel::luminance) {
     const std::string id = fmt::format("texture-{}", textures_.size());
-    const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z}, id);
+    const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z, channel}, id);
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
     const Texture& texture = scene_.textures[row];
     if (texture.uv_set > 0) refuse("a texture uses the second texture coordinates of a mesh");
     std::visit([&](const auto& source) { write_source(name, known->second, source); }, texture.source);
     if (factor != glm::dvec3(1.0)) color("scale", factor);
+    constexpr const char* kChannels[] = {"red", "green", "blue", "alpha", "luminance"};
+    if (channel != TextureChannel::luminance) xml_.text("channel", kChannels[static_cast<std::size_t>(channel)]);
     const glm::dmat3& m = texture.uv_transform;
     if (!std::holds_alternative<AttributeTexture>(texture.source))
       xml_.transform("to_uv", {m[0][0], m[0][1], 0, 0, m[1][0], m[1][1], 0, 0, 0, 0, 1, 0, m[2][0], m[2][1], 0, 1});
@@ -273,8 +277,31 @@ class NoriWriter {
   void write_material_of(const Instance& instance) { write_material(instance.material); }
   void write_material(std::uint32_t row) {
     if (!written_.insert(row).second) return;
-    std::visit([&](const auto& bsdf) { write_bsdf(material_id(row), bsdf); }, scene_.materials[row].bsdf);
+    const Material& material = scene_.materials[row];
+    if (material.adapter) {
+      each_choice(*material.adapter, [&](std::uint32_t choice) { write_material(choice); });
+      std::visit([&](const auto& adapter) { write_adapter(material_id(row), adapter); }, *material.adapter);
+    } else {
+      std::visit([&](const auto& bsdf) { write_bsdf(material_id(row), bsdf); }, material.bsdf);
+    }
     xml_.close();
+  }
+  void refer_to(std::uint32_t row) { xml_.leaf("ref", {{"id", material_id(row)}}); }
+  void write_adapter(const std::string& id, const TwoSidedAdapter& adapter) {
+    open_bsdf(id, "twosided");
+    refer_to(adapter.front);
+    if (adapter.back != adapter.front) refer_to(adapter.back);
+  }
+  void write_adapter(const std::string& id, const MaskAdapter& mask) {
+    open_bsdf(id, "mask");
+    number("opacity", mask.opacity);
+    refer_to(mask.inner);
+  }
+  void write_adapter(const std::string& id, const BlendAdapter& blend) {
+    open_bsdf(id, "blend");
+    number("weight", blend.weight);
+    refer_to(blend.first);
+    refer_to(blend.second);
   }
   void open_bsdf(const std::string& id, const char* type) { xml_.open("bsdf", {{"type", type}, {"id", id}}); }
 
@@ -283,6 +310,7 @@ class NoriWriter {
     color("albedo", bsdf.albedo);
   }
   void write_bsdf(const std::string& id, const MirrorBsdf&) { open_bsdf(id, "mirror"); }
+  void write_bsdf(const std::string& id, const NullBsdf&) { open_bsdf(id, "null"); }
   void write_bsdf(const std::string& id, const DielectricBsdf& bsdf) {
     open_bsdf(id, "dielectric");
     write_indices(bsdf);
@@ -323,6 +351,10 @@ class NoriWriter {
   }
 
   void number(const char* name, double value) { xml_.number(name, value); }
+  void number(const char* name, const ScalarParameter& parameter) {
+    if (!parameter.texture) return number(name, parameter.value);
+    write_texture(name, *parameter.texture, glm::dvec3(parameter.value), parameter.channel);
+  }
   template <typename Glass>
   void write_indices(const Glass& bsdf) {
     xml_.number("intIOR", bsdf.int_ior);
@@ -388,8 +420,9 @@ class NoriWriter {
   SceneFiles files_;
   const Scene& scene_;
   XmlWriter xml_;
-  std::map<std::tuple<std::uint32_t, double, double, double>, std::string> textures_;  ///< ids by row and factor
-  std::set<std::uint32_t> written_;                                                    ///< materials
+  std::map<std::tuple<std::uint32_t, double, double, double, TextureChannel>, std::string>
+      textures_;                     ///< ids by row, factor and channel
+  std::set<std::uint32_t> written_;  ///< materials
 };
 
 }  // namespace

@@ -150,6 +150,7 @@ std::vector<Plugin> integrator_plugins() {
         {"nee", boolean, "true", any(), "next-event estimation: one shadow ray to a light at every diffuse vertex"},
         {"mis", boolean, "true", any(), "multiple importance sampling of lights and materials; no effect without nee"},
         {"rrDepth", integer, "5", between(0, kMaxDepth), "Russian roulette from this segment on; 0 is off"},
+        {"countPasses", boolean, "true", any(), "whether a segment ends where it passes a mask or null"},
         light_sampler(),
         hide_emitters()},
        {}}};
@@ -410,7 +411,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"camera", {"environment", "fisheye"}},
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"serialized", "heightfield"}},
-      {"bsdf", {"phong", "disney", "principled", "twosided", "normalmap", "bumpmap", "blend", "mask", "null"}},
+      {"bsdf", {"phong", "disney", "principled", "normalmap", "bumpmap"}},
       {"emitter", {"environment"}},
   };
 }

@@ -17,10 +17,14 @@ Parameter factor() {
   return {"scale", color, "1 1 1", kFactor, "what its colours are multiplied with"};
 }
 
+Parameter channel() {
+  return {"channel", string, "luminance", {}, "what stands for a number: red, green, blue, alpha or luminance"};
+}
+
 }  // namespace
 
 std::vector<Plugin> texture_plugins() {
-  return {
+  std::vector<Plugin> rows = {
       {"texture",
        "bitmap",
        "A picture: PNG, JPEG, BMP, OpenEXR or Radiance HDR. Its first row is on top, where v is 1.",
@@ -53,6 +57,8 @@ std::vector<Plugin> texture_plugins() {
        {{"attribute", string, "vertex_color", {}, "vertex_color, interpolated, or face_color"}, factor()},
        {}},
   };
+  for (Plugin& row : rows) row.parameters.push_back(channel());
+  return rows;
 }
 
 }  // namespace etendue

@@ -33,6 +33,7 @@ std::optional<std::uint32_t> TextureReader::read(const Object& owner, const char
   const std::optional<Object> object = Object::read(*element, context_);
   std::optional<Texture> texture = object ? read_texture(*object, scene) : std::nullopt;
   if (!texture) return std::nullopt;
+  channels_[element] = read_channel(*object);
   entry->second = static_cast<std::uint32_t>(scene.textures.size());
   scene.textures.push_back(std::move(*texture));
   if (object->given("scale") && object->plugin().find("scale")->type == ParameterType::color)
@@ -89,6 +90,23 @@ std::optional<Texture> TextureReader::read_bitmap_texture(const Object& object, 
   if (!bitmap) return std::nullopt;
   picture.bitmap = *bitmap;
   return texture;
+}
+
+TextureChannel TextureReader::read_channel(const Object& object) {
+  constexpr std::pair<const char*, TextureChannel> kChannels[] = {{"red", TextureChannel::red},
+                                                                  {"green", TextureChannel::green},
+                                                                  {"blue", TextureChannel::blue},
+                                                                  {"alpha", TextureChannel::alpha},
+                                                                  {"luminance", TextureChannel::luminance}};
+  const std::string word(text::trim(object.get<std::string>("channel")));
+  for (const auto& [name, channel] : kChannels) {
+    if (word == name) return channel;
+  }
+  context_.diagnostics.error(
+      object.position_of("channel"),
+      fmt::format("{} is no channel of a texture{}; known are red, green, blue, alpha and luminance",
+                  text::quoted(word), text::did_you_mean(word, {"red", "green", "blue", "alpha", "luminance"})));
+  return TextureChannel::luminance;
 }
 
 void TextureReader::set_wrap(const Object& object, BitmapTexture& picture) {

@@ -24,6 +24,7 @@ class TextureReader {
   void begin_scene() {
     textures_.clear();
     factors_.clear();
+    channels_.clear();
     bitmaps_.clear();
   }
 
@@ -32,18 +33,24 @@ class TextureReader {
   std::optional<std::uint32_t> read(const Object& owner, const char* property, Scene& scene);
   /// What that texture is multiplied with, once it is read.
   glm::dvec3 factor(const Object& owner, const char* property) const;
+  /// Which channel of a texture that was read stands for a number.
+  TextureChannel channel_of(const Object& owner, const char* property) const {
+    return channels_.at(owner.child_of(property));
+  }
 
  private:
   std::optional<Texture> read_texture(const Object& object, Scene& scene);
   std::optional<Texture> read_bitmap_texture(const Object& object, Scene& scene);
   std::optional<std::uint32_t> read_picture(const Object& object, Texture& texture, Scene& scene);
+  TextureChannel read_channel(const Object& object);
   void set_wrap(const Object& object, BitmapTexture& picture);
   void set_filter(const Object& object, BitmapTexture& picture);
 
   ReadContext& context_;
   FindFile find_file_;
   std::map<const XmlElement*, std::optional<std::uint32_t>> textures_;
-  std::map<const XmlElement*, glm::dvec3> factors_;              ///< other than 1
+  std::map<const XmlElement*, glm::dvec3> factors_;  ///< other than 1
+  std::map<const XmlElement*, TextureChannel> channels_;
   std::map<std::string, std::optional<std::uint32_t>> bitmaps_;  ///< by path
 };
 

@@ -13,7 +13,7 @@ uint listed_count() { return uint(textureSize(geometry_texels)); }
 bool intersect_listed(RayFrame rf, uint i, inout Nearest nearest) {
   const uvec4 entry = load_geometry(i);
   if (entry.w != kListed) return false;  // a triangle's vertices, a normal, or the one texel of an empty buffer
-  return intersect_primitive(rf, fetch_record(entry.x), entry.x, fetch_record(entry.x).a.w, nearest);
+  return intersect_primitive(rf, fetch_record(entry.x), entry.x, fetch_record(entry.x).a.w, kNothingPassed, nearest);
 }
 
 Hit trace_brute_force(Ray ray) {

@@ -1,0 +1,52 @@
+#pragma once
+/// What stands between a surface and the materials that scatter light there: at each hit it chooses one of them, or
+/// turns the normal. Members named after materials are rows of Scene::materials, each before the adapter's own row.
+/// docs/conventions.md, "Adapters".
+
+#include <cstdint>
+#include <type_traits>
+#include <variant>
+
+#include "scene/texture.h"
+
+namespace etendue {
+
+/// `front` on the side of the shading normal; behind it `back`, as if that were the front. Neither lets light through.
+struct TwoSidedAdapter {
+  std::uint32_t front = 0;
+  std::uint32_t back = 0;
+};
+/// `inner` with the probability `opacity`, in [0,1]; else light passes as if there were nothing.
+struct MaskAdapter {
+  ScalarParameter opacity{0.5};
+  std::uint32_t inner = 0;
+};
+/// `second` with the probability `weight`, in [0,1]; else `first`.
+struct BlendAdapter {
+  ScalarParameter weight{0.5};
+  std::uint32_t first = 0;
+  std::uint32_t second = 0;
+};
+
+using Adapter = std::variant<TwoSidedAdapter, MaskAdapter, BlendAdapter>;
+
+/// Calls f(row) for what the adapter may choose.
+template <typename F>
+void each_choice(const Adapter& adapter, F&& f) {
+  std::visit(
+      [&](const auto& a) {
+        using T = std::remove_cvref_t<decltype(a)>;
+        if constexpr (std::is_same_v<T, TwoSidedAdapter>) {
+          f(a.front);
+          f(a.back);
+        } else if constexpr (std::is_same_v<T, BlendAdapter>) {
+          f(a.first);
+          f(a.second);
+        } else {
+          f(a.inner);
+        }
+      },
+      adapter);
+}
+
+}  // namespace etendue
