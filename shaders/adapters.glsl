@@ -18,6 +18,7 @@ bool adapter_is(uint header, uint type) { return (kAdapters >> (type - kAdapterF
 struct Choice {
   uint material;  // kNone: light passes the surface
   ShadingFrame frame;
+  vec3 base;      // the normal before maps turned it, on the side that is looked at
 };
 
 // The probability that an adapter has at a point.
@@ -26,9 +27,33 @@ float adapter_number(uint row, MaterialRecord record, SurfacePoint at) {
   return record.params.z * scalar_factor(fetch_material_textures(row).first.x, at);
 }
 
+vec3 unit_or(vec3 v, vec3 otherwise) {
+  const float largest = max_component(abs(v));
+  return largest > 0.0 ? normalize(v / largest) : otherwise;
+}
+
+// What a map makes of the normal n, which is that of the surface, or with side −1 its opposite.
+vec3 mapped_normal(uint row, MaterialRecord record, vec3 n, float side, SurfacePoint at, Primitive geometry) {
+  const uint texture_of = fetch_material_textures(row).first.x;
+  const uint index = texture_of & kTextureOfIndexMask;
+  const Tangents d = surface_tangents(at, geometry, fetch_texture(index).uv_set);
+  if (d.u == vec3(0.0)) return n;
+  if (adapter_is(record.header, kAdapterNormalMap)) {
+    const vec3 t = unit_or(d.u - n * dot(n, d.u), vec3(0.0));
+    const vec3 c = 2.0 * texture_value(index, at).xyz - 1.0;
+    vec3 b = cross(side * n, t);
+    MUTATE(kMutantNormalMapMirrored, b = -b);
+    return unit_or(t * c.x + b * c.y + n * c.z, n);
+  }
+  const vec2 slope = bitmap_gradient(texture_of, at) * (record.params.z * frame.distance_scale);
+  const vec3 m = unit_or(cross(d.u + n * (slope.x - dot(n, d.u)), d.v + n * (slope.y - dot(n, d.v))), n);
+  return dot(m, n) < 0.0 ? -m : m;
+}
+
 // `w` points away from the surface, to the side that is looked at; `words` are those of choice_words().
-Choice choose_material(uint row, ShadingFrame frame, SurfacePoint at, vec3 w, uvec4 words) {
-  Choice choice = Choice(row, frame);
+Choice choose_material(uint row, ShadingFrame surface_frame, SurfacePoint at, Primitive geometry, vec3 w, uvec4 words) {
+  Choice choice = Choice(row, surface_frame, surface_frame.n);
+  float side = 1.0;
   for (uint i = 0u; i <= kAdapterDepth; ++i) {
     const MaterialRecord record = fetch_material(choice.material, false);
     const uint first = uint(record.params.x), second = uint(record.params.y);
@@ -37,7 +62,15 @@ Choice choose_material(uint row, ShadingFrame frame, SurfacePoint at, vec3 w, uv
       const bool behind = dot(w, choice.frame.n) < 0.0;
       next = behind ? second : first;
       MUTATE(kMutantSidesSwapped, next = behind ? first : second);
-      if (behind) choice.frame.n = -choice.frame.n;
+      if (behind) {
+        choice.frame.n = -choice.frame.n;
+        choice.base = -choice.base;
+        side = -side;
+      }
+    }
+    if (kPerturbed && (adapter_is(record.header, kAdapterNormalMap) || adapter_is(record.header, kAdapterBumpMap))) {
+      choice.frame = make_frame(mapped_normal(choice.material, record, choice.frame.n, side, at, geometry));
+      next = first;
     }
     if (adapter_is(record.header, kAdapterMask) || adapter_is(record.header, kAdapterBlend)) {
       const bool blend = adapter_is(record.header, kAdapterBlend);

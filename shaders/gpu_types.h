@@ -122,12 +122,15 @@ const uint kBsdfThinDielectric = 7u;
 const uint kBsdfPlastic = 8u;
 const uint kBsdfRoughPlastic = 9u;
 const uint kBsdfNull = 10u;
+const uint kBsdfPrincipled = 11u;  // what its record holds, see principled.glsl
 
 // Records of materials that are none, but choose one of them. params.x and params.y are the numbers of what they choose from, params.z is a probability.
 const uint kAdapterFirst = 32u;
 const uint kAdapterTwoSided = 32u;
 const uint kAdapterMask = 33u;
 const uint kAdapterBlend = 34u;
+const uint kAdapterNormalMap = 35u;
+const uint kAdapterBumpMap = 36u;  // params.z: height of white, scene units
 const uint kAdaptersPass = 0x80000000u;  // in the constant that has a bit for each kind of adapter: there are surfaces that light may pass
 
 // A material's header: its type, kBsdf*, and what holds for it at every point.
@@ -286,8 +289,9 @@ const uint kMaterialTexels = 4u;
 // What of light a rough coat lets pass on the way in, at cosines even over [0, 1]: a table behind the materials, four nodes a texel.
 const uint kTransmittanceNodes = 64u;
 
-// The textures of a material with kMaterialTextured: a table of its own with the indices of the materials, empty where none has any. The parameters, eight
-// at most, stand in an order that is up to the type; each has a kTextureOf… or kNone.
+// The textures of a material with kMaterialTextured: a table of its own with the indices of the materials, empty where none has any. Each is a kTextureOf…
+// or kNone. In `first`: that of the albedo, the transmittance or an adapter's number; of the specular reflectance; of alpha_u; of alpha_v.
+// Of principled: base colour, roughness, metallic, anisotropic; spec_trans, spec_tint, sheen, clearcoat.
 struct MaterialTextures {
   uvec4 first;
   uvec4 second;
@@ -338,6 +342,7 @@ const uint kTexturesSrgb = 0x10u;
 const uint kTexturesThreeChannels = 0x20u;  // a texel may lie in two loads
 const uint kTexturesRadiance = 0x40u;       // an emitter has one
 const uint kTexturesSphere = 0x80u;         // a sphere has one
+const uint kTexturesRich = 0x100u;          // a material has one that is not its albedo
 const uint kTexturesDisk = 0x100u;          // a disk has one
 const uint kTexturesCylinder = 0x200u;      // a cylinder has one
 

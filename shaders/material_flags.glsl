@@ -12,5 +12,6 @@ layout(constant_id = kConstantMaterialFlagsAll) const uint kMaterialFlagsAll = 0
 // surface's material is that of its instance.
 layout(constant_id = kConstantAdapters) const uint kAdapters = 0u;
 const bool kPassable = (kAdapters & kAdaptersPass) != 0u;
+const bool kPerturbed = (kAdapters >> (kAdapterNormalMap - kAdapterFirst) & 3u) != 0u;  // maps turn shading normals
 
 #endif

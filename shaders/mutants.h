@@ -103,7 +103,12 @@ const uint kMutantBlendSwapped = 87u;
 const uint kMutantMaskShadowsAll = 88u;
 const uint kMutantMaskSidesTogether = 89u;
 const uint kMutantPassesFree = 90u;
-const uint kMutantCount = 91u;
+const uint kMutantNormalMapMirrored = 91u;
+const uint kMutantBumpByTexel = 92u;
+const uint kMutantMapsShineThrough = 93u;
+const uint kMutantRetroReflectionLost = 94u;
+const uint kMutantCoatUnmasked = 95u;
+const uint kMutantCount = 96u;
 #endif
 
 #ifdef __cplusplus

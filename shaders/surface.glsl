@@ -51,6 +51,7 @@ struct Surface {
   uint instance;
   ShadingFrame frame;  // frame.n is the shading normal
   uint primitive;      // within its mesh
+  vec3 base;           // the shading normal before maps turned it
 };
 
 // Bound on the distance between a computed point of the primitive and the true surface, with room for the next ray's own intersection
@@ -132,6 +133,7 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
     MUTATE(kMutantSideByWinding, if (dot(ns, s.ng) < 0.0) ns = -ns)
   }
   s.frame = make_frame(ns);
+  s.base = ns;
   return s;
 }
 

@@ -157,11 +157,74 @@ vec4 texture_value(uint index, SurfacePoint at) {
 // What a parameter is multiplied with: 1 where it has no texture.
 vec3 color_factor(uint texture_of, SurfacePoint at) { return texture_of == kNone ? vec3(1.0) : texture_value(texture_of & kTextureOfIndexMask, at).xyz; }
 
-float scalar_factor(uint texture_of, SurfacePoint at) {
-  if (texture_of == kNone) return 1.0;
-  const vec4 value = texture_value(texture_of & kTextureOfIndexMask, at);
+float channel_of(vec4 value, uint texture_of) {
   const uint channel = texture_of >> kTextureOfChannelShift;
   return channel > 3u ? luminance(value.xyz) : value[channel];
+}
+
+float scalar_factor(uint texture_of, SurfacePoint at) {
+  return texture_of == kNone ? 1.0 : channel_of(texture_value(texture_of & kTextureOfIndexMask, at), texture_of);
+}
+
+// How a number of a picture changes with the surface's texture coordinates: the slope of its bilinear interpolation, however it is filtered.
+vec2 bitmap_gradient(uint texture_of, SurfacePoint at) {
+  const TextureRecord t = fetch_texture(texture_of & kTextureOfIndexMask);
+  const vec3 surface = vec3(surface_uv(fetch_instance_attributes(at.instance), at, t.uv_set), 1.0);
+  const uint wrap_u = t.header >> kTextureWrapUShift & kTextureWrapMask, wrap_v = t.header >> kTextureWrapVShift & kTextureWrapMask;
+  const vec2 place = vec2(into_period(dot(t.u_row, surface), wrap_u), into_period(dot(t.v_row, surface), wrap_v)) * vec2(t.width, t.height);
+  const vec2 lower = floor(place - 0.5), f = place - 0.5 - lower;
+  const uint x0 = wrap_texel(int(lower.x), int(t.width), wrap_u), x1 = wrap_texel(int(lower.x) + 1, int(t.width), wrap_u);
+  const uint y0 = wrap_texel(int(lower.y), int(t.height), wrap_v), y1 = wrap_texel(int(lower.y) + 1, int(t.height), wrap_v);
+  const float c00 = channel_of(texel(t, x0, y0), texture_of), c10 = channel_of(texel(t, x1, y0), texture_of);
+  const float c01 = channel_of(texel(t, x0, y1), texture_of), c11 = channel_of(texel(t, x1, y1), texture_of);
+  vec2 g = vec2(mix(c10 - c00, c11 - c01, f.y), mix(c01 - c00, c11 - c10, f.x)) * vec2(t.width, t.height);
+  MUTATE(kMutantBumpByTexel, g /= vec2(t.width, t.height));
+  return vec2(g.x * t.u_row.x + g.y * t.v_row.x, g.x * t.u_row.y + g.y * t.v_row.y);
+}
+
+// How the point of a surface moves with its texture coordinates.
+struct Tangents {
+  vec3 u, v;  // 0 where the coordinates say nothing
+};
+
+Tangents sphere_tangents(InstanceAttributes a, SurfacePoint at, float radius) {
+  const vec3 x = fetch_attribute(a.first).xyz, y = fetch_attribute(a.first + 1u).xyz, z = fetch_attribute(a.first + 2u).xyz;
+  const vec3 d = vec3(dot(x, at.n), dot(y, at.n), dot(z, at.n));
+  const float r = length(d.xy);
+  if (r == 0.0) return Tangents(vec3(0.0), vec3(0.0));
+  const vec2 around = d.xy / r;
+  return Tangents((2.0 * kPi * radius) * (x * -d.y + y * d.x), (kPi * radius) * (z * r - (x * around.x + y * around.y) * d.z));
+}
+
+Tangents disk_tangents(InstanceAttributes a, SurfacePoint at, Primitive geometry) {
+  const bool turned = (a.layout_bits & kAttributesTurned) != 0u;
+  const vec3 p1 = geometry.p1 - geometry.p0, p2 = geometry.p2 - geometry.p0;
+  const vec3 x = turned ? p2 : p1, y = turned ? p1 : p2;
+  const vec2 d = turned ? at.weights.zy : at.weights.yz;
+  const float r = length(d);
+  if (r == 0.0) return Tangents(vec3(0.0), vec3(0.0));
+  return Tangents((d.x * x + d.y * y) / r, (2.0 * kPi) * (d.y * x - d.x * y));
+}
+
+Tangents cylinder_tangents(InstanceAttributes a, SurfacePoint at, Primitive geometry) {
+  const vec3 x = fetch_attribute(a.first).xyz, y = fetch_attribute(a.first + 1u).xyz;
+  const vec3 around = y * dot(x, at.n) - x * dot(y, at.n);
+  return Tangents((2.0 * kPi * geometry.p2.x * geometry.p2.y) * around, geometry.p0 - geometry.p1);
+}
+
+// `geometry` is the primitive in the world.
+Tangents surface_tangents(SurfacePoint at, Primitive geometry, uint set) {
+  const InstanceAttributes a = fetch_instance_attributes(at.instance);
+  if (textures_have(kTexturesSphere) && (a.layout_bits & kAttributesSphere) != 0u) return sphere_tangents(a, at, geometry.p1.x);
+  if (textures_have(kTexturesDisk) && (a.layout_bits & kAttributesDisk) != 0u) return disk_tangents(a, at, geometry);
+  if (textures_have(kTexturesCylinder) && (a.layout_bits & kAttributesCylinder) != 0u) return cylinder_tangents(a, at, geometry);
+  const uint first = a.first + attribute_stride(a.layout_bits) * at.primitive + 2u * set;
+  const vec4 corners = fetch_attribute(first);
+  const vec2 d1 = corners.zw - corners.xy, d2 = fetch_attribute(first + 1u).xy - corners.xy;
+  const float det = d1.x * d2.y - d1.y * d2.x;
+  if (det == 0.0) return Tangents(vec3(0.0), vec3(0.0));
+  const vec3 e1 = geometry.p1 - geometry.p0, e2 = geometry.p2 - geometry.p0;
+  return Tangents((d2.y * e1 - d1.y * e2) / det, (d1.x * e2 - d2.x * e1) / det);
 }
 
 #endif

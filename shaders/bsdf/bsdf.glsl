@@ -28,6 +28,8 @@ struct Material {
   vec3 k;         // see MaterialRecord
 };
 
+const float kLeastRoughness = 1e-3;  // etendue::kMinRoughness
+
 struct BsdfSample {
   vec3 wi;
   float pdf;
@@ -71,13 +73,14 @@ bool material_has(Material m, uint flag) {
 
 // Types of more parameters than a first texel holds, and among them those of microfacets.
 const uint kRoughTypes = 1u << kBsdfMicrofacet | 1u << kBsdfRoughConductor | 1u << kBsdfRoughDielectric | 1u << kBsdfRoughPlastic;
-const uint kRichTypes = kRoughTypes | 1u << kBsdfConductor | 1u << kBsdfThinDielectric | 1u << kBsdfPlastic;
+const uint kRichTypes = 1u << kBsdfPrincipled | kRoughTypes | 1u << kBsdfConductor | 1u << kBsdfThinDielectric | 1u << kBsdfPlastic;
 
 bool has_bsdf_among(Material m, uint types) {
   return (kBsdfsUsed & types) != 0u && ((kBsdfsUsed & ~types) == 0u || (types >> (m.header & kMaterialTypeMask) & 1u) != 0u);
 }
 
 #include "../rough_surface.glsl"
+#include "principled.glsl"
 
 // One without parameters beyond the first texel.
 Material plain_material(uint header, vec3 params) {
@@ -101,10 +104,48 @@ Material stored_material(uint row) {
   return m;
 }
 
-// A material at a point, evaluated once per hit. The first texture is that of the albedo.
+void apply_principled_textures(inout Material m, MaterialTextures textures, SurfacePoint at) {
+  m.albedo = clamp(m.albedo, 0.0, 1.0);
+  if (!textures_have(kTexturesRich)) return;
+  m.eta.y = clamp(m.eta.y * scalar_factor(textures.first.y, at), 0.0, 1.0);
+  m.specular.x = clamp(m.specular.x * scalar_factor(textures.first.z, at), 0.0, 1.0);
+  m.share = clamp(m.share * scalar_factor(textures.first.w, at), 0.0, 1.0);
+  m.specular.y = clamp(m.specular.y * scalar_factor(textures.second.x, at), 0.0, 1.0);
+  m.specular.z = clamp(m.specular.z * scalar_factor(textures.second.y, at), 0.0, 1.0);
+  m.k.x = clamp(m.k.x * scalar_factor(textures.second.z, at), 0.0, 1.0);
+  m.k.z = clamp(m.k.z * scalar_factor(textures.second.w, at), 0.0, 1.0);
+}
+
+// What its textures make of a material; reflectances and roughness stay in the range that constants have.
+void apply_rich_textures(inout Material m, uvec4 textures, SurfacePoint at) {
+  m.albedo = clamp(m.albedo, 0.0, 1.0);
+  if (textures_have(kTexturesRich)) {
+    m.specular = clamp(m.specular * color_factor(textures.y, at), 0.0, 1.0);
+    m.alpha = clamp(m.alpha * vec2(scalar_factor(textures.z, at), scalar_factor(textures.w, at)), kLeastRoughness, 1.0);
+  }
+  if (bsdf_is(m, kBsdfMicrofacet)) {
+    m.share = 1.0 - max_component(m.albedo);
+    m.specular = vec3(m.share);
+  }
+  if (bsdf_is(m, kBsdfPlastic) || bsdf_is(m, kBsdfRoughPlastic)) {
+    const float coat = dot(m.specular, vec3(1.0)), base = dot(m.albedo, vec3(1.0));
+    m.share = coat + base > 0.0 ? coat / (coat + base) : 1.0;
+  }
+}
+
+// A material at a point, evaluated once per hit.
 Material evaluate_material(uint row, SurfacePoint at) {
   Material m = stored_material(row);
-  if (kTextured && material_has(m, kMaterialTextured)) m.albedo *= color_factor(fetch_material_textures(row).first.x, at);
+  if (kTextured && material_has(m, kMaterialTextured)) {
+    const uvec4 textures = fetch_material_textures(row).first;
+    m.albedo *= color_factor(textures.x, at);
+    if (bsdf_is(m, kBsdfPrincipled)) {
+      apply_principled_textures(m, fetch_material_textures(row), at);
+    } else if (bsdf_among(m, kRichTypes)) {
+      apply_rich_textures(m, textures, at);
+    }
+  }
+  if (bsdf_is(m, kBsdfPrincipled)) resolve_principled(m);
   return m;
 }
 
@@ -113,6 +154,7 @@ vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) {
   if (bsdf_is(m, kBsdfDiffuse)) value = diffuse_eval(m, wo, wi);
   if (bsdf_is(m, kBsdfPlastic)) value = plastic_eval(m, wo, wi);
   if (bsdf_among(m, kRoughTypes)) value = rough_evaluate(m, wo, wi).value;
+  if (bsdf_is(m, kBsdfPrincipled)) value = principled_evaluate(m, wo, wi).value;
   return value;
 }
 
@@ -121,6 +163,7 @@ float bsdf_pdf(Material m, vec3 wo, vec3 wi) {
   if (bsdf_is(m, kBsdfDiffuse)) pdf = diffuse_pdf(wo, wi);
   if (bsdf_is(m, kBsdfPlastic)) pdf = plastic_pdf(m, wo, wi);
   if (bsdf_among(m, kRoughTypes)) pdf = rough_evaluate(m, wo, wi).pdf;
+  if (bsdf_is(m, kBsdfPrincipled)) pdf = principled_evaluate(m, wo, wi).pdf;
   return pdf;
 }
 
@@ -132,6 +175,7 @@ BsdfSample bsdf_sample(Material m, vec3 wo, float u_lobe, vec2 u) {
   if (bsdf_is(m, kBsdfThinDielectric)) return thindielectric_sample(m, wo, u_lobe);
   if (bsdf_is(m, kBsdfPlastic)) return plastic_sample(m, wo, u_lobe, u);
   if (bsdf_among(m, kRoughTypes)) return rough_sample(m, wo, u_lobe, u);
+  if (bsdf_is(m, kBsdfPrincipled)) return principled_sample(m, wo, u_lobe, u);
   if (bsdf_is(m, kBsdfNull)) return null_sample(wo);
   return kNoBsdfSample;
 }

@@ -134,6 +134,12 @@ LightSample sample_environment_or_light(Path path, Surface s, vec3 n) {
 // The normal by which lights are chosen: 0 where light from both sides counts.
 vec3 light_normal(Surface s, Material material) { return material_has(material, kMaterialTransmissive) ? vec3(0.0) : s.frame.n; }
 
+// Where a map has turned the normal, directions on whose side it and the normal before do not agree carry no light.
+bool sides_agree(Surface s, vec3 w, float cosine) {
+  MUTATE(kMutantMapsShineThrough, return true);
+  return !kPerturbed || dot(w, s.base) * cosine > 0.0;
+}
+
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
 void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo, inout Decisions decisions) {
   const LightSample light = sample_environment_or_light(path, s, light_normal(s, material));
@@ -141,7 +147,8 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   decisions.light_primitive = light.instance != kNone ? light.primitive : kNone;
   decisions.light_contributed = light.instance != kNone ? 0u : kNone;
   const vec3 wi = to_local(s.frame, light.wi);
-  const vec3 reflected = bsdf_eval(material, wo, wi) * light.radiance;
+  vec3 reflected = bsdf_eval(material, wo, wi) * light.radiance;
+  if (!sides_agree(s, light.wi, wi.z)) reflected = vec3(0.0);
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0;
   const bool from_outside = (kHasEnvironment && light.instance == kEnvironmentLight) ||
                             (kDistantLights > 0u && light.instance == kDeltaLightSampled && light.error < 0.0);
@@ -161,10 +168,10 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
 }
 
 // What stands at vertex k, or where a shadow ray from there has met a surface; d is the direction of the ray, `flags` as in choice_words().
-Choice choose_at(Path path, uint k, Surface s, uint material, SurfacePoint at, vec3 d, uint flags) {
+Choice choose_at(Path path, uint k, Surface s, uint material, SurfacePoint at, Primitive geometry, vec3 d, uint flags) {
   uint side = dot(d, s.ng) > 0.0 ? 1u : 0u;
   MUTATE(kMutantMaskSidesTogether, side = 0u);
-  return choose_material(material, s.frame, at, -d,
+  return choose_material(material, s.frame, at, geometry, -d,
                          choice_words(frame.seed, path.pixel, path.sample_index, k, s.instance, s.primitive, side | flags));
 }
 
@@ -176,7 +183,7 @@ bool shadow_passes(inout Path path, Ray ray, Hit hit) {
   if (limited && path.shadow_segments == 0u) return false;
   const Instance instance = fetch_instance(hit.instance);
   const Surface s = make_surface(ray, hit, instance);
-  if (choose_at(path, path.shadow_vertex, s, instance.material, SurfacePoint(s.instance, s.primitive, hit.weights, s.ng), ray.d, 2u).material != kNone) return false;
+  if (choose_at(path, path.shadow_vertex, s, instance.material, SurfacePoint(s.instance, s.primitive, hit.weights, s.ng), hit.geometry, ray.d, 2u).material != kNone) return false;
   --path.shadow_segments;
   path.shadow_ray.t_min = hit.t;
   path.shadow_passed = pass_behind(s, hit.t, ray.d);
@@ -210,7 +217,7 @@ void scatter(inout Path path, Surface s, Material material, vec3 wo, inout Decis
   const uvec4 words = random_words(frame.seed, path.pixel, path.sample_index, block_bsdf(path.segment - 1u));
   const BsdfSample bs = bsdf_sample(material, wo, to_unit(words.x), to_unit(words.yz));
   const vec3 wi = to_world(s.frame, bs.wi);
-  if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0) {
+  if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0 || !sides_agree(s, wi, bs.wi.z)) {
     decisions.lobe = kLobeNone;
     return;
   }
@@ -268,9 +275,9 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   if (!no_light_to_camera(path)) path.radiance += gather_emission(path, s, instance, hit.geometry, at);
   uint max_depth = frame.max_depth;
   MUTATE(kMutantDepthOffByOne, ++max_depth);
-  Choice choice = Choice(instance.material, s.frame);
+  Choice choice = Choice(instance.material, s.frame, s.base);
   if (kAdapters != 0u && (path.segment < max_depth || !kCountPasses)) {
-    choice = choose_at(path, path.segment - 1u, s, instance.material, at, path.ray.d, 0u);
+    choice = choose_at(path, path.segment - 1u, s, instance.material, at, hit.geometry, path.ray.d, 0u);
     if (kPassable && choice.material == kNone) {
       pass_surface(path, s, hit.t, decisions);
       return;
@@ -282,9 +289,10 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   }
   if (path.segment >= max_depth) return;
   s.frame = choice.frame;
+  s.base = choice.base;
   const Material material = evaluate_material(choice.material, at);
   const vec3 wo = to_local(s.frame, -path.ray.d);
-  if (material_has(material, kMaterialOneSided) && wo.z <= 0.0) {
+  if ((material_has(material, kMaterialOneSided) && wo.z <= 0.0) || !sides_agree(s, -path.ray.d, wo.z)) {
     decisions.lobe = kLobeNone;
     return;
   }

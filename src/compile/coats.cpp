@@ -21,7 +21,7 @@ double fresnel(double cosine, double eta) {
 class Facets {
  public:
   explicit Facets(const Roughness& roughness)
-      : beckmann_(roughness.distribution == Roughness::Distribution::beckmann), alpha_(roughness.alpha_u) {}
+      : beckmann_(roughness.distribution == Roughness::Distribution::beckmann), alpha_(roughness.alpha_u.value) {}
 
   /// D h.z³ α² by the slope in units of α: the distribution of slopes.
   double slope_density(double slope) const {

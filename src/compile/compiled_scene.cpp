@@ -66,48 +66,63 @@ gpu::MaterialRecord flatten(const BlendAdapter& blend) {
   return {.params = glm::vec3(static_cast<float>(blend.first), blend.second, blend.weight.value),
           .header = gpu::kAdapterBlend};
 }
+gpu::MaterialRecord flatten(const NormalMapAdapter& map) {
+  return {.params = glm::vec3(static_cast<float>(map.inner), 0.0f, 0.0f), .header = gpu::kAdapterNormalMap};
+}
+gpu::MaterialRecord flatten(const BumpMapAdapter& map) {
+  return {.params = glm::vec3(static_cast<float>(map.inner), 0.0f, map.height.value), .header = gpu::kAdapterBumpMap};
+}
+gpu::MaterialRecord flatten(const PrincipledBsdf& bsdf) {
+  return {.params = glm::vec3(bsdf.base_color.value),
+          .header = gpu::kBsdfPrincipled | (may_refract(bsdf) ? gpu::kMaterialTransmissive : gpu::kMaterialOneSided),
+          .specular = glm::vec3(bsdf.metallic.value, bsdf.spec_trans.value, bsdf.spec_tint.value),
+          .share = static_cast<float>(bsdf.anisotropic.value),
+          .eta = glm::vec3(bsdf.eta, bsdf.roughness.value, bsdf.flatness),
+          .alpha_u = static_cast<float>(bsdf.clearcoat_gloss),
+          .k = glm::vec3(bsdf.sheen.value, bsdf.sheen_tint, bsdf.clearcoat.value)};
+}
 gpu::uint distribution_flag(Roughness::Distribution distribution) {
   return distribution == Roughness::Distribution::beckmann ? gpu::kMaterialBeckmann : 0u;
 }
 gpu::MaterialRecord flatten(const MicrofacetBsdf& bsdf) {
-  const double share = 1.0 - std::max({bsdf.kd.x, bsdf.kd.y, bsdf.kd.z});
-  return {.params = glm::vec3(bsdf.kd),
+  const double share = 1.0 - std::max({bsdf.kd.value.x, bsdf.kd.value.y, bsdf.kd.value.z});
+  return {.params = glm::vec3(bsdf.kd.value),
           .header = gpu::kBsdfMicrofacet | gpu::kMaterialOneSided | gpu::kMaterialBeckmann,
           .specular = glm::vec3(glm::dvec3(share)),
           .share = static_cast<float>(share),
           .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0),
-          .alpha_u = static_cast<float>(bsdf.alpha),
-          .alpha_v = static_cast<float>(bsdf.alpha)};
+          .alpha_u = static_cast<float>(bsdf.alpha.value),
+          .alpha_v = static_cast<float>(bsdf.alpha.value)};
 }
 gpu::MaterialRecord flatten(const ConductorBsdf& bsdf) {
   return {.header = gpu::kBsdfConductor | gpu::kMaterialDelta | gpu::kMaterialOneSided,
-          .specular = glm::vec3(bsdf.specular_reflectance),
+          .specular = glm::vec3(bsdf.specular_reflectance.value),
           .eta = glm::vec3(bsdf.index.eta),
           .k = glm::vec3(bsdf.index.k)};
 }
 gpu::MaterialRecord flatten(const RoughConductorBsdf& bsdf) {
   return {.header = gpu::kBsdfRoughConductor | gpu::kMaterialOneSided | distribution_flag(bsdf.roughness.distribution),
-          .specular = glm::vec3(bsdf.specular_reflectance),
+          .specular = glm::vec3(bsdf.specular_reflectance.value),
           .share = 1.0f,
           .eta = glm::vec3(bsdf.index.eta),
-          .alpha_u = static_cast<float>(bsdf.roughness.alpha_u),
+          .alpha_u = static_cast<float>(bsdf.roughness.alpha_u.value),
           .k = glm::vec3(bsdf.index.k),
-          .alpha_v = static_cast<float>(bsdf.roughness.alpha_v)};
+          .alpha_v = static_cast<float>(bsdf.roughness.alpha_v.value)};
 }
 
 gpu::MaterialRecord flatten(const RoughDielectricBsdf& bsdf) {
   return {
-      .params = glm::vec3(bsdf.specular_transmittance),
+      .params = glm::vec3(bsdf.specular_transmittance.value),
       .header = gpu::kBsdfRoughDielectric | gpu::kMaterialTransmissive | distribution_flag(bsdf.roughness.distribution),
-      .specular = glm::vec3(bsdf.specular_reflectance),
+      .specular = glm::vec3(bsdf.specular_reflectance.value),
       .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0),
-      .alpha_u = static_cast<float>(bsdf.roughness.alpha_u),
-      .alpha_v = static_cast<float>(bsdf.roughness.alpha_v)};
+      .alpha_u = static_cast<float>(bsdf.roughness.alpha_u.value),
+      .alpha_v = static_cast<float>(bsdf.roughness.alpha_v.value)};
 }
 gpu::MaterialRecord flatten(const ThinDielectricBsdf& bsdf) {
-  return {.params = glm::vec3(bsdf.specular_transmittance),
+  return {.params = glm::vec3(bsdf.specular_transmittance.value),
           .header = gpu::kBsdfThinDielectric | gpu::kMaterialDelta,
-          .specular = glm::vec3(bsdf.specular_reflectance),
+          .specular = glm::vec3(bsdf.specular_reflectance.value),
           .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0)};
 }
 
@@ -115,15 +130,15 @@ gpu::MaterialRecord flatten(const ThinDielectricBsdf& bsdf) {
 template <typename Plastic>
 float coat_share(const Plastic& bsdf) {
   const auto mean = [](const glm::dvec3& c) { return (c.x + c.y + c.z) / 3.0; };
-  const double coat = mean(bsdf.specular_reflectance), base = mean(bsdf.diffuse_reflectance);
+  const double coat = mean(bsdf.specular_reflectance.value), base = mean(bsdf.diffuse_reflectance.value);
   return static_cast<float>(coat + base > 0.0 ? coat / (coat + base) : 1.0);
 }
 template <typename Plastic>
 gpu::MaterialRecord flatten_plastic(const Plastic& bsdf, double reflectance_inside) {
   const double ratio = bsdf.ext_ior / bsdf.int_ior;
-  return {.params = glm::vec3(bsdf.diffuse_reflectance),
+  return {.params = glm::vec3(bsdf.diffuse_reflectance.value),
           .header = gpu::kMaterialOneSided | (bsdf.nonlinear ? gpu::kMaterialNonlinear : 0u),
-          .specular = glm::vec3(bsdf.specular_reflectance),
+          .specular = glm::vec3(bsdf.specular_reflectance.value),
           .share = coat_share(bsdf),
           .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0),
           .k = glm::vec3(reflectance_inside, ratio * ratio, 0.0)};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -78,8 +79,10 @@ class TextureCompiler {
 
   void find_needs(const Instance& instance) {
     Needs& needs = needs_[key(instance)];
-    const auto add = [&](const char*, const auto& parameter) {
-      if (parameter.texture) add_need(scene_.textures[*parameter.texture], instance, needs);
+    const auto add = [&](const char* name, const auto& parameter) {
+      if (!parameter.texture) return;
+      add_need(scene_.textures[*parameter.texture], instance, needs);
+      if (is_rich(name)) out_.features |= gpu::kTexturesRich;
     };
     each_material(scene_, instance.material, [&](const Material& material) { each_parameter(material, add); });
     const AreaEmitter* emitter = scene_.emitter_of(instance);
@@ -93,6 +96,14 @@ class TextureCompiler {
     if (std::holds_alternative<Sphere>(shape)) return gpu::kTexturesSphere;
     if (std::holds_alternative<Disk>(shape)) return gpu::kTexturesDisk;
     return std::holds_alternative<Cylinder>(shape) ? gpu::kTexturesCylinder : 0;
+  }
+
+  /// Parameters beyond the first: kernels need not look for them elsewhere.
+  static bool is_rich(const char* name) {
+    const std::string_view word(name);
+    return word == "specular_reflectance" || word.starts_with("alpha") || word == "roughness" || word == "metallic" ||
+           word == "anisotropic" || word == "spec_trans" || word == "spec_tint" || word == "sheen" ||
+           word == "clearcoat";
   }
 
   void add_need(const Texture& texture, const Instance& instance, Needs& needs) {
@@ -269,10 +280,28 @@ CompiledTextures compile_textures(const Scene& scene) {
 
 gpu::MaterialTextures material_textures(const Material& material) {
   gpu::MaterialTextures textures{.first = gpu::uvec4(gpu::kNone), .second = gpu::uvec4(gpu::kNone)};
-  int i = 0;
-  each_parameter(material, [&](const char*, const auto& parameter) {
-    (i < 4 ? textures.first : textures.second)[i % 4] = texture_of(parameter);
-    ++i;
+  each_parameter(material, [&](const char* name, const auto& parameter) {
+    const std::string_view word(name);
+    const gpu::uint texture = texture_of(parameter);
+    if (word == "specular_reflectance" || word == "roughness") {
+      textures.first.y = texture;
+    } else if (word == "alpha_v" || word == "anisotropic") {
+      textures.first.w = texture;
+    } else if (word == "alpha_u" || word == "metallic") {
+      textures.first.z = texture;
+    } else if (word == "spec_trans") {
+      textures.second.x = texture;
+    } else if (word == "spec_tint") {
+      textures.second.y = texture;
+    } else if (word == "sheen") {
+      textures.second.z = texture;
+    } else if (word == "clearcoat") {
+      textures.second.w = texture;
+    } else if (word == "alpha") {
+      textures.first.z = textures.first.w = texture;
+    } else {
+      textures.first.x = texture;  // what a material has but one of: albedo, transmittance, an adapter's number
+    }
   });
   return textures;
 }

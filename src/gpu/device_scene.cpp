@@ -98,7 +98,8 @@ struct MaterialsUsed {
     }
     adapters |= 1u << (type - gpu::kAdapterFirst) | (type == gpu::kAdapterMask ? gpu::kAdaptersPass : 0u);
     std::uint32_t depth = look_at(scene, static_cast<gpu::uint>(record.params.x));
-    if (type != gpu::kAdapterMask) depth = std::max(depth, look_at(scene, static_cast<gpu::uint>(record.params.y)));
+    if (type == gpu::kAdapterTwoSided || type == gpu::kAdapterBlend)
+      depth = std::max(depth, look_at(scene, static_cast<gpu::uint>(record.params.y)));
     return depths[row] = depth + 1;
   }
 

@@ -14,11 +14,17 @@ struct Chooser {
   SampleRandom::Decision decision;
   std::uint32_t row;
   Frame frame;
+  double side = 1.0;  ///< of the frame's normal, against that of the surface
+  std::optional<Vec3> base = {};
 
   // Each goes on to a row, or says that the ray passes.
   bool step(const TwoSidedAdapter& adapter) {
     const bool behind = glm::dot(d, frame.normal()) > 0.0;
-    if (behind) frame = frame.mirrored();
+    if (behind) {
+      frame = frame.mirrored();
+      side = -side;
+      if (base) *base = -*base;
+    }
     row = behind ? adapter.back : adapter.front;
     return true;
   }
@@ -30,6 +36,37 @@ struct Chooser {
   bool step(const BlendAdapter& blend) {
     row = random.choice(decision, row) < at_point(scene, blend.weight, surface) ? blend.second : blend.first;
     return true;
+  }
+  /// Tangent, bitangent and normal are those of the surface; seen from behind, height is counted backward.
+  bool step(const NormalMapAdapter& map) {
+    const Tangents by = tangents(scene, *map.normals.texture, surface);
+    const Vec3 n = frame.normal(), along = by.u - n * glm::dot(n, by.u);
+    if (glm::length(along) > 0.0) {
+      const Vec3 t = glm::normalize(along), b = side * glm::cross(n, t);
+      const Vec3 c = 2.0 * at_point(scene, map.normals, surface) - 1.0;
+      turn(c.x * t + c.y * b + c.z * n);
+    }
+    row = map.inner;
+    return true;
+  }
+  /// The normal of p + h n, by its derivatives without those of n [Blinn1978].
+  bool step(const BumpMapAdapter& map) {
+    const Tangents by = tangents(scene, *map.height.texture, surface);
+    const Vec3 n = frame.normal();
+    if (glm::length(by.u) > 0.0) {
+      const Vec2 slope = gradient_at(scene, map.height, surface);
+      const Vec3 along = by.u - n * glm::dot(n, by.u) + slope.x * n,
+                 across = by.v - n * glm::dot(n, by.v) + slope.y * n;
+      const Vec3 m = glm::cross(along, across);
+      turn(glm::dot(m, n) < 0.0 ? -m : m);
+    }
+    row = map.inner;
+    return true;
+  }
+  void turn(const Vec3& n) {
+    if (!(glm::length(n) > 0.0)) return;
+    if (!base) base = frame.normal();
+    frame = Frame(glm::normalize(n));
   }
 };
 
@@ -48,7 +85,7 @@ std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface&
     const Material& material = scene.materials[chooser.row];
     if (!material.adapter) {
       if (std::holds_alternative<NullBsdf>(material.bsdf)) return std::nullopt;
-      return ChosenMaterial{chooser.row, chooser.frame};
+      return ChosenMaterial{chooser.row, chooser.frame, chooser.base};
     }
     if (!std::visit([&](const auto& adapter) { return chooser.step(adapter); }, *material.adapter)) return std::nullopt;
   }

@@ -15,6 +15,8 @@ namespace etendue::reference {
 struct ChosenMaterial {
   std::uint32_t row = 0;
   Frame frame;
+  /// The normal before maps turned it, on the same side; nothing where none has.
+  std::optional<Vec3> base = {};
 };
 
 /// The material that stands where a ray in direction `d` has met a surface: vertex `k`, or what a shadow ray from there

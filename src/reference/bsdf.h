@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "reference/vec.h"
+#include "scene/materials.h"
 #include "scene/scene.h"
 
 namespace etendue::reference {
@@ -80,6 +81,10 @@ Vec3 eval(const NullBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 double pdf(const NullBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 BsdfSample sample(const NullBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
 
+Vec3 eval(const PrincipledBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const PrincipledBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const PrincipledBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
 inline Vec3 eval(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   return std::visit([&](const auto& b) { return eval(b, wo, wi); }, bsdf);
 }
@@ -128,6 +133,10 @@ constexpr BsdfTraits traits(const RoughPlasticBsdf&) {
 }
 constexpr BsdfTraits traits(const NullBsdf&) {
   return {.delta = true, .one_sided = false};
+}
+inline BsdfTraits traits(const PrincipledBsdf& bsdf) {
+  const bool refracts = may_refract(bsdf);
+  return {.delta = false, .one_sided = !refracts, .transmissive = refracts};
 }
 inline BsdfTraits traits(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return traits(b); }, bsdf);

@@ -13,7 +13,7 @@ MicrofacetDistribution distribution_of(const MicrofacetBsdf& bsdf) {
   return MicrofacetDistribution({Roughness::Distribution::beckmann, bsdf.alpha, bsdf.alpha});
 }
 double coat_share(const MicrofacetBsdf& bsdf) {
-  return 1.0 - max_component(bsdf.kd);
+  return 1.0 - max_component(bsdf.kd.value);
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ Vec3 eval(const MicrofacetBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   const double fresnel = fresnel_dielectric(glm::dot(wo, h), bsdf.ext_ior, bsdf.int_ior).reflectance;
   const double shadowing = facets.masking(wo, h) * facets.masking(wi, h);
   const double coat = coat_share(bsdf) * fresnel * facets.density(h) * shadowing / (4.0 * wo.z * wi.z);
-  return (bsdf.kd / kPi + Vec3(coat)) * wi.z;
+  return (bsdf.kd.value / kPi + Vec3(coat)) * wi.z;
 }
 
 double pdf(const MicrofacetBsdf& bsdf, const Vec3& wo, const Vec3& wi) {

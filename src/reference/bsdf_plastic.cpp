@@ -17,7 +17,8 @@ double coat_reflects(const PlasticBsdf& bsdf, double cosine) {
 /// Probability of sampling the coat: by how much each of the two is likely to reflect.
 double coat_prob(const PlasticBsdf& bsdf, double cos_o) {
   const double f = coat_reflects(bsdf, cos_o);
-  const double coat = f * mean(bsdf.specular_reflectance), base = (1.0 - f) * mean(bsdf.diffuse_reflectance);
+  const double coat = f * mean(bsdf.specular_reflectance.value),
+               base = (1.0 - f) * mean(bsdf.diffuse_reflectance.value);
   return coat + base > 0.0 ? coat / (coat + base) : 1.0;
 }
 
@@ -25,9 +26,9 @@ double coat_prob(const PlasticBsdf& bsdf, double cos_o) {
 
 Vec3 eval(const PlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   if (wo.z <= 0.0 || wi.z <= 0.0) return Vec3(0.0);
-  return coated_base(bsdf.diffuse_reflectance, bsdf.nonlinear, diffuse_reflectance_inside(bsdf.int_ior, bsdf.ext_ior),
-                     bsdf.ext_ior / bsdf.int_ior, 1.0 - coat_reflects(bsdf, wi.z), 1.0 - coat_reflects(bsdf, wo.z),
-                     wi.z);
+  return coated_base(bsdf.diffuse_reflectance.value, bsdf.nonlinear,
+                     diffuse_reflectance_inside(bsdf.int_ior, bsdf.ext_ior), bsdf.ext_ior / bsdf.int_ior,
+                     1.0 - coat_reflects(bsdf, wi.z), 1.0 - coat_reflects(bsdf, wo.z), wi.z);
 }
 
 double pdf(const PlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
@@ -40,7 +41,7 @@ BsdfSample sample(const PlasticBsdf& bsdf, const Vec3& wo, double u_lobe, const 
   const double prob = coat_prob(bsdf, wo.z);
   if (u_lobe < prob) {
     return {.wi = {-wo.x, -wo.y, wo.z},
-            .weight = bsdf.specular_reflectance * (coat_reflects(bsdf, wo.z) / prob),
+            .weight = bsdf.specular_reflectance.value * (coat_reflects(bsdf, wo.z) / prob),
             .pdf = prob,
             .lobe = Lobe::delta_reflection};
   }

@@ -45,9 +45,9 @@ Vec3 eval(const RoughDielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   if (!m.possible) return Vec3(0.0);
   const double common = m.facets.density(m.h) * m.facets.masking(m.wo, m.h) * m.facets.masking(m.wi, m.h) * m.wo_h *
                         m.normals_by_directions() / m.wo.z;
-  if (m.reflected) return bsdf.specular_reflectance * (m.reflectance * common);
+  if (m.reflected) return bsdf.specular_reflectance.value * (m.reflectance * common);
   const double scaling = m.n_o / m.n_i;
-  return bsdf.specular_transmittance * ((1.0 - m.reflectance) * common * scaling * scaling);
+  return bsdf.specular_transmittance.value * ((1.0 - m.reflectance) * common * scaling * scaling);
 }
 
 double pdf(const RoughDielectricBsdf& bsdf, const Vec3& wo, const Vec3& wi) {

@@ -17,7 +17,7 @@ const RoughCoat& coat_of(const RoughPlasticBsdf& bsdf) {
 }
 double coat_prob(const RoughPlasticBsdf& bsdf, double cos_o) {
   const double enters = coat_of(bsdf).transmittance(cos_o);
-  const Vec3 &s = bsdf.specular_reflectance, &d = bsdf.diffuse_reflectance;
+  const Vec3 &s = bsdf.specular_reflectance.value, &d = bsdf.diffuse_reflectance.value;
   const double coat = (1.0 - enters) * (s.x + s.y + s.z), base = enters * (d.x + d.y + d.z);
   return coat + base > 0.0 ? coat / (coat + base) : 1.0;
 }
@@ -31,9 +31,9 @@ Vec3 eval(const RoughPlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   const double fresnel = fresnel_dielectric(glm::dot(wo, h), bsdf.ext_ior, bsdf.int_ior).reflectance;
   const double coat = fresnel * facets.density(h) * facets.masking(wo, h) * facets.masking(wi, h) / (4.0 * wo.z);
   const RoughCoat& table = coat_of(bsdf);
-  return bsdf.specular_reflectance * coat + coated_base(bsdf.diffuse_reflectance, bsdf.nonlinear,
-                                                        table.reflectance_inside(), bsdf.ext_ior / bsdf.int_ior,
-                                                        table.transmittance(wi.z), table.transmittance(wo.z), wi.z);
+  return bsdf.specular_reflectance.value * coat +
+         coated_base(bsdf.diffuse_reflectance.value, bsdf.nonlinear, table.reflectance_inside(),
+                     bsdf.ext_ior / bsdf.int_ior, table.transmittance(wi.z), table.transmittance(wo.z), wi.z);
 }
 
 double pdf(const RoughPlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi) {

@@ -19,10 +19,12 @@ BsdfSample sample(const ThinDielectricBsdf& bsdf, const Vec3& wo, double u_lobe,
   // The geometric series F + T²F + T²F³ + …, T = 1 − F.
   const double pane = face + (1.0 - face) * face / (1.0 + face);
   if (u_lobe < pane) {
-    return {
-        .wi = {-wo.x, -wo.y, wo.z}, .weight = bsdf.specular_reflectance, .pdf = pane, .lobe = Lobe::delta_reflection};
+    return {.wi = {-wo.x, -wo.y, wo.z},
+            .weight = bsdf.specular_reflectance.value,
+            .pdf = pane,
+            .lobe = Lobe::delta_reflection};
   }
-  return {.wi = -wo, .weight = bsdf.specular_transmittance, .pdf = 1.0 - pane, .lobe = Lobe::delta_transmission};
+  return {.wi = -wo, .weight = bsdf.specular_transmittance.value, .pdf = 1.0 - pane, .lobe = Lobe::delta_transmission};
 }
 
 }  // namespace etendue::reference

@@ -36,10 +36,10 @@ double share(const Roughness& roughness, double cosine, double n_o, double n_t, 
   };
   double sum = 0.0;
   for (int i = 0; i < kRings; ++i) {  // the last ring is at infinity, where nothing is
-    const double angle = step * i, slope = roughness.alpha_u * std::tan(angle);
+    const double angle = step * i, slope = roughness.alpha_u.value * std::tan(angle);
     // dω of the normals: h.z³ · slope · d(slope) dφ.
     const double z = 1.0 / std::hypot(1.0, slope);
-    const double area = z * z * z * slope * roughness.alpha_u / (std::cos(angle) * std::cos(angle));
+    const double area = z * z * z * slope * roughness.alpha_u.value / (std::cos(angle) * std::cos(angle));
     for (int j = 0; j <= kSectors; ++j) {
       const Vec3 h = z * Vec3(slope * std::cos(turn * j), slope * std::sin(turn * j), 1.0);
       sum += simpson(i, kRings) * simpson(j, kSectors) * area * facets.visible_density(w, h) * leaves(h);
@@ -76,7 +76,7 @@ const RoughCoat& rough_coat(const Roughness& roughness, double int_ior, double e
   static std::map<Key, std::unique_ptr<RoughCoat>> coats;
   thread_local Key last_key{};
   thread_local const RoughCoat* last = nullptr;  // most calls ask for the coat of the call before
-  const Key key(roughness.distribution, roughness.alpha_u, int_ior, ext_ior);
+  const Key key(roughness.distribution, roughness.alpha_u.value, int_ior, ext_ior);
   if (last != nullptr && key == last_key) return *last;
   const std::lock_guard lock(mutex);
   std::unique_ptr<RoughCoat>& coat = coats[key];

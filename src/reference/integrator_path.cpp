@@ -18,30 +18,40 @@ double power_heuristic(double own, double other) {
 /// A material at a point of the surface, in world space. The shading normal alone decides which side a direction is on.
 class Scatterer {
  public:
-  Scatterer(Bsdf bsdf, const Frame& frame, const Vec3& wo)
-      : bsdf_(std::move(bsdf)), frame_(frame), wo_(frame_.to_local(wo)) {}
+  Scatterer(Bsdf bsdf, const ChosenMaterial& chosen, const Vec3& wo)
+      : bsdf_(std::move(bsdf)),
+        frame_(chosen.frame),
+        base_(chosen.base),
+        wo_(frame_.to_local(wo)),
+        unseen_(base_ && !agrees(wo)) {}
 
   /// The normal by which lights are chosen; 0 where light from both sides counts.
   Vec3 light_normal() const { return traits(bsdf_).transmissive ? Vec3(0.0) : frame_.normal(); }
   /// Nothing but delta lobes scatter.
   bool delta() const { return reference::is_delta(bsdf_); }
   /// Nothing scatters toward `wo`.
-  bool black() const { return is_one_sided(bsdf_) && wo_.z <= 0.0; }
+  bool black() const { return unseen_ || (is_one_sided(bsdf_) && wo_.z <= 0.0); }
 
-  Vec3 eval(const Vec3& wi) const { return reference::eval(bsdf_, wo_, frame_.to_local(wi)); }
+  Vec3 eval(const Vec3& wi) const { return agrees(wi) ? reference::eval(bsdf_, wo_, frame_.to_local(wi)) : Vec3(0.0); }
   double pdf(const Vec3& wi) const { return reference::pdf(bsdf_, wo_, frame_.to_local(wi)); }
   /// Like that of bsdf.h, with `wi` in world space; lobe `none` unless its weight is positive somewhere.
   BsdfSample sample(const SampleRandom::Material& random) const {
     BsdfSample sample = reference::sample(bsdf_, wo_, random.lobe, {random.u, random.v});
     if (sample.lobe == Lobe::none || is_zero(sample.weight)) return {};
     sample.wi = frame_.to_world(sample.wi);
+    if (!agrees(sample.wi)) return {};
     return sample;
   }
 
  private:
+  /// A direction on one side of the normal and, where a map has turned it, of the normal before: others carry no light.
+  bool agrees(const Vec3& w) const { return !base_ || glm::dot(*base_, w) * glm::dot(frame_.normal(), w) > 0.0; }
+
   Bsdf bsdf_;  // its parameters are constants
   Frame frame_;
+  std::optional<Vec3> base_;
   Vec3 wo_;
+  bool unseen_;
 };
 
 /// The chance of a path of `whitted` to go on behind a mirror or glass.
@@ -131,7 +141,7 @@ class Path {
   std::optional<Scatterer> scatterer_at(const Surface& surface, const Vec3& w, std::uint32_t k) const {
     const std::optional<ChosenMaterial> chosen = choose_material(world_.scene(), surface, w, random_, k, false);
     if (!chosen) return std::nullopt;
-    return Scatterer(at_point(world_.scene(), world_.scene().materials[chosen->row].bsdf, surface), chosen->frame, -w);
+    return Scatterer(at_point(world_.scene(), world_.scene().materials[chosen->row].bsdf, surface), *chosen, -w);
   }
 
   /// The same ray, from the surface on.

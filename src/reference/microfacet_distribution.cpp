@@ -58,16 +58,16 @@ Vec3 sample_visible_ggx(const Vec3& w, const Vec2& u) {
 
 double MicrofacetDistribution::density(const Vec3& h) const {
   if (h.z <= 0.0) return 0.0;
-  const double x = h.x / (r_.alpha_u * h.z), y = h.y / (r_.alpha_v * h.z);
+  const double x = h.x / (r_.alpha_u.value * h.z), y = h.y / (r_.alpha_v.value * h.z);
   const double tan2 = x * x + y * y;  // of the stretched normal
-  const double area = kPi * r_.alpha_u * r_.alpha_v * std::pow(h.z, 4);
+  const double area = kPi * r_.alpha_u.value * r_.alpha_v.value * std::pow(h.z, 4);
   if (r_.distribution == Distribution::beckmann) return tan2 <= 50.0 ? std::exp(-tan2) / area : 0.0;
   return 1.0 / (area * (1.0 + tan2) * (1.0 + tan2));
 }
 
 double MicrofacetDistribution::masking(const Vec3& w, const Vec3& h) const {
   if (glm::dot(w, h) * w.z <= 0.0) return 0.0;
-  const double tan_theta = std::hypot(r_.alpha_u * w.x, r_.alpha_v * w.y) / std::abs(w.z);
+  const double tan_theta = std::hypot(r_.alpha_u.value * w.x, r_.alpha_v.value * w.y) / std::abs(w.z);
   if (r_.distribution == Distribution::ggx) return 2.0 / (1.0 + std::sqrt(1.0 + tan_theta * tan_theta));
   const double a = 1.0 / tan_theta;
   if (a >= 1.6) return 1.0;
@@ -75,7 +75,8 @@ double MicrofacetDistribution::masking(const Vec3& w, const Vec3& h) const {
 }
 
 double MicrofacetDistribution::visible_area(const Vec3& w) const {
-  const double sin_theta = std::hypot(r_.alpha_u * w.x, r_.alpha_v * w.y);  // both scaled alike: only w.z is not
+  const double sin_theta =
+      std::hypot(r_.alpha_u.value * w.x, r_.alpha_v.value * w.y);  // both scaled alike: only w.z is not
   if (r_.distribution == Distribution::ggx) return 0.5 * (w.z + std::sqrt(w.z * w.z + sin_theta * sin_theta));
   return beckmann_visible_area(w.z, sin_theta, sin_theta > 0.0 ? w.z / sin_theta : INFINITY);
 }
@@ -88,7 +89,7 @@ double MicrofacetDistribution::visible_density(const Vec3& w, const Vec3& h) con
 Vec3 MicrofacetDistribution::sample_visible(const Vec3& w, const Vec2& u) const {
   const Vec3 flat = stretched(w);
   const Vec3 h = r_.distribution == Distribution::ggx ? sample_visible_ggx(flat, u) : sample_visible_beckmann(flat, u);
-  return glm::normalize(Vec3(r_.alpha_u * h.x, r_.alpha_v * h.y, h.z));
+  return glm::normalize(Vec3(r_.alpha_u.value * h.x, r_.alpha_v.value * h.y, h.z));
 }
 
 }  // namespace etendue::reference

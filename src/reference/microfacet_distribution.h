@@ -22,7 +22,9 @@ class MicrofacetDistribution {
   Vec3 sample_visible(const Vec3& w, const Vec2& u) const;
 
  private:
-  Vec3 stretched(const Vec3& w) const { return glm::normalize(Vec3(r_.alpha_u * w.x, r_.alpha_v * w.y, w.z)); }
+  Vec3 stretched(const Vec3& w) const {
+    return glm::normalize(Vec3(r_.alpha_u.value * w.x, r_.alpha_v.value * w.y, w.z));
+  }
   /// ∫ D(h) max(0, w·h) dh: what `w` sees of all microfacets, exactly; G1 = w.z / visible_area.
   double visible_area(const Vec3& w) const;
 

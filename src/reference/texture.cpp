@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <type_traits>
 
 #include "reference/frame.h"
 #include "reference/placement.h"
 #include "reference/sampling.h"
+#include "scene/limits.h"
 #include "scene/parameters.h"
 
 namespace etendue::reference {
@@ -125,6 +128,39 @@ Vec2 surface_uv(const Scene& scene, std::uint32_t set, const Surface& surface) {
   return uv;
 }
 
+double channel(const Vec4& value, TextureChannel which) {
+  return which == TextureChannel::luminance ? luminance(Vec3(value)) : value[static_cast<int>(which)];
+}
+
+/// Of p = c + r (sin θ cos φ, sin θ sin φ, cos θ) in the sphere's own frame, φ = 2π u, θ = π − π v.
+Tangents sphere_tangents(const Sphere& sphere, const Instance& instance, const Vec3& n) {
+  glm::dmat3 axes(instance.world_from_object);
+  for (int k = 0; k < 3; ++k) axes[k] = glm::normalize(axes[k]);
+  const Vec3 d = glm::transpose(axes) * n;
+  const double sin_theta = std::hypot(d.x, d.y);
+  if (!(sin_theta > 0.0)) return {};
+  const Vec3 by_phi(-d.y, d.x, 0.0), by_theta(d.z * d.x / sin_theta, d.z * d.y / sin_theta, -sin_theta);
+  return {axes * (2.0 * kPi * sphere.radius * by_phi), axes * (-kPi * sphere.radius * by_theta)};
+}
+
+/// Of p = c + r (cos φ a + sin φ b), u = r, φ = 2π (1 − v).
+Tangents disk_tangents(const Instance& instance, const Surface& surface) {
+  const Vec3 p = object_point(instance, surface.p);
+  const double r = std::hypot(p.x, p.y);
+  if (!(r > 0.0)) return {};
+  const glm::dmat3 axes(instance.world_from_object);
+  return {axes * Vec3(p.x / r, p.y / r, 0.0), axes * (-2.0 * kPi * Vec3(-p.y, p.x, 0.0))};
+}
+
+/// Of p = p0 + r (cos φ s + sin φ t) + (1 − v) (p1 − p0), φ = 2π u.
+Tangents cylinder_tangents(const Cylinder& cylinder, const Instance& instance, const Surface& surface) {
+  const Vec3 axis = cylinder.p1 - cylinder.p0;
+  const Frame frame(glm::normalize(axis));
+  const Vec3 local = frame.to_local(object_point(instance, surface.p) - cylinder.p0);
+  const glm::dmat3 axes(instance.world_from_object);
+  return {axes * frame.to_world(2.0 * kPi * Vec3(-local.y, local.x, 0.0)), axes * -axis};
+}
+
 }  // namespace
 
 glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const Surface& surface) {
@@ -148,15 +184,62 @@ Vec3 at_point(const Scene& scene, const ColorParameter& parameter, const Surface
 
 double at_point(const Scene& scene, const ScalarParameter& parameter, const Surface& surface) {
   if (!parameter.texture) return parameter.value;
-  const Vec4 v = texture_value(scene, scene.textures[*parameter.texture], surface);
-  if (parameter.channel == TextureChannel::luminance) return parameter.value * luminance(Vec3(v));
-  return parameter.value * v[static_cast<int>(parameter.channel)];
+  return parameter.value *
+         channel(texture_value(scene, scene.textures[*parameter.texture], surface), parameter.channel);
+}
+
+Tangents tangents(const Scene& scene, std::uint32_t texture, const Surface& surface) {
+  const Instance& instance = scene.instances[surface.instance];
+  const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
+  const Shape& shape = scene.shape_of(instance);
+  if (std::holds_alternative<Disk>(shape)) return disk_tangents(instance, surface);
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return cylinder_tangents(*cylinder, instance, surface);
+  if (mesh == nullptr)
+    return sphere_tangents(Placement(instance).sphere(std::get<Sphere>(scene.shape_of(instance))), instance,
+                           surface.ns);
+  const glm::uvec3 t = corners(*mesh, instance, surface);
+  const std::vector<glm::vec2>& uvs = mesh->uv_sets[scene.textures[texture].uv_set];
+  const std::array<Vec3, 3> p = Placement(instance).triangle(*mesh, surface.primitive);
+  // [dp/du dp/dv] times the columns of the edges' coordinates are the edges.
+  const glm::dmat2 coordinates(Vec2(uvs[t.y]) - Vec2(uvs[t.x]), Vec2(uvs[t.z]) - Vec2(uvs[t.x]));
+  if (glm::determinant(coordinates) == 0.0) return {};
+  const glm::dmat2 inverse = glm::inverse(coordinates);
+  const Vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
+  return {inverse[0][0] * e1 + inverse[0][1] * e2, inverse[1][0] * e1 + inverse[1][1] * e2};
+}
+
+Vec2 gradient_at(const Scene& scene, const ScalarParameter& parameter, const Surface& surface) {
+  const Texture& texture = scene.textures[*parameter.texture];
+  const auto& picture = std::get<BitmapTexture>(texture.source);
+  const Bitmap& bitmap = *scene.bitmaps[picture.bitmap];
+  const bool srgb = picture.color_space.value_or(bitmap.color_space) == ColorSpace::srgb;
+  const Vec2 uv(texture.uv_transform * Vec3(surface_uv(scene, texture.uv_set, surface), 1.0));
+  const double x = uv.x * bitmap.width - 0.5, y = (1.0 - uv.y) * bitmap.height - 0.5;
+  const double i = std::floor(x), j = std::floor(y), s = x - i, t = y - j;
+  const auto at = [&](double column, double row) {
+    return channel(
+        texel(bitmap, srgb, wrapped(column, bitmap.width, picture.wrap_u), wrapped(row, bitmap.height, picture.wrap_v)),
+        parameter.channel);
+  };
+  const double by_x = (1.0 - t) * (at(i + 1.0, j) - at(i, j)) + t * (at(i + 1.0, j + 1.0) - at(i, j + 1.0));
+  const double by_y = (1.0 - s) * (at(i, j + 1.0) - at(i, j)) + s * (at(i + 1.0, j + 1.0) - at(i + 1.0, j));
+  // By the chain rule through the texture's transform; rows count against v.
+  const Vec2 by_uv(by_x * bitmap.width, -by_y * bitmap.height);
+  return parameter.value * (glm::transpose(glm::dmat2(texture.uv_transform)) * by_uv);
 }
 
 Bsdf at_point(const Scene& scene, const Bsdf& bsdf, const Surface& surface) {
   Bsdf constant = bsdf;
-  each_parameter(constant, [&](const char*, auto& parameter) {
-    if (parameter.texture) parameter = at_point(scene, parameter, surface);
+  each_parameter(constant, [&](const char* name, auto& parameter) {
+    if (!parameter.texture) return;
+    parameter = at_point(scene, parameter, surface);
+    // Diffuse albedo alone is what the texture says; all else stays in the range that constants have.
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ScalarParameter>) {
+      const bool alpha = std::string_view(name).starts_with("alpha");
+      parameter.value = std::clamp(parameter.value, alpha ? kMinRoughness : 0.0, 1.0);
+    } else if (!std::holds_alternative<DiffuseBsdf>(bsdf)) {
+      parameter.value = glm::clamp(parameter.value, 0.0, 1.0);
+    }
   });
   return constant;
 }

@@ -28,7 +28,19 @@ struct BlendAdapter {
   std::uint32_t second = 0;
 };
 
-using Adapter = std::variant<TwoSidedAdapter, MaskAdapter, BlendAdapter>;
+/// `inner` with another shading normal: 2 c − 1 for the colour c of a texture, along dp/du, across it, and along the
+/// normal.
+struct NormalMapAdapter {
+  ColorParameter normals{glm::dvec3(1.0)};
+  std::uint32_t inner = 0;
+};
+/// `inner` with the shading normal of a surface that is raised by `height`, a picture times a number, in scene units.
+struct BumpMapAdapter {
+  ScalarParameter height{1.0};
+  std::uint32_t inner = 0;
+};
+
+using Adapter = std::variant<TwoSidedAdapter, MaskAdapter, BlendAdapter, NormalMapAdapter, BumpMapAdapter>;
 
 /// Calls f(row) for what the adapter may choose.
 template <typename F>

@@ -1,12 +1,31 @@
 #pragma once
 /// Materials as the user described them; docs/conventions.md, "Materials", has their formulas. Reflectances are factors
-/// in [0,1] per Rec. 709 component; an index of refraction is real and relative to vacuum.
+/// in [0,1] per Rec. 709 component; an index of refraction is real and relative to vacuum. What a texture makes of a
+/// reflectance or a roughness is brought into the range of constants.
 
 #include <cstdint>
 
 #include <glm/glm.hpp>
 
+#include "scene/texture.h"
+
 namespace etendue {
+
+/// Burley's material of many parts, with the parameters of Mitsuba's principled; numbers are in [0,1].
+struct PrincipledBsdf {
+  ColorParameter base_color{glm::dvec3(0.5)};
+  ScalarParameter roughness{0.5};
+  ScalarParameter metallic{0.0};
+  ScalarParameter anisotropic{0.0};
+  ScalarParameter spec_trans{0.0};  ///< share of what is not metallic that refracts in place of the diffuse base
+  ScalarParameter spec_tint{0.0};
+  ScalarParameter sheen{0.0};
+  ScalarParameter clearcoat{0.0};
+  double sheen_tint = 0.0;
+  double flatness = 0.0;
+  double clearcoat_gloss = 0.0;
+  double eta = 1.5;  ///< index of refraction inside over that outside
+};
 
 /// Nothing: light passes as if the surface were not there.
 struct NullBsdf {};
@@ -15,14 +34,14 @@ struct NullBsdf {};
 struct Roughness {
   enum class Distribution : std::uint32_t { beckmann, ggx };
   Distribution distribution = Distribution::beckmann;
-  double alpha_u = 0.1;  ///< > 0
-  double alpha_v = 0.1;  ///< > 0
+  ScalarParameter alpha_u{0.1};  ///< > 0
+  ScalarParameter alpha_v{0.1};  ///< > 0
 };
 
 /// A rough dielectric coat over a diffuse base, one-sided: kd/π + (1 − max kd) · Beckmann microfacets.
 struct MicrofacetBsdf {
-  glm::dvec3 kd{0.5};
-  double alpha = 0.1;
+  ColorParameter kd{glm::dvec3(0.5)};
+  ScalarParameter alpha{0.1};
   double int_ior = 1.5046;
   double ext_ior = 1.000277;
 };
@@ -35,13 +54,13 @@ struct ConductorIndex {
 /// Smooth metal, one-sided.
 struct ConductorBsdf {
   ConductorIndex index;
-  glm::dvec3 specular_reflectance{1.0};
+  ColorParameter specular_reflectance{glm::dvec3(1.0)};
 };
 /// Rough metal, one-sided.
 struct RoughConductorBsdf {
   ConductorIndex index;
   Roughness roughness;
-  glm::dvec3 specular_reflectance{1.0};
+  ColorParameter specular_reflectance{glm::dvec3(1.0)};
 };
 
 /// Rough boundary between two clear media; the normal points to the exterior.
@@ -49,35 +68,35 @@ struct RoughDielectricBsdf {
   double int_ior = 1.5046;
   double ext_ior = 1.000277;  ///< other than int_ior
   Roughness roughness;
-  glm::dvec3 specular_reflectance{1.0};
-  glm::dvec3 specular_transmittance{1.0};
+  ColorParameter specular_reflectance{glm::dvec3(1.0)};
+  ColorParameter specular_transmittance{glm::dvec3(1.0)};
 };
 /// A pane whose two smooth faces lie together.
 struct ThinDielectricBsdf {
   double int_ior = 1.5046;
   double ext_ior = 1.000277;
-  glm::dvec3 specular_reflectance{1.0};
-  glm::dvec3 specular_transmittance{1.0};
+  ColorParameter specular_reflectance{glm::dvec3(1.0)};
+  ColorParameter specular_transmittance{glm::dvec3(1.0)};
 };
 
 /// A diffuse base inside a clear coat, one-sided. `nonlinear`: light that is reflected to and fro below the coat takes
 /// the colour of the base each time.
 struct PlasticBsdf {
-  glm::dvec3 diffuse_reflectance{0.5};
-  glm::dvec3 specular_reflectance{1.0};
+  ColorParameter diffuse_reflectance{glm::dvec3(0.5)};
+  ColorParameter specular_reflectance{glm::dvec3(1.0)};
   double int_ior = 1.49;
   double ext_ior = 1.000277;
   bool nonlinear = false;
 };
 /// The same with a rough coat.
 struct RoughPlasticBsdf {
-  glm::dvec3 diffuse_reflectance{0.5};
-  glm::dvec3 specular_reflectance{1.0};
+  ColorParameter diffuse_reflectance{glm::dvec3(0.5)};
+  ColorParameter specular_reflectance{glm::dvec3(1.0)};
   double int_ior = 1.49;
   double ext_ior = 1.000277;
   bool nonlinear = false;
   Roughness::Distribution distribution = Roughness::Distribution::beckmann;
-  double alpha = 0.1;
+  double alpha = 0.1;  ///< the same everywhere: what the coat lets pass is tabulated
 };
 
 }  // namespace etendue

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "scene/bounds.h"
 #include "scene/limits.h"
 #include "scene/materials.h"
+#include "scene/parameters.h"
 #include "scene/placed.h"
 #include "scene/texture_checks.h"
 
@@ -276,18 +278,49 @@ class Checker {
   }
   void check_bsdf(const MirrorBsdf&, const Material&) {}
   void check_bsdf(const NullBsdf&, const Material&) {}
+  void check_bsdf(const PrincipledBsdf& bsdf, const Material& material) {
+    each_parameter(bsdf, [&](const char* field, const auto& parameter) {
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>) {
+        check_reflectance(material, field, parameter);
+      } else if (parameter.texture) {
+        check_factor(material, field, glm::dvec3(parameter.value));
+      } else {
+        check_probability(material, field, parameter.value);
+      }
+    });
+    check_probability(material, "sheen_tint", bsdf.sheen_tint);
+    check_probability(material, "flatness", bsdf.flatness);
+    check_probability(material, "clearcoat_gloss", bsdf.clearcoat_gloss);
+    check_indices(material, bsdf.eta, 1.0);
+    if (!(std::abs(bsdf.eta - 1.0) >= kMinIndexContrast))
+      error(material.position, "eta",
+            fmt::format("the index of refraction {} is 1, or nearly; it must differ by {}, or nothing is bent",
+                        bsdf.eta, kMinIndexContrast));
+  }
   void check_bsdf(const DielectricBsdf& bsdf, const Material& material) {
     check_indices(material, bsdf.int_ior, bsdf.ext_ior);
   }
 
+  void check_roughness(const Material& material, const char* field, const ScalarParameter& alpha) {
+    if (!alpha.texture) return check_roughness(material, field, alpha.value);
+    check_factor(material, field, glm::dvec3(alpha.value));
+  }
   void check_roughness(const Material& material, const char* field, double alpha) {
     if (!(alpha >= kMinRoughness && alpha <= 1.0))
       error(material.position, field,
             fmt::format("the roughness {} is not between {} and 1; below that a smooth material is the same to the eye",
                         alpha, kMinRoughness));
   }
+  /// What a texture is multiplied with, before it is brought into range.
+  void check_factor(const Material& material, const char* field, const glm::dvec3& factor) {
+    if (!is_finite(factor) || std::min({factor.x, factor.y, factor.z}) < 0.0)
+      error(material.position, field,
+            fmt::format("the factor {} {} {} of a texture is negative or not finite", factor.x, factor.y, factor.z));
+  }
   /// A factor of what arrives.
-  void check_reflectance(const Material& material, const char* field, const glm::dvec3& color) {
+  void check_reflectance(const Material& material, const char* field, const ColorParameter& parameter) {
+    if (parameter.texture) return check_factor(material, field, parameter.value);
+    const glm::dvec3& color = parameter.value;
     if (!(std::min({color.x, color.y, color.z}) >= 0.0 && std::max({color.x, color.y, color.z}) <= 1.0))
       error(material.position, field,
             fmt::format("{} {} {} {} is not between 0 and 1", field, color.x, color.y, color.z));
@@ -364,6 +397,15 @@ class Checker {
   void check_adapter(const BlendAdapter& blend, const Material& material) {
     check_probability(material, "weight", blend.weight.value);
   }
+  void check_adapter(const NormalMapAdapter& map, const Material& material) {
+    if (!map.normals.texture || map.normals.value != glm::dvec3(1.0))
+      error(material.position, "normals", "a normal map is a texture, times 1; give one");
+  }
+  void check_adapter(const BumpMapAdapter& map, const Material& material) {
+    if (!map.height.texture || !std::isfinite(map.height.value))
+      error(material.position, "height",
+            fmt::format("a bump map is a picture times a finite number, here {}; give both", map.height.value));
+  }
   void check_probability(const Material& material, const char* field, double value) {
     if (!(value >= 0.0 && value <= 1.0))
       error(material.position, field, fmt::format("{} {} is not between 0 and 1", field, value));
@@ -389,10 +431,13 @@ class Checker {
   void check_two_sided(std::uint32_t row) {
     const Material& two_sided = scene_.materials[row];
     each_material(scene_, row, [&](const Material& inner) {
-      const bool clear = !inner.adapter && (std::holds_alternative<DielectricBsdf>(inner.bsdf) ||
-                                            std::holds_alternative<RoughDielectricBsdf>(inner.bsdf) ||
-                                            std::holds_alternative<ThinDielectricBsdf>(inner.bsdf) ||
-                                            std::holds_alternative<NullBsdf>(inner.bsdf));
+      const bool clear =
+          !inner.adapter &&
+          (std::holds_alternative<DielectricBsdf>(inner.bsdf) ||
+           std::holds_alternative<RoughDielectricBsdf>(inner.bsdf) ||
+           std::holds_alternative<ThinDielectricBsdf>(inner.bsdf) ||
+           (std::holds_alternative<PrincipledBsdf>(inner.bsdf) && may_refract(std::get<PrincipledBsdf>(inner.bsdf))) ||
+           std::holds_alternative<NullBsdf>(inner.bsdf));
       if (!clear && !(inner.adapter && std::holds_alternative<MaskAdapter>(*inner.adapter))) return;
       error(two_sided.position, "twosided",
             fmt::format("{} lets light through, so that it has no back of its own; take it out of the twosided "

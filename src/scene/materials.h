@@ -22,6 +22,12 @@ void each_material(const Scene& scene, std::uint32_t row, F&& f) {
   }
 }
 
+/// Whether some of the light that meets it is refracted.
+inline bool may_refract(const PrincipledBsdf& bsdf) {
+  const bool metal = !bsdf.metallic.texture && bsdf.metallic.value == 1.0;
+  return !metal && (bsdf.spec_trans.texture || bsdf.spec_trans.value > 0.0);
+}
+
 /// Whether light may pass a surface of this material as if there were nothing.
 bool may_pass(const Scene& scene, std::uint32_t row);
 /// The same of any instance of the scene.

@@ -20,11 +20,52 @@ void each_parameter(T& bsdf, F&& f) {
   f("albedo", bsdf.albedo);
 }
 template <typename T, typename F>
-requires MaybeConst<T, MirrorBsdf> || MaybeConst<T, DielectricBsdf> || MaybeConst<T, MicrofacetBsdf> ||
-    MaybeConst<T, ConductorBsdf> || MaybeConst<T, RoughConductorBsdf> || MaybeConst<T, RoughDielectricBsdf> ||
-    MaybeConst<T, ThinDielectricBsdf> || MaybeConst<T, PlasticBsdf> || MaybeConst<T, RoughPlasticBsdf> ||
-    MaybeConst<T, NullBsdf> || MaybeConst<T, TwoSidedAdapter>
+requires MaybeConst<T, MirrorBsdf> || MaybeConst<T, DielectricBsdf> || MaybeConst<T, NullBsdf> ||
+    MaybeConst<T, TwoSidedAdapter>
 void each_parameter(T&, F&&) {}
+template <MaybeConst<Roughness> T, typename F>
+void each_parameter(T& roughness, F&& f) {
+  f("alpha_u", roughness.alpha_u);
+  f("alpha_v", roughness.alpha_v);
+}
+template <MaybeConst<MicrofacetBsdf> T, typename F>
+void each_parameter(T& bsdf, F&& f) {
+  f("kd", bsdf.kd);
+  f("alpha", bsdf.alpha);
+}
+template <MaybeConst<ConductorBsdf> T, typename F>
+void each_parameter(T& bsdf, F&& f) {
+  f("specular_reflectance", bsdf.specular_reflectance);
+}
+template <MaybeConst<RoughConductorBsdf> T, typename F>
+void each_parameter(T& bsdf, F&& f) {
+  f("specular_reflectance", bsdf.specular_reflectance);
+  each_parameter(bsdf.roughness, f);
+}
+template <typename T, typename F>
+requires MaybeConst<T, RoughDielectricBsdf> || MaybeConst<T, ThinDielectricBsdf>
+void each_parameter(T& bsdf, F&& f) {
+  f("specular_reflectance", bsdf.specular_reflectance);
+  f("specular_transmittance", bsdf.specular_transmittance);
+  if constexpr (MaybeConst<T, RoughDielectricBsdf>) each_parameter(bsdf.roughness, f);
+}
+template <typename T, typename F>
+requires MaybeConst<T, PlasticBsdf> || MaybeConst<T, RoughPlasticBsdf>
+void each_parameter(T& bsdf, F&& f) {
+  f("diffuse_reflectance", bsdf.diffuse_reflectance);
+  f("specular_reflectance", bsdf.specular_reflectance);
+}
+template <MaybeConst<PrincipledBsdf> T, typename F>
+void each_parameter(T& bsdf, F&& f) {
+  f("base_color", bsdf.base_color);
+  f("roughness", bsdf.roughness);
+  f("metallic", bsdf.metallic);
+  f("anisotropic", bsdf.anisotropic);
+  f("spec_trans", bsdf.spec_trans);
+  f("spec_tint", bsdf.spec_tint);
+  f("sheen", bsdf.sheen);
+  f("clearcoat", bsdf.clearcoat);
+}
 template <MaybeConst<Bsdf> T, typename F>
 void each_parameter(T& bsdf, F&& f) {
   std::visit([&](auto& of_type) { each_parameter(of_type, f); }, bsdf);
@@ -36,6 +77,14 @@ void each_parameter(T& mask, F&& f) {
 template <MaybeConst<BlendAdapter> T, typename F>
 void each_parameter(T& blend, F&& f) {
   f("weight", blend.weight);
+}
+template <MaybeConst<NormalMapAdapter> T, typename F>
+void each_parameter(T& map, F&& f) {
+  f("normals", map.normals);
+}
+template <MaybeConst<BumpMapAdapter> T, typename F>
+void each_parameter(T& map, F&& f) {
+  f("height", map.height);
 }
 template <MaybeConst<Adapter> T, typename F>
 void each_parameter(T& adapter, F&& f) {

@@ -9,6 +9,7 @@
 
 #include "scene/bounds.h"
 #include "scene/materials.h"
+#include "scene/parameters.h"
 #include "scene/sharing.h"
 
 namespace etendue {
@@ -75,6 +76,10 @@ void hash(Hasher& h, const ScalarParameter& parameter) {
   h.value(*parameter.texture);
   h.value(parameter.channel);
 }
+void hash(Hasher& h, const PrincipledBsdf& bsdf) {
+  each_parameter(bsdf, [&](const char*, const auto& parameter) { hash(h, parameter); });
+  for (const double value : {bsdf.sheen_tint, bsdf.flatness, bsdf.clearcoat_gloss, bsdf.eta}) h.value(value);
+}
 void hash(Hasher& h, const DiffuseBsdf& bsdf) {
   hash(h, bsdf.albedo);
 }
@@ -87,52 +92,52 @@ void hash(Hasher& h, const DielectricBsdf& bsdf) {
 
 void hash(Hasher& h, const Roughness& roughness) {
   h.value(roughness.distribution);
-  h.value(roughness.alpha_u);
-  h.value(roughness.alpha_v);
+  hash(h, roughness.alpha_u);
+  hash(h, roughness.alpha_v);
 }
 void hash(Hasher& h, const ConductorIndex& index) {
   h.value(index.eta);
   h.value(index.k);
 }
 void hash(Hasher& h, const MicrofacetBsdf& bsdf) {
-  h.value(bsdf.kd);
-  h.value(bsdf.alpha);
+  hash(h, bsdf.kd);
+  hash(h, bsdf.alpha);
   h.value(bsdf.int_ior);
   h.value(bsdf.ext_ior);
 }
 void hash(Hasher& h, const ConductorBsdf& bsdf) {
   hash(h, bsdf.index);
-  h.value(bsdf.specular_reflectance);
+  hash(h, bsdf.specular_reflectance);
 }
 void hash(Hasher& h, const RoughConductorBsdf& bsdf) {
   hash(h, bsdf.index);
   hash(h, bsdf.roughness);
-  h.value(bsdf.specular_reflectance);
+  hash(h, bsdf.specular_reflectance);
 }
 
 void hash(Hasher& h, const RoughDielectricBsdf& bsdf) {
   h.value(bsdf.int_ior);
   h.value(bsdf.ext_ior);
   hash(h, bsdf.roughness);
-  h.value(bsdf.specular_reflectance);
-  h.value(bsdf.specular_transmittance);
+  hash(h, bsdf.specular_reflectance);
+  hash(h, bsdf.specular_transmittance);
 }
 void hash(Hasher& h, const ThinDielectricBsdf& bsdf) {
   h.value(bsdf.int_ior);
   h.value(bsdf.ext_ior);
-  h.value(bsdf.specular_reflectance);
-  h.value(bsdf.specular_transmittance);
+  hash(h, bsdf.specular_reflectance);
+  hash(h, bsdf.specular_transmittance);
 }
 void hash(Hasher& h, const PlasticBsdf& bsdf) {
-  h.value(bsdf.diffuse_reflectance);
-  h.value(bsdf.specular_reflectance);
+  hash(h, bsdf.diffuse_reflectance);
+  hash(h, bsdf.specular_reflectance);
   h.value(bsdf.int_ior);
   h.value(bsdf.ext_ior);
   h.value(bsdf.nonlinear);
 }
 void hash(Hasher& h, const RoughPlasticBsdf& bsdf) {
-  h.value(bsdf.diffuse_reflectance);
-  h.value(bsdf.specular_reflectance);
+  hash(h, bsdf.diffuse_reflectance);
+  hash(h, bsdf.specular_reflectance);
   h.value(bsdf.int_ior);
   h.value(bsdf.ext_ior);
   h.value(bsdf.nonlinear);
@@ -152,6 +157,12 @@ void hash(Hasher& h, const MaskAdapter& mask) {
 }
 void hash(Hasher& h, const BlendAdapter& blend) {
   hash(h, blend.weight);
+}
+void hash(Hasher& h, const NormalMapAdapter& map) {
+  hash(h, map.normals);
+}
+void hash(Hasher& h, const BumpMapAdapter& map) {
+  hash(h, map.height);
 }
 
 /// Of each row what it is hashed as: of an adapter a digest that holds those of its choices.

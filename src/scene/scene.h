@@ -32,8 +32,9 @@ struct DielectricBsdf {
   double int_ior = 1.5046;
   double ext_ior = 1.000277;
 };
-using Bsdf = std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf, MicrofacetBsdf, ConductorBsdf, RoughConductorBsdf,
-                          RoughDielectricBsdf, ThinDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, NullBsdf>;
+using Bsdf =
+    std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf, MicrofacetBsdf, ConductorBsdf, RoughConductorBsdf,
+                 RoughDielectricBsdf, ThinDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, NullBsdf, PrincipledBsdf>;
 
 /// A material and its place in the file. Whatever scatters light at a surface is one of these.
 struct Material {

@@ -34,7 +34,10 @@ class TextureChecker {
     for (const auto& bitmap : scene_.bitmaps) check_bitmap(bitmap.get());
     if (sink_.error_count() != errors) return false;
     for (const Texture& texture : scene_.textures) check_texture(texture);
-    for (const Material& material : scene_.materials) check_owner(material, material.position);
+    for (const Material& material : scene_.materials) {
+      check_owner(material, material.position);
+      if (material.adapter && sink_.error_count() == errors) check_map(material);
+    }
     for (const AreaEmitter& emitter : scene_.emitters) check_owner(emitter, emitter.position);
     for (const DeltaLight& light : scene_.delta_lights) check_owner(light, light.position);
     if (sink_.error_count() != errors) return false;
@@ -95,6 +98,18 @@ class TextureChecker {
             fmt::format("{} refers to number {} of the scene's textures, of which there are {}", field,
                         *parameter.texture, scene_.textures.size()));
     });
+  }
+
+  /// Maps that turn the normal: of a function of texture coordinates, and bumps of one whose slope is known.
+  void check_map(const Material& material) {
+    const auto* normals = std::get_if<NormalMapAdapter>(&*material.adapter);
+    const auto* bumps = std::get_if<BumpMapAdapter>(&*material.adapter);
+    if (normals != nullptr && normals->normals.texture &&
+        std::holds_alternative<AttributeTexture>(scene_.textures[*normals->normals.texture].source))
+      error(material.position, "normals", "the colours of a mesh are no normal map; use a bitmap");
+    if (bumps != nullptr && bumps->height.texture &&
+        !std::holds_alternative<BitmapTexture>(scene_.textures[*bumps->height.texture].source))
+      error(material.position, "height", "a bump map needs a texture with slopes; use a bitmap");
   }
 
   void check_instance(const Instance& instance) {

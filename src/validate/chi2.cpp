@@ -52,7 +52,7 @@ std::vector<DeltaLobe> delta_lobes(const Bsdf& bsdf, const dvec3& wo) {
   if (std::holds_alternative<NullBsdf>(bsdf)) return {{ProbeLobe::delta_transmission, -wo, 1.0, dvec3(1.0)}};
   if (const auto* metal = std::get_if<ConductorBsdf>(&bsdf)) {
     if (wo.z <= 0.0) return {};
-    dvec3 weight = metal->specular_reflectance;
+    dvec3 weight = metal->specular_reflectance.value;
     for (int c = 0; c < 3; ++c)
       weight[c] *= closed_form::fresnel_reflectance_of_metal(wo.z, metal->index.eta[c], metal->index.k[c]);
     return {{ProbeLobe::delta_reflection, mirrored, 1.0, weight}};
@@ -61,18 +61,18 @@ std::vector<DeltaLobe> delta_lobes(const Bsdf& bsdf, const dvec3& wo) {
     const double f = closed_form::fresnel_reflectance(std::abs(wo.z), pane->ext_ior, pane->int_ior);
     // F + (1 − F)² F (1 + F² + F⁴ + …): all that leaves after an odd number of reflections between the faces.
     const double reflected = f < 1.0 ? f + (1.0 - f) * (1.0 - f) * f / (1.0 - f * f) : 1.0;
-    std::vector<DeltaLobe> lobes{{ProbeLobe::delta_reflection, mirrored, reflected, pane->specular_reflectance}};
+    std::vector<DeltaLobe> lobes{{ProbeLobe::delta_reflection, mirrored, reflected, pane->specular_reflectance.value}};
     if (reflected < 1.0)
-      lobes.push_back({ProbeLobe::delta_transmission, -wo, 1.0 - reflected, pane->specular_transmittance});
+      lobes.push_back({ProbeLobe::delta_transmission, -wo, 1.0 - reflected, pane->specular_transmittance.value});
     return lobes;
   }
   if (const auto* plastic = std::get_if<PlasticBsdf>(&bsdf)) {
     if (wo.z <= 0.0) return {};
     const auto sum = [](const dvec3& c) { return c.x + c.y + c.z; };
     const double f = closed_form::fresnel_reflectance(wo.z, plastic->ext_ior, plastic->int_ior);
-    const double coat = f * sum(plastic->specular_reflectance);
-    const double share = coat / (coat + (1.0 - f) * sum(plastic->diffuse_reflectance));
-    return {{ProbeLobe::delta_reflection, mirrored, share, plastic->specular_reflectance * (f / share)}};
+    const double coat = f * sum(plastic->specular_reflectance.value);
+    const double share = coat / (coat + (1.0 - f) * sum(plastic->diffuse_reflectance.value));
+    return {{ProbeLobe::delta_reflection, mirrored, share, plastic->specular_reflectance.value * (f / share)}};
   }
   const auto* glass = std::get_if<DielectricBsdf>(&bsdf);
   if (glass == nullptr || wo.z == 0.0) return {};
@@ -252,7 +252,7 @@ std::string direction_text(const dvec3& d) {
 /// How far the density of a sample may be from that of its direction, which is rounded to single precision.
 double rounding_of(const Bsdf& bsdf, const std::optional<Roughness>& narrow) {
   double rounding = kRounding;
-  if (narrow) rounding *= std::max(1.0, kSharp / std::min(narrow->alpha_u, narrow->alpha_v));
+  if (narrow) rounding *= std::max(1.0, kSharp / std::min(narrow->alpha_u.value, narrow->alpha_v.value));
   // Near the critical angle Fresnel's factor is steep, and what is bent by little has a half vector of little length.
   const bool rough_glass = std::holds_alternative<RoughDielectricBsdf>(bsdf);
   return rough_glass ? std::max(rounding, 20.0 * kRounding) : rounding;

@@ -397,7 +397,7 @@ ClosedFormScene closed_form::direct_light_scene(Dice& dice, LightStrategy strate
 const char* scene_family_name(SceneFamily family) {
   constexpr std::array<const char*, kSceneFamilies.size()> kNames{
       "direct", "furnace", "interior",   "sky",         "sheet",   "glass", "coverage",
-      "crowd",  "camera",  "integrator", "environment", "texture", "delta",      "adapter"};
+      "crowd",  "camera",  "integrator", "environment", "texture", "delta", "adapter"};
   return kNames[static_cast<std::size_t>(family)];
 }
 

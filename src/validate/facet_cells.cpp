@@ -9,7 +9,7 @@ namespace {
 constexpr double kNarrow = 0.2;  // a lobe of this roughness covers several cells of ten rings
 
 std::optional<Roughness> if_narrow(const Roughness& roughness) {
-  return std::min(roughness.alpha_u, roughness.alpha_v) < kNarrow ? std::optional(roughness) : std::nullopt;
+  return std::min(roughness.alpha_u.value, roughness.alpha_v.value) < kNarrow ? std::optional(roughness) : std::nullopt;
 }
 
 struct RoughnessOf {
@@ -19,6 +19,12 @@ struct RoughnessOf {
   std::optional<Roughness> operator()(const ConductorBsdf&) const { return std::nullopt; }
   std::optional<Roughness> operator()(const MicrofacetBsdf& bsdf) const {
     return if_narrow({Roughness::Distribution::beckmann, bsdf.alpha, bsdf.alpha});
+  }
+  std::optional<Roughness> operator()(const PrincipledBsdf& bsdf) const {
+    const double squared = bsdf.roughness.value * bsdf.roughness.value;
+    const double aspect = std::sqrt(1.0 - 0.9 * bsdf.anisotropic.value);
+    return if_narrow(
+        {Roughness::Distribution::ggx, std::max(1e-3, squared / aspect), std::max(1e-3, squared * aspect)});
   }
   std::optional<Roughness> operator()(const NullBsdf&) const { return std::nullopt; }
   std::optional<Roughness> operator()(const ThinDielectricBsdf&) const { return std::nullopt; }
@@ -44,18 +50,19 @@ FacetCell FacetCells::cell_of(const glm::dvec3& direction) const {
   const bool reflected = wi.z >= 0.0;
   glm::dvec3 h = reflected ? wo_ + wi : wo_ + eta_ * wi;
   if (h.z < 0.0) h = -h;
-  const double x = h.x / (roughness_.alpha_u * h.z), y = h.y / (roughness_.alpha_v * h.z);
+  const double x = h.x / (roughness_.alpha_u.value * h.z), y = h.y / (roughness_.alpha_v.value * h.z);
   const double root = std::sqrt(std::hypot(x, y)), height = std::isfinite(root) ? root / (1.0 + root) : 1.0;
   return {reflected ? height : -height, std::atan2(y, x)};
 }
 
 FacetCells::Direction FacetCells::direction_of(const FacetCell& cell) const {
   const double q = std::abs(cell.height), root = q / (1.0 - q), slope = root * root;
-  const double x = roughness_.alpha_u * slope * std::cos(cell.phi), y = roughness_.alpha_v * slope * std::sin(cell.phi);
+  const double x = roughness_.alpha_u.value * slope * std::cos(cell.phi),
+               y = roughness_.alpha_v.value * slope * std::sin(cell.phi);
   const glm::dvec3 h = glm::normalize(glm::dvec3(x, y, 1.0));
   // Slopes per (q, φ): ρ dρ dφ with dρ/dq = 2 root/(1 − q)²; solid angle of h per slopes: h.z³.
-  const double of_h =
-      roughness_.alpha_u * roughness_.alpha_v * slope * 2.0 * root / ((1.0 - q) * (1.0 - q)) * h.z * h.z * h.z;
+  const double of_h = roughness_.alpha_u.value * roughness_.alpha_v.value * slope * 2.0 * root /
+                      ((1.0 - q) * (1.0 - q)) * h.z * h.z * h.z;
   const double wo_h = glm::dot(wo_, h);
   if (wo_h <= 0.0) return {};
   Direction out;

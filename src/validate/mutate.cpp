@@ -199,6 +199,15 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "adapters, floor d"},
     {gpu::kMutantPassesFree, "passes not counted", "shadow rays pass surfaces whatever the limit of the path",
      "adapters, floor m(d)"},
+    {gpu::kMutantNormalMapMirrored, "normal map mirrored", "a normal map's green channel counts backward",
+     "adapters, floor o(d)"},
+    {gpu::kMutantBumpByTexel, "bumps by the texel", "slopes of a bump map are those from texel to texel",
+     "adapters, floor u(d)"},
+    {gpu::kMutantMapsShineThrough, "maps shine through", "light from below a surface reaches it by its turned normals",
+     "adapters, floor o(d)"},
+    {gpu::kMutantRetroReflectionLost, "retro-reflection lost",
+     "a rough base reflects nothing back to where light comes from", "albedo, principled"},
+    {gpu::kMutantCoatUnmasked, "coat unmasked", "the coat's microfacets do not hide each other", "albedo, principled"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -504,6 +513,16 @@ const RoughDielectricBsdf kFrosted{
     .int_ior = 1.5, .ext_ior = 1.0, .roughness = {Roughness::Distribution::ggx, 0.3, 0.5}};
 const PlasticBsdf kPlastic{.diffuse_reflectance = glm::dvec3(0.2, 0.5, 0.7), .nonlinear = true};
 const RoughPlasticBsdf kRoughPlastic{.diffuse_reflectance = glm::dvec3(0.2, 0.5, 0.7), .alpha = 0.3};
+const PrincipledBsdf kPrincipled{.base_color = glm::dvec3(0.2, 0.5, 0.7),
+                                 .roughness = 0.6,
+                                 .metallic = 0.1,
+                                 .anisotropic = 0.4,
+                                 .spec_trans = 0.2,
+                                 .spec_tint = 0.3,
+                                 .sheen = 0.5,
+                                 .clearcoat = 1.0,
+                                 .sheen_tint = 0.5,
+                                 .flatness = 0.2};
 const glm::dvec3 kSlanted = glm::normalize(glm::dvec3(0.8, -0.3, 0.4));
 
 /// The suite: every test is one that users can run by themselves (ttest, chi2, validate, selftest).
@@ -547,6 +566,9 @@ std::vector<SuiteTest> make_suite() {
       scene_test(SceneFamily::adapter, nee, "floor t(dd) from behind"),
       scene_test(SceneFamily::adapter, mis, "floor b(dd) from the front, veil m(d), deep"),
       scene_test(SceneFamily::adapter, mis, "floor d from the front, ball m(d), deep,"),
+      scene_test(SceneFamily::adapter, nee, "floor o(d) from the front, veil n, deep"),
+      scene_test(SceneFamily::adapter, naive, "floor o(d) from the front"),
+      scene_test(SceneFamily::adapter, nee, "floor u(d) from the front, veil n, deep"),
       scene_test(SceneFamily::adapter, nee, "floor m(d) from the front, veil m(d), shallow,"),
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
@@ -558,6 +580,8 @@ std::vector<SuiteTest> make_suite() {
       material_test("chi2, thindielectric", ThinDielectricBsdf{}, kSlanted),
       material_test("chi2, plastic", kPlastic, kSlanted),
       material_test("chi2, roughplastic", kRoughPlastic, kSlanted),
+      material_test("chi2, principled", kPrincipled, kSlanted),
+      albedo_test("albedo, principled", kPrincipled, kSlanted),
       albedo_test("albedo, roughdielectric", kFrosted, kSlanted),
       albedo_test("albedo, plastic", kPlastic, kSlanted),
       albedo_test("albedo, roughplastic", kRoughPlastic, kSlanted),

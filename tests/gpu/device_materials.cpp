@@ -34,6 +34,22 @@ std::vector<Named> materials() {
   all.push_back({"nonlinear plastic", PlasticBsdf{.diffuse_reflectance = {0.2, 0.5, 0.9}, .nonlinear = true}});
   all.push_back({"rough plastic", RoughPlasticBsdf{.diffuse_reflectance = {0.2, 0.5, 0.9}}, 0.1});
   all.push_back({"narrow plastic", RoughPlasticBsdf{.alpha = 1e-3}, 1e-3});
+  all.push_back({"principled",
+                 PrincipledBsdf{.base_color = {0.2, 0.5, 0.9},
+                                .roughness = 0.6,
+                                .metallic = 0.1,
+                                .anisotropic = 0.4,
+                                .spec_trans = 0.2,
+                                .spec_tint = 0.3,
+                                .sheen = 0.5,
+                                .clearcoat = 1.0,
+                                .sheen_tint = 0.5,
+                                .flatness = 0.2},
+                 0.1});
+  all.push_back(
+      {"principled metal", PrincipledBsdf{.base_color = {0.2, 0.5, 0.9}, .roughness = 0.5, .metallic = 1.0}, 0.25});
+  all.push_back(
+      {"principled glass", PrincipledBsdf{.base_color = {0.2, 0.5, 0.9}, .roughness = 0.3, .spec_trans = 1.0}, 0.03});
   for (const Distribution d : {Distribution::beckmann, Distribution::ggx}) {
     for (const auto& [inside, outside] : {std::pair{1.5046, 1.000277}, {1.0, 2.4}, {1.02, 1.0}}) {
       for (const double alpha : {1e-3, 0.05, 0.5, 1.0})

@@ -180,8 +180,8 @@ TEST(MitsubaColors, Metals) {
     </bsdf>)");
   const Roughness& roughness = std::get<RoughConductorBsdf>(rough).roughness;
   EXPECT_EQ(roughness.distribution, Roughness::Distribution::ggx);
-  EXPECT_EQ(roughness.alpha_u, 0.25);
-  EXPECT_EQ(roughness.alpha_v, 0.05);
+  EXPECT_EQ(roughness.alpha_u.value, 0.25);
+  EXPECT_EQ(roughness.alpha_v.value, 0.05);
 }
 
 TEST(MitsubaColors, WhatIsWrongHasItsPlace) {

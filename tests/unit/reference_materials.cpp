@@ -33,8 +33,9 @@ double integrate_normals(const Roughness& r, F f) {
     const double q = (i + 0.5) / kRings, rho = q / (1.0 - q);
     for (int j = 0; j < kSectors; ++j) {
       const double phi = 2.0 * kPi * (j + 0.5) / kSectors;
-      const Vec3 h = glm::normalize(Vec3(r.alpha_u * rho * std::cos(phi), r.alpha_v * rho * std::sin(phi), 1.0));
-      sum += f(h) * r.alpha_u * r.alpha_v * rho / ((1.0 - q) * (1.0 - q)) * std::pow(h.z, 3);
+      const Vec3 h =
+          glm::normalize(Vec3(r.alpha_u.value * rho * std::cos(phi), r.alpha_v.value * rho * std::sin(phi), 1.0));
+      sum += f(h) * r.alpha_u.value * r.alpha_v.value * rho / ((1.0 - q) * (1.0 - q)) * std::pow(h.z, 3);
     }
   }
   return sum * 2.0 * kPi / (kRings * kSectors);

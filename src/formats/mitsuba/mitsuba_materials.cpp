@@ -1,6 +1,7 @@
 #include "formats/mitsuba/mitsuba_materials.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include "formats/mitsuba/named_materials.h"
 #include "scene/limits.h"
 #include "scene/metals.h"
+#include "scene/parameters.h"
 
 namespace etendue {
 
@@ -46,18 +48,41 @@ std::uint32_t MitsubaMaterials::default_row(bool emits, const SourcePosition& sh
 
 std::optional<Adapter> MitsubaMaterials::read_adapter(const MitsubaObject& object) {
   const std::string_view type = object.type();
-  if (type != "twosided" && type != "mask" && type != "blendbsdf") return std::nullopt;
+  const bool turns = type == "normalmap" || type == "bumpmap";
+  if (type != "twosided" && type != "mask" && type != "blendbsdf" && !turns) return std::nullopt;
   std::vector<std::uint32_t> rows;
   for (const XmlElement* child : object.children("bsdf")) rows.push_back(row_of(*child));
   if (rows.empty()) return std::nullopt;  // has been reported
   if (type == "twosided") return TwoSidedAdapter{rows.front(), rows.back()};
   std::optional<Adapter> adapter;
+  if (turns) {
+    const XmlElement* map = type == "normalmap" ? object.texture("normalmap") : bump_texture(object);
+    if (map == nullptr) {
+      context_.sink.error(object.position(), fmt::format("{} needs a texture", type));
+    } else if (type == "normalmap") {
+      adapter.emplace(NormalMapAdapter{textures_.parameter({glm::dvec3(0.0), map}), rows.front()});
+    } else {
+      ScalarParameter height = textures_.scalar(*map);
+      height.value *= object.real("scale");
+      adapter.emplace(BumpMapAdapter{height, rows.front()});
+    }
+    return adapter;
+  }
   const ScalarParameter share = share_of(object, type == "mask" ? "opacity" : "weight");
   if (type == "mask")
     adapter.emplace(MaskAdapter{share, rows.front()});
   else
     adapter.emplace(BlendAdapter{share, rows.front(), rows.back()});
   return adapter;
+}
+
+/// It may have any name, or none.
+const XmlElement* MitsubaMaterials::bump_texture(const MitsubaObject& object) {
+  for (const char* name : {"displacement", "map", "texture", "bumpmap", "bump", "arbitrary"}) {
+    if (const XmlElement* texture = object.texture(name)) return texture;
+  }
+  const std::vector<const XmlElement*> unnamed = object.children("texture");
+  return unnamed.empty() ? nullptr : unnamed.front();
 }
 
 ScalarParameter MitsubaMaterials::share_of(const MitsubaObject& object, const char* name) {
@@ -80,7 +105,30 @@ Bsdf MitsubaMaterials::read(const MitsubaObject& object) {
   if (type == "plastic") return read_plastic<PlasticBsdf>(object);
   if (type == "roughplastic") return read_rough_plastic(object);
   if (type == "null") return NullBsdf{};
+  if (type == "principled") return read_principled(object);
   throw std::logic_error(fmt::format("the reader has no material {}", type));
+}
+
+Bsdf MitsubaMaterials::read_principled(const MitsubaObject& object) {
+  PrincipledBsdf bsdf;
+  each_parameter(bsdf, [&](const char* name, auto& parameter) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>) {
+      assign(parameter, object, name, SpectrumUse::reflectance);
+    } else {
+      parameter = share_of(object, name);
+    }
+  });
+  const auto number = [&](const char* name) {
+    const XmlElement* texture = object.texture(name);
+    if (texture == nullptr) return object.real(name);
+    return textures_.constant({glm::dvec3(0.0), texture}, fmt::format("{} of principled", name).c_str()).x;
+  };
+  bsdf.sheen_tint = number("sheen_tint");
+  bsdf.flatness = number("flatness");
+  bsdf.clearcoat_gloss = number("clearcoat_gloss");
+  // The index of refraction, or the reflectance along the normal over 0.08.
+  bsdf.eta = object.given("eta") ? object.ior("eta") : 2.0 / (1.0 - std::sqrt(0.08 * object.real("specular"))) - 1.0;
+  return bsdf;
 }
 
 Bsdf MitsubaMaterials::read_diffuse(const MitsubaObject& object) {

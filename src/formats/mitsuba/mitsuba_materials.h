@@ -25,8 +25,10 @@ class MitsubaMaterials {
   Bsdf read(const MitsubaObject& object);
   /// Nothing for a material of its own; the rows of what it chooses from are read first.
   std::optional<Adapter> read_adapter(const MitsubaObject& object);
+  static const XmlElement* bump_texture(const MitsubaObject& object);
   /// A probability, or the texture that stands for it.
   ScalarParameter share_of(const MitsubaObject& object, const char* name);
+  Bsdf read_principled(const MitsubaObject& object);
   Bsdf read_diffuse(const MitsubaObject& object);
   Bsdf read_dielectric(const MitsubaObject& object);
   template <typename Glass>

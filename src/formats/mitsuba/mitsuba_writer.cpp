@@ -16,6 +16,7 @@
 #include "formats/dialect/scene_files.h"
 #include "formats/xml/xml_writer.h"
 #include "image/files.h"
+#include "scene/parameters.h"
 #include "scene/texture_facts.h"
 
 namespace etendue {
@@ -361,6 +362,19 @@ class MitsubaWriter {
     refer_to(mask.inner);
     if (!scene_.integrator.count_passes) differs("a mask makes no path longer, in Mitsuba it does");
   }
+  void write_adapter(const std::string& id, const NormalMapAdapter& map) {
+    open_bsdf(id, "normalmap");
+    color("normalmap", map.normals);
+    refer_to(map.inner);
+  }
+  void write_adapter(const std::string& id, const BumpMapAdapter& map) {
+    open_bsdf(id, "bumpmap");
+    ScalarParameter height = map.height;
+    height.value = 1.0;
+    number("displacement", height);
+    number("scale", map.height.value);
+    refer_to(map.inner);
+  }
   void write_adapter(const std::string& id, const BlendAdapter& blend) {
     open_bsdf(id, "blendbsdf");
     number("weight", blend.weight);
@@ -382,6 +396,19 @@ class MitsubaWriter {
   void write_bsdf(const std::string& id, const DielectricBsdf& bsdf) {
     open_bsdf(id, "dielectric");
     write_indices(bsdf);
+  }
+  void write_bsdf(const std::string& id, const PrincipledBsdf& bsdf) {
+    open_bsdf(id, "principled");
+    each_parameter(bsdf, [&](const char* name, const auto& parameter) {
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>)
+        color(name, parameter);
+      else
+        number(name, parameter);
+    });
+    number("sheen_tint", bsdf.sheen_tint);
+    number("flatness", bsdf.flatness);
+    number("clearcoat_gloss", bsdf.clearcoat_gloss);
+    number("eta", bsdf.eta);
   }
   void write_bsdf(const std::string& id, const NullBsdf&) { open_bsdf(id, "null"); }
   void write_bsdf(const std::string&, const MicrofacetBsdf&) { refuse("a material is Nori's microfacet"); }

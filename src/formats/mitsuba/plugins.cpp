@@ -320,6 +320,37 @@ std::vector<Parameter> plastic() {
                   "whether light takes the base's colour at each reflection below the coat"}});
 }
 
+std::vector<Parameter> bump_map_parameters() {
+  std::vector<Parameter> parameters{{"scale", real, "1", any(), "scene units of 1"}};
+  for (const char* name : {"displacement", "map", "texture", "bumpmap", "bump", "arbitrary"})
+    parameters.push_back({name, real, "0", any(), "the heights; a texture", "texture"});
+  return parameters;
+}
+
+std::vector<Parameter> principled() {
+  std::vector<Parameter> parameters{
+      color_or_texture("base_color", "0.5 0.5 0.5", "of the diffuse base, of metal, of what is refracted"),
+      {"eta", real, "1.5", between(1e-3, 1000), "index of refraction, a number or a name"},
+      {"specular", real, "0.5", between(0, 1), "in place of eta: reflectance along the normal over 0.08"},
+      no_effect("main_specular_sampling_rate", real, "has no effect: lobes are sampled by their weights"),
+      no_effect("clearcoat_sampling_rate", real, "has no effect: lobes are sampled by their weights"),
+      no_effect("diffuse_reflectance_sampling_rate", real, "has no effect: lobes are sampled by their weights")};
+  const auto add = [&](const char* name, const char* default_text, const char* doc) {
+    parameters.push_back({name, real, default_text, between(0, 1), doc, "texture"});
+  };
+  add("roughness", "0.5", "its square is that of the microfacets");
+  add("metallic", "0", "share of metal");
+  add("anisotropic", "0", "how much longer highlights are along the tangent");
+  add("spec_trans", "0", "share of the rest that refracts");
+  add("spec_tint", "0", "how much highlights take the base's colour");
+  add("sheen", "0", "of cloth, at grazing angles");
+  add("sheen_tint", "0", "how much the sheen takes the base's colour");
+  add("flatness", "0", "of the base");
+  add("clearcoat", "0", "weight of a second highlight");
+  add("clearcoat_gloss", "0", "of the second highlight");
+  return parameters;
+}
+
 std::vector<Plugin> bsdf_rows() {
   return {
       {"bsdf",
@@ -367,6 +398,18 @@ std::vector<Plugin> bsdf_rows() {
        "A mixture of two materials.",
        {{"weight", real, "0.5", between(0, 1), "share of the second", "texture"}},
        {{"bsdf", 2, 2}}},
+      {"bsdf",
+       "normalmap",
+       "A material whose shading normals a picture says.",
+       {color_or_texture("normalmap", "0.5 0.5 1", "the normals; a raw texture")},
+       {{"bsdf", 1, 1}}},
+      {"bsdf",
+       "bumpmap",
+       "A material with the shading normals of a surface that a picture raises. The picture may have any of these "
+       "names, or none.",
+       bump_map_parameters(),
+       {{"bsdf", 1, 1}, {"texture", 0, 1}}},
+      {"bsdf", "principled", "Burley's material of many parts.", principled(), {}},
       {"bsdf", "null", "No material: light passes.", {}, {}},
   };
 }
@@ -518,9 +561,9 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"rfilter", {"lanczos", "spline"}},
       {"shape",
        {"heightfield", "hair", "deformable", "linearcurve", "bsplinecurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh"}},
-      {"bsdf", {"principled", "principledthin", "bumpmap",      "normalmap", "measured",           "hair",      "phong",
-                "ward",       "roughdiffuse",   "roughcoating", "coating",   "mixturebsdf",        "difftrans", "hk",
-                "pplastic",   "polarizer",      "retarder",     "circular",  "measured_polarized", "irawan"}},
+      {"bsdf",
+       {"principledthin", "measured", "hair", "phong", "ward", "roughdiffuse", "roughcoating", "coating", "mixturebsdf",
+        "difftrans", "hk", "pplastic", "polarizer", "retarder", "circular", "measured_polarized", "irawan"}},
       {"emitter", {"directionalarea", "collimated", "sky", "sun", "sunsky", "timed_sunsky"}},
       {"texture", {"volume", "gridtexture", "wireframe", "curvature"}},
   };

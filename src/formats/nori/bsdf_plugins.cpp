@@ -11,7 +11,7 @@ constexpr Range kUnit{0, 1, false, false};
 constexpr Range kRoughness{kMinRoughness, 1, false, false};
 
 Parameter factor(const char* name, const char* default_text, const char* doc) {
-  return {name, color, default_text, kUnit, doc};
+  return {name, color, default_text, kUnit, doc, "texture"};
 }
 
 Parameter specular_reflectance() {
@@ -28,10 +28,11 @@ std::vector<Parameter> metal() {
 }
 
 std::vector<Parameter> roughness() {
-  return {{"distribution", string, "beckmann", {}, "of the microfacets' normals: beckmann or ggx"},
-          {"alpha", real, "0.1", kRoughness, "roughness: root mean square slope of the microfacets, times √2"},
-          {"alpha_u", real, "0.1", kRoughness, "roughness along the tangent, in place of alpha"},
-          {"alpha_v", real, "0.1", kRoughness, "roughness across the tangent, in place of alpha"}};
+  return {
+      {"distribution", string, "beckmann", {}, "of the microfacets' normals: beckmann or ggx"},
+      {"alpha", real, "0.1", kRoughness, "roughness: root mean square slope of the microfacets, times √2", "texture"},
+      {"alpha_u", real, "0.1", kRoughness, "roughness along the tangent, in place of alpha", "texture"},
+      {"alpha_v", real, "0.1", kRoughness, "roughness across the tangent, in place of alpha", "texture"}};
 }
 
 std::vector<Parameter> indices(const char* inside) {
@@ -76,8 +77,43 @@ std::vector<Plugin> adapter_plugins() {
        "A mixture of two materials.",
        {probability("weight", "share of the second")},
        {{"bsdf", 2, 2}}},
+      {"bsdf",
+       "normalmap",
+       "A material whose shading normals a picture says: red along dp/du, green across it, blue along the normal, 0 … "
+       "1 "
+       "for −1 … 1. Pictures of 8 bits want raw.",
+       {{"normalmap", color, "0.5 0.5 1", kUnit, "the normals; a texture", "texture"}},
+       {{"bsdf", 1, 1}}},
+      {"bsdf",
+       "bumpmap",
+       "A material with the shading normals of a surface that a picture raises.",
+       {{"displacement", real, "0", kUnit, "how far; a bitmap", "texture"},
+        {"scale", real, "1", {-1e6, 1e6, false, false}, "scene units of 1"}},
+       {{"bsdf", 1, 1}}},
       {"bsdf", "null", "No material: light passes as if there were nothing.", {}, {}},
   };
+}
+
+Plugin principled_plugin() {
+  const auto textured = [](const char* name, const char* default_text, const char* doc) {
+    return Parameter{name, real, default_text, kUnit, doc, "texture"};
+  };
+  return {"bsdf",
+          "principled",
+          "Burley's material of many parts, as in Mitsuba: metal, plastic, cloth, lacquer, rough glass.",
+          {factor("base_color", "0.5 0.5 0.5", "of the diffuse base, of metal, of what is refracted"),
+           textured("roughness", "0.5", "its square is the roughness of the microfacets"),
+           textured("metallic", "0", "share of metal"),
+           textured("anisotropic", "0", "how much longer highlights are along the tangent"),
+           textured("spec_trans", "0", "share of the rest that refracts in place of the diffuse base"),
+           textured("spec_tint", "0", "how much highlights take the base's colour"),
+           textured("sheen", "0", "of cloth, at grazing angles"),
+           textured("clearcoat", "0", "weight of a second highlight"),
+           {"sheen_tint", real, "0", kUnit, "how much the sheen takes the base's colour"},
+           {"flatness", real, "0", kUnit, "of the base: 1 as if light had gone below the surface"},
+           {"clearcoat_gloss", real, "0", kUnit, "of the second highlight: 1 is sharp"},
+           {"eta", real, "1.5", kIndex, "index of refraction inside over that outside"}},
+          {}};
 }
 
 std::vector<Parameter> joined(std::vector<Parameter> a, const std::vector<Parameter>& b) {
@@ -110,7 +146,7 @@ std::vector<Plugin> bsdf_plugins() {
        "microfacet",
        "A diffuse base under a rough dielectric coat of weight 1 − max kd; black from behind.",
        {factor("kd", "0.5 0.5 0.5", "albedo of the base"),
-        {"alpha", real, "0.1", kRoughness, "roughness of the coat (Beckmann)"},
+        {"alpha", real, "0.1", kRoughness, "roughness of the coat (Beckmann)", "texture"},
         {"intIOR", real, "1.5046", kIndex, "index of refraction of the coat"},
         {"extIOR", real, "1.000277", kIndex, "index of refraction outside"}},
        {}},
@@ -135,6 +171,7 @@ std::vector<Plugin> bsdf_plugins() {
                {"alpha", real, "0.1", kRoughness, "roughness of the coat"}}),
        {}},
   };
+  rows.push_back(principled_plugin());
   for (const Plugin& row : adapter_plugins()) rows.push_back(row);
   return rows;
 }

@@ -553,29 +553,49 @@ class SceneReader {
     for (const XmlElement* child : object.children("bsdf")) rows.push_back(material_row(*child, scene));
     if (rows.empty()) return std::nullopt;  // has been reported
     if (type == "twosided") return TwoSidedAdapter{rows.front(), rows.back()};
-    const ScalarParameter share = read_scalar(object, type == "mask" ? "opacity" : "weight", scene);
     std::optional<Adapter> adapter;
+    if (type == "normalmap" || type == "bumpmap") {
+      const char* property = type == "normalmap" ? "normalmap" : "displacement";
+      if (object.child_of(property) == nullptr) {
+        sink_.error(object.position_of(property),
+                    fmt::format("\"{}\" of {} is a texture; add <texture name=\"{}\" …>", property, type, property));
+        return std::nullopt;
+      }
+      if (type == "normalmap") {
+        adapter.emplace(NormalMapAdapter{read_factor(object, property, &scene), rows.front()});
+      } else {
+        ScalarParameter height = read_scalar(object, property, &scene);
+        height.value *= object.get<double>("scale");
+        adapter.emplace(BumpMapAdapter{height, rows.front()});
+      }
+      return adapter;
+    }
+    const ScalarParameter share = read_scalar(object, type == "mask" ? "opacity" : "weight", &scene);
     if (type == "mask")
       adapter.emplace(MaskAdapter{share, rows.front()});
     else
       adapter.emplace(BlendAdapter{share, rows.front(), rows.back()});
     return adapter;
   }
-  static bool is_adapter(std::string_view type) { return type == "twosided" || type == "mask" || type == "blend"; }
+  static bool is_adapter(std::string_view type) {
+    return type == "twosided" || type == "mask" || type == "blend" || type == "normalmap" || type == "bumpmap";
+  }
 
   /// A number, or the channel of a texture that stands for it.
-  ScalarParameter read_scalar(const Object& object, const char* property, Scene& scene) {
-    remember_fields(object, {property});
-    if (object.child_of(property) == nullptr) return object.get<double>(property);
-    const std::optional<std::uint32_t> texture = textures_.read(object, property, scene);
-    if (!texture) return ScalarParameter(1.0);
-    const glm::dvec3 factor = textures_.factor(object, property);
+  ScalarParameter read_scalar(const Object& object, const char* property, Scene* scene) {
+    if (object.child_of(property) == nullptr) {
+      remember_fields(object, {property});
+      return object.get<double>(property);
+    }
+    const ColorParameter color = read_textured(object, property, scene);
+    if (!color.texture) return ScalarParameter(1.0);
+    const glm::dvec3& factor = color.value;
     if (factor.x != factor.y || factor.y != factor.z)
       sink_.error(
           object.position_of(property),
           fmt::format("a number takes a texture times a number, not times the colour {} {} {}; use a grey scale",
                       factor.x, factor.y, factor.z));
-    return {factor.x, *texture, textures_.channel_of(object, property)};
+    return {factor.x, *color.texture, textures_.channel_of(object, property)};
   }
 
   /// What is defined and used nowhere is still read, for its mistakes.
@@ -615,26 +635,28 @@ class SceneReader {
       return DiffuseBsdf{};
     }
     if (type == "null") return NullBsdf{};
+    if (type == "principled") return read_principled(object, scene);
     if (type == "mirror") return MirrorBsdf{};
     if (type == "dielectric") return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR")};
-    if (type == "microfacet") return read_microfacet(object);
-    if (type == "conductor") return ConductorBsdf{read_metal(object), object.get<glm::dvec3>("specular_reflectance")};
+    if (type == "microfacet") return read_microfacet(object, scene);
+    if (type == "conductor")
+      return ConductorBsdf{read_metal(object), read_factor(object, "specular_reflectance", scene)};
     if (type == "roughconductor")
-      return RoughConductorBsdf{read_metal(object), read_roughness(object),
-                                object.get<glm::dvec3>("specular_reflectance")};
+      return RoughConductorBsdf{read_metal(object), read_roughness(object, scene),
+                                read_factor(object, "specular_reflectance", scene)};
     if (type == "roughdielectric") {
-      return RoughDielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR"), read_roughness(object),
-                                 object.get<glm::dvec3>("specular_reflectance"),
-                                 object.get<glm::dvec3>("specular_transmittance")};
+      return RoughDielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR"),
+                                 read_roughness(object, scene), read_factor(object, "specular_reflectance", scene),
+                                 read_factor(object, "specular_transmittance", scene)};
     }
     if (type == "thindielectric") {
       return ThinDielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR"),
-                                object.get<glm::dvec3>("specular_reflectance"),
-                                object.get<glm::dvec3>("specular_transmittance")};
+                                read_factor(object, "specular_reflectance", scene),
+                                read_factor(object, "specular_transmittance", scene)};
     }
-    if (type == "plastic") return read_plastic<PlasticBsdf>(object);
+    if (type == "plastic") return read_plastic<PlasticBsdf>(object, scene);
     if (type == "roughplastic") {
-      auto plastic = read_plastic<RoughPlasticBsdf>(object);
+      auto plastic = read_plastic<RoughPlasticBsdf>(object, scene);
       plastic.distribution = read_distribution(object);
       plastic.alpha = object.get<double>("alpha");
       return plastic;
@@ -657,9 +679,25 @@ class SceneReader {
     return DiffuseBsdf{albedo};
   }
 
-  MicrofacetBsdf read_microfacet(const Object& object) {
-    return {.kd = object.get<glm::dvec3>("kd"),
-            .alpha = object.get<double>("alpha"),
+  PrincipledBsdf read_principled(const Object& object, Scene* scene) {
+    PrincipledBsdf bsdf;
+    each_parameter(bsdf, [&](const char* name, auto& parameter) {
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>) {
+        parameter = read_factor(object, name, scene);
+      } else {
+        parameter = read_scalar(object, name, scene);
+      }
+    });
+    bsdf.sheen_tint = object.get<double>("sheen_tint");
+    bsdf.flatness = object.get<double>("flatness");
+    bsdf.clearcoat_gloss = object.get<double>("clearcoat_gloss");
+    bsdf.eta = object.get<double>("eta");
+    return bsdf;
+  }
+
+  MicrofacetBsdf read_microfacet(const Object& object, Scene* scene) {
+    return {.kd = read_factor(object, "kd", scene),
+            .alpha = read_scalar(object, "alpha", scene),
             .int_ior = object.get<double>("intIOR"),
             .ext_ior = object.get<double>("extIOR")};
   }
@@ -685,10 +723,10 @@ class SceneReader {
   }
 
   template <typename Plastic>
-  Plastic read_plastic(const Object& object) {
+  Plastic read_plastic(const Object& object, Scene* scene) {
     Plastic plastic;
-    plastic.diffuse_reflectance = object.get<glm::dvec3>("diffuse_reflectance");
-    plastic.specular_reflectance = object.get<glm::dvec3>("specular_reflectance");
+    plastic.diffuse_reflectance = read_factor(object, "diffuse_reflectance", scene);
+    plastic.specular_reflectance = read_factor(object, "specular_reflectance", scene);
     plastic.int_ior = object.get<double>("intIOR");
     plastic.ext_ior = object.get<double>("extIOR");
     plastic.nonlinear = object.get<bool>("nonlinear");
@@ -705,16 +743,22 @@ class SceneReader {
     return Roughness::Distribution::beckmann;
   }
 
-  Roughness read_roughness(const Object& object) {
+  Roughness read_roughness(const Object& object, Scene* scene) {
     Roughness roughness{.distribution = read_distribution(object)};
-    const double alpha = object.get<double>("alpha");
-    roughness.alpha_u = object.given("alpha_u") ? object.get<double>("alpha_u") : alpha;
-    roughness.alpha_v = object.given("alpha_v") ? object.get<double>("alpha_v") : alpha;
+    const ScalarParameter alpha = read_scalar(object, "alpha", scene);
+    roughness.alpha_u = object.given("alpha_u") ? read_scalar(object, "alpha_u", scene) : alpha;
+    roughness.alpha_v = object.given("alpha_v") ? read_scalar(object, "alpha_v", scene) : alpha;
     if (object.given("alpha") && (object.given("alpha_u") || object.given("alpha_v"))) {
       sink_.error(object.position_of("alpha"),
                   "the roughness is given twice; use alpha for both directions, or alpha_u and alpha_v");
     }
     return roughness;
+  }
+
+  /// A colour, or the texture that stands for it.
+  ColorParameter read_factor(const Object& object, const char* property, Scene* scene) {
+    if (object.child_of(property) != nullptr) return read_textured(object, property, scene);
+    return object.get<glm::dvec3>(property);
   }
 
   /// A colour that a texture stands for.

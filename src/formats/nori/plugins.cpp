@@ -411,7 +411,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"camera", {"environment", "fisheye"}},
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"serialized", "heightfield"}},
-      {"bsdf", {"phong", "disney", "principled", "normalmap", "bumpmap"}},
+      {"bsdf", {"phong", "disney"}},
       {"emitter", {"environment"}},
   };
 }
