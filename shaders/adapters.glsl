@@ -9,10 +9,10 @@
 #include "scene.glsl"
 #include "texture.glsl"
 
-layout(constant_id = kConstantAdapterDepth) const uint kAdapterDepth = 0u;  // how many stand one in the other
+FEATURE(uint, kAdapterDepth, kConstantAdapterDepth, 0u)  // how many stand one in the other
 layout(constant_id = kConstantCountPasses) const bool kCountPasses = true;  // a segment ends at a surface that it passes
 
-bool adapter_is(uint header, uint type) { return (kAdapters >> (type - kAdapterFirst) & 1u) != 0u && (header & kMaterialTypeMask) == type; }
+#define adapter_is(header, type) ((kAdapters >> ((type) - kAdapterFirst) & 1u) != 0u && ((header) & kMaterialTypeMask) == (type))
 
 // A material that was chosen, and the frame in which it sees directions.
 struct Choice {

@@ -2,6 +2,7 @@
 #ifndef MATERIAL_FLAGS_GLSL
 #define MATERIAL_FLAGS_GLSL
 
+#include "features.glsl"
 #include "gpu_types.h"
 
 // The flags that some material of the scene has, and those that all have: where the two agree, nobody asks the material.
@@ -10,7 +11,7 @@ layout(constant_id = kConstantMaterialFlagsAll) const uint kMaterialFlagsAll = 0
 
 // What of adapters the scene has: bit i for the type kAdapterFirst + i, and kAdaptersPass where there are surfaces that light may pass. Without any, a
 // surface's material is that of its instance.
-layout(constant_id = kConstantAdapters) const uint kAdapters = 0u;
+FEATURE(uint, kAdapters, kConstantAdapters, 0u)
 const bool kPassable = (kAdapters & kAdaptersPass) != 0u;
 const bool kPerturbed = (kAdapters >> (kAdapterNormalMap - kAdapterFirst) & 3u) != 0u;  // maps turn shading normals
 

@@ -64,6 +64,8 @@ constexpr PlainConstant kPlain[] = {
     {gpu::kConstantFewDisks, 0},
     {gpu::kConstantFewCylinders, 0},
     {gpu::kConstantInstanced, 0},
+    {gpu::kConstantAdapters, 0},
+    {gpu::kConstantAdapterDepth, 0},
     {gpu::kConstantBsdfsUsed, 1u << gpu::kBsdfDiffuse | 1u << gpu::kBsdfMirror | 1u << gpu::kBsdfDielectric},
 };
 static_assert(gpu::kCameraPinhole == 0 && gpu::kIntegratorPath == 0);

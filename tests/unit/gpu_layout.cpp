@@ -100,6 +100,7 @@ TEST(GpuLayout, ThePlainKernelLacksWhatTheHostKnowsThatItLacks) {
                                            gpu::kConstantSrgbAt,
                                            gpu::kConstantTexelsAt,
                                            gpu::kConstantTransmittancesAt,
+                                           gpu::kConstantCountPasses,
                                            gpu::kConstantTexturesAt,
                                            gpu::kConstantInstanceAttributesAt,
                                            gpu::kConstantAttributesAt};
