@@ -113,7 +113,7 @@ TEST(ReferenceMetals, NormalIncidenceAndGrazing) {
   EXPECT_EQ(fresnel_conductor(0.3, 0.0, 1.0), 1.0);
   EXPECT_FALSE(metal_index("Unobtainium"));
   EXPECT_EQ(metal_index("none")->k, Vec3(1.0));
-  EXPECT_EQ(metal_names().size(), 74u);
+  EXPECT_EQ(metal_names().size(), 75u);
 }
 
 TEST(ReferenceMaterials, AreReciprocal) {
