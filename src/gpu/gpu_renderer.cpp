@@ -187,8 +187,10 @@ class GpuRenderer::SampleTracer {
  public:
   SampleTracer(GpuRenderer& renderer, std::size_t capacity)
       : renderer_(renderer),
-        kernel_(
-            renderer.make_kernel(renderer.scene_->request_kernels(), renderer.kernels_.trace_samples, "trace_samples")),
+        kernel_(renderer.make_kernel(
+            renderer.scene_->request_kernels(),
+            is_plain(renderer.constants_) ? renderer.kernels_.trace_samples_plain : renderer.kernels_.trace_samples,
+            "trace_samples")),
         requests_(renderer.context(), capacity * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                   vulkan::Buffer::Memory::device, "sample requests"),
         results_(renderer.context(), capacity * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
@@ -406,7 +408,8 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
                                   std::vector<RejectedSample>& rejected) {
   check_film(film);
   if (!render_kernel_.get())
-    render_kernel_ = make_kernel(scene_->film_kernels(), etendue::render_kernel(kernels_, constants_), "render");
+    render_kernel_ =
+        make_kernel(scene_->film_kernels(), is_plain(constants_) ? kernels_.render_plain : kernels_.render, "render");
   prepare_sizer();
   rejected_.clear();
   const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context()));

@@ -24,6 +24,7 @@ KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
             kernels::trace_rays_storage,
             kernels::bsdf_samples_storage,
             kernels::render_plain_storage,
+            kernels::trace_samples_plain_storage,
             kernels::render_profile_storage,
             kernels::render_profile_subgroups_storage,
             {}};
@@ -34,6 +35,7 @@ KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
             kernels::trace_rays,
             kernels::bsdf_samples,
             kernels::render_plain,
+            kernels::trace_samples_plain,
             kernels::render_profile,
             kernels::render_profile_subgroups,
             {}};
@@ -70,7 +72,7 @@ constexpr PlainConstant kPlain[] = {
 };
 static_assert(gpu::kCameraPinhole == 0 && gpu::kIntegratorPath == 0);
 
-bool is_plain(const vulkan::Specialization& c) {
+bool asks_nothing(const vulkan::Specialization& c) {
   if (c.id == gpu::kConstantEnvironment) return c.value != gpu::kEnvironmentPicture;
   const auto known = std::ranges::find(kPlain, c.id, &PlainConstant::id);
   return known == std::end(kPlain) || (c.value & ~known->bits) == 0;
@@ -78,9 +80,8 @@ bool is_plain(const vulkan::Specialization& c) {
 
 }  // namespace
 
-std::span<const std::uint32_t> render_kernel(const KernelSet& kernels,
-                                             std::span<const vulkan::Specialization> constants) {
-  return std::ranges::all_of(constants, is_plain) ? kernels.render_plain : kernels.render;
+bool is_plain(std::span<const vulkan::Specialization> constants) {
+  return std::ranges::all_of(constants, asks_nothing);
 }
 
 }  // namespace etendue

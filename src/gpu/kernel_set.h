@@ -12,15 +12,14 @@ namespace etendue {
 
 struct KernelSet {
   std::span<const std::uint32_t> render, trace_samples, trace_path, trace_rays, bsdf_samples;  ///< SPIR-V words
-  std::span<const std::uint32_t> render_plain;  ///< render without the features of shaders/features.glsl
+  std::span<const std::uint32_t> render_plain, trace_samples_plain;  ///< without the features of shaders/features.glsl
   std::span<const std::uint32_t> profile,
       profile_subgroups;                          ///< the render kernel that counts, see shaders/profile.glsl
   std::vector<vulkan::Specialization> constants;  ///< to be added to those of the scene
 };
 
-/// The render kernel for a scene with these constants: the plain one where they ask for none of its missing features.
-std::span<const std::uint32_t> render_kernel(const KernelSet& kernels,
-                                             std::span<const vulkan::Specialization> constants);
+/// Whether a scene with these constants asks for none of the features that plain kernels lack.
+bool is_plain(std::span<const vulkan::Specialization> constants);
 
 /// Without a mutant the kernels that render pictures; with one those of shaders/mutants.h with that error (0: none),
 /// which read texel buffers only.
