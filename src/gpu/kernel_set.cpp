@@ -40,9 +40,10 @@ KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
             kernels::render_profile_subgroups,
             {}};
   // Errors are planted to be found in pictures, not in counts.
-  return {kernels::render_mutant,     kernels::trace_samples_mutant,     kernels::trace_path_mutant,
-          kernels::trace_rays_mutant, kernels::bsdf_samples_mutant,      kernels::render_mutant,
-          kernels::render_profile,    kernels::render_profile_subgroups, {{gpu::kConstantMutant, *mutant}}};
+  return {kernels::render_mutant,           kernels::trace_samples_mutant, kernels::trace_path_mutant,
+          kernels::trace_rays_mutant,       kernels::bsdf_samples_mutant,  kernels::render_mutant,
+          kernels::trace_samples_mutant,    kernels::render_profile,       kernels::render_profile_subgroups,
+          {{gpu::kConstantMutant, *mutant}}};
 }
 
 namespace {

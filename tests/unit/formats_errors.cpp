@@ -121,7 +121,6 @@ const BadInput kGrammar[] = {
     {"UnknownTag", scene_around("<bsfd type=\"diffuse\"/>"), 2, 1, "unknown tag \"bsfd\"; did you mean \"bsdf\"?"},
     {"UnknownType", in_mesh("<bsdf type=\"difuse\"/>"), 3, 13,
      "did you mean \"diffuse\"?; supported are: diffuse, mirror, dielectric"},
-    {"Rough", in_mesh("<bsdf type=\"hair\"/>"), 3, 13, "not supported"},
     {"Metal", in_mesh("<bsdf type=\"conductor\"><string name=\"material\" value=\"Aux\"/></bsdf>"), 3, 55,
      "there is no material \"Aux\"; did you mean \"Au\"?"},
     {"MetalTwice",
