@@ -49,7 +49,7 @@ TEST(BadCommand, Overrides) {
       {"scene.sky_top=1 2", "expected 3 numbers"},
       {"scene.sky_top=-1 0 0", "out of range"},
       {"scene.sky_top=1;2;3", "not a number"},
-      {"rfilter.radius=1", "has no property"},
+      {"rfilter.width=1", "has no property"},
       {std::string(100000, 'a') + "=1", "has no property"}};
   for (const auto& [text, words] : overrides) {
     expect_refused(

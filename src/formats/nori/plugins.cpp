@@ -412,7 +412,6 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"serialized", "heightfield"}},
       {"bsdf", {"phong", "disney"}},
-      {"emitter", {"environment"}},
   };
 }
 
