@@ -5,6 +5,9 @@ PICTURES = {
     "materials": ((560, 245), 160),
     "cbox-ajax": ((400, 300), 43),
     "daylight": ((560, 315), 256),
+    "still-life": ((560, 420), 400),
+    "forest": ((640, 360), 256),
+    "material-gallery": ((640, 480), 128),
     "bubble": ((480, 270), 288),
     "cbox-sphere": ((640, 480), 400),
 }
