@@ -134,8 +134,15 @@ class Studio:
             if mesh.parent.name == "generated":
                 small = self.scratch / mesh.name
                 if not small.exists():
-                    self.run(self.sculptor, "--kind", mesh.stem, "--triangles", 1000, "-o", small)
+                    self.run(self.sculptor, *self.small(mesh), "-o", small)
                 entry.set("value", str(small))
+
+    @staticmethod
+    def small(mesh):
+        """What scenes/CMakeLists.txt asks the sculptor for, in small."""
+        if mesh.suffix == ".png":
+            return "--picture", mesh.stem, "--size", 64
+        return "--kind", {"lantern": "bumpy-sphere"}.get(mesh.stem, mesh.stem), "--triangles", 1000
 
     def variant(self, scene, name, change):
         """A changed copy of a scene in the scratch folder: `change` gets the root element. Meshes keep their places."""

@@ -6,6 +6,7 @@
 #include "kernels.h"
 #include "kernels_mutant.h"
 #include "kernels_plain.h"
+#include "kernels_plain_mutant.h"
 #include "kernels_plain_storage.h"
 #include "kernels_profile.h"
 #include "kernels_profile_storage.h"
@@ -40,9 +41,15 @@ KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
             kernels::render_profile_subgroups,
             {}};
   // Errors are planted to be found in pictures, not in counts.
-  return {kernels::render_mutant,           kernels::trace_samples_mutant, kernels::trace_path_mutant,
-          kernels::trace_rays_mutant,       kernels::bsdf_samples_mutant,  kernels::render_mutant,
-          kernels::trace_samples_mutant,    kernels::render_profile,       kernels::render_profile_subgroups,
+  return {kernels::render_mutant,
+          kernels::trace_samples_mutant,
+          kernels::trace_path_mutant,
+          kernels::trace_rays_mutant,
+          kernels::bsdf_samples_mutant,
+          kernels::render_plain_mutant,
+          kernels::trace_samples_plain_mutant,
+          kernels::render_profile,
+          kernels::render_profile_subgroups,
           {{gpu::kConstantMutant, *mutant}}};
 }
 
