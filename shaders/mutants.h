@@ -104,11 +104,9 @@ const uint kMutantMaskShadowsAll = 88u;
 const uint kMutantMaskSidesTogether = 89u;
 const uint kMutantPassesFree = 90u;
 const uint kMutantNormalMapMirrored = 91u;
-const uint kMutantBumpByTexel = 92u;
-const uint kMutantMapsShineThrough = 93u;
-const uint kMutantRetroReflectionLost = 94u;
-const uint kMutantCoatUnmasked = 95u;
-const uint kMutantCount = 96u;
+const uint kMutantMapsShineThrough = 92u;
+const uint kMutantRetroReflectionLost = 93u;
+const uint kMutantCount = 94u;
 #endif
 
 #ifdef __cplusplus

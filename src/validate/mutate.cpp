@@ -201,13 +201,10 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "adapters, floor m(d)"},
     {gpu::kMutantNormalMapMirrored, "normal map mirrored", "a normal map's green channel counts backward",
      "adapters, floor o(d)"},
-    {gpu::kMutantBumpByTexel, "bumps by the texel", "slopes of a bump map are those from texel to texel",
-     "adapters, floor u(d)"},
     {gpu::kMutantMapsShineThrough, "maps shine through", "light from below a surface reaches it by its turned normals",
      "adapters, floor o(d)"},
     {gpu::kMutantRetroReflectionLost, "retro-reflection lost",
      "a rough base reflects nothing back to where light comes from", "albedo, principled"},
-    {gpu::kMutantCoatUnmasked, "coat unmasked", "the coat's microfacets do not hide each other", "albedo, principled"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
