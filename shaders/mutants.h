@@ -104,9 +104,8 @@ const uint kMutantMaskShadowsAll = 88u;
 const uint kMutantMaskSidesTogether = 89u;
 const uint kMutantPassesFree = 90u;
 const uint kMutantNormalMapMirrored = 91u;
-const uint kMutantMapsShineThrough = 92u;
-const uint kMutantRetroReflectionLost = 93u;
-const uint kMutantCount = 94u;
+const uint kMutantRetroReflectionLost = 92u;
+const uint kMutantCount = 93u;
 #endif
 
 #ifdef __cplusplus

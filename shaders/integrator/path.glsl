@@ -136,7 +136,6 @@ vec3 light_normal(Surface s, Material material) { return material_has(material, 
 
 // Where a map has turned the normal, directions on whose side it and the normal before do not agree carry no light.
 bool sides_agree(Surface s, vec3 w, float cosine) {
-  MUTATE(kMutantMapsShineThrough, return true);
   return !kPerturbed || dot(w, s.base) * cosine > 0.0;
 }
 

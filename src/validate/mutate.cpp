@@ -201,8 +201,6 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "adapters, floor m(d)"},
     {gpu::kMutantNormalMapMirrored, "normal map mirrored", "a normal map's green channel counts backward",
      "adapters, floor o(d)"},
-    {gpu::kMutantMapsShineThrough, "maps shine through", "light from below a surface reaches it by its turned normals",
-     "adapters, floor o(d)"},
     {gpu::kMutantRetroReflectionLost, "retro-reflection lost",
      "a rough base reflects nothing back to where light comes from", "albedo, principled"},
 }};
