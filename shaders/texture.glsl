@@ -177,7 +177,7 @@ vec2 bitmap_gradient(uint texture_of, SurfacePoint at) {
   const uint y0 = wrap_texel(int(lower.y), int(t.height), wrap_v), y1 = wrap_texel(int(lower.y) + 1, int(t.height), wrap_v);
   const float c00 = channel_of(texel(t, x0, y0), texture_of), c10 = channel_of(texel(t, x1, y0), texture_of);
   const float c01 = channel_of(texel(t, x0, y1), texture_of), c11 = channel_of(texel(t, x1, y1), texture_of);
-  vec2 g = vec2(mix(c10 - c00, c11 - c01, f.y), mix(c01 - c00, c11 - c10, f.x)) * vec2(t.width, t.height);
+  const vec2 g = vec2(mix(c10 - c00, c11 - c01, f.y), mix(c01 - c00, c11 - c10, f.x)) * vec2(t.width, t.height);
   return vec2(g.x * t.u_row.x + g.y * t.v_row.x, g.x * t.u_row.y + g.y * t.v_row.y);
 }
 

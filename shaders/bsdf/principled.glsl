@@ -91,7 +91,7 @@ Scattering principled_scattering(Material m, vec3 wo, vec3 wi, vec3 h, float eta
   if (m.k.z > 0.0) {
     const Facets smooth_facets = Facets(vec2(0.25), false);
     const float coat = coat_density(m.ext_ior, h.z);
-    float g = facet_masking(smooth_facets, wo, wo_h) * facet_masking(smooth_facets, wi, wi_h);
+    const float g = facet_masking(smooth_facets, wo, wo_h) * facet_masking(smooth_facets, wi, wi_h);
     s.value += vec3(0.25 * m.k.z * schlick(vec3(0.04), wo_h).x * coat * g * wi.z);
     s.pdf += lobes.z / total * 0.25 * coat * h.z / wo_h;
   }

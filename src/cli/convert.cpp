@@ -34,11 +34,12 @@ void check_output(const Options& options) {
 Ending convert(const Options& options) {
   check_output(options);
   const Scene scene = read_scene(options.input, options.scene.read_options());
+  const ExistingFiles existing = options.force ? ExistingFiles::replace : ExistingFiles::refuse;
   std::vector<std::string> differences;
   if (options.dialect == "mitsuba") {
-    differences = write_mitsuba_scene(options.output, scene);
+    differences = write_mitsuba_scene(options.output, scene, existing);
   } else {
-    write_scene(options.output, scene);
+    write_scene(options.output, scene, existing);
   }
   for (const std::string& sentence : differences) log::warning(sentence);
   if (!options.quiet) log::info(fmt::format("Wrote {}.", options.output));

@@ -41,6 +41,8 @@ const char* link_sentence(std::string_view target);
 std::string closest(std::string_view word, const std::vector<std::string>& candidates);
 /// `; did you mean "width"?` or nothing.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
+/// With `&`, `<`, `>` and `"` as XML and HTML need them, in elements and in attributes.
+std::string xml_escaped(std::string_view s);
 /// "a, b, c".
 std::string join(const std::vector<std::string>& words);
 

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "core/printable.h"
+#include "core/text.h"
 #include "core/version.h"
 #include "report_assets.h"
 
@@ -25,23 +25,7 @@ std::string encode(const std::vector<glm::vec3>& values) {
 }
 
 std::string escape_html(const std::string& raw) {
-  std::string out;
-  for (const char c : text::printable(raw, text::kLongestLine)) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
+  return text::xml_escaped(text::printable(raw, text::kLongestLine));
 }
 
 /// Replaces each @NAME@ of the page by its value, in one pass: values are never searched.

@@ -4,32 +4,13 @@
 
 #include <fmt/format.h>
 
-#include "core/printable.h"
+#include "core/text.h"
 
 namespace etendue {
 namespace {
 
 std::string escape(const std::string& raw) {
-  std::string out;
-  for (const char c : text::printable_lines(raw)) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
+  return text::xml_escaped(text::printable_lines(raw));
 }
 
 }  // namespace

@@ -1,19 +1,14 @@
 /// Any bytes as a library of materials: the reader ends with materials in range and with warnings that have a place,
 /// never with a fault or an error.
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstdlib>
-#include <cstring>
 
 #include "formats/model/mtl_reader.h"
+#include "inputs.h"
 
 namespace {
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using etendue::fuzz::require;
 
 bool is_share(double v) {
   return v >= 0.0 && v <= 1.0;
@@ -24,17 +19,9 @@ bool is_share(double v) {
 /// The first byte chooses the size of the reads.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  const std::size_t chunk = (*data & 3) == 0 ? 1 : std::size_t{1} << (2 * (*data & 3));
-  std::size_t at = 1;
-  const etendue::ByteSource source = [&](char* buffer, std::size_t capacity) {
-    const std::size_t count = std::min({capacity, chunk, size - at});
-    std::memcpy(buffer, data + at, count);
-    at += count;
-    return count;
-  };
   etendue::Diagnostics diagnostics;
   std::map<std::string, etendue::MtlMaterial> materials;
-  etendue::read_mtl(source, "fuzz.mtl", materials, diagnostics);
+  etendue::read_mtl(etendue::fuzz::source_of(data, size), "fuzz.mtl", materials, diagnostics);
   require(!diagnostics.has_errors());
   for (const auto& [name, m] : materials) {
     for (int i = 0; i < 3; ++i) {

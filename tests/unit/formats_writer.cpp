@@ -108,7 +108,7 @@ Scene everything() {
 TEST(SceneWriter, WhatIsReadAgainIsTheSameScene) {
   const TemporaryFolder folder;
   const Scene scene = everything();
-  const std::string path = folder.write("s.xml", "");
+  const std::string path = folder.path("s.xml");
   write_scene(path, scene);
   Diagnostics diagnostics;
   const auto file = read_scene_file(path, {.overrides = {}, .strict = true}, diagnostics);
@@ -138,7 +138,7 @@ TEST(SceneWriter, WhatIsReadAgainIsTheSameScene) {
   }
   EXPECT_EQ(read.emitters.at(0).radiance.value, glm::dvec3(3.0, 2.0, 0.1));
   // Written once more it is the same text: everything is in it.
-  const std::string again = folder.write("t.xml", "");
+  const std::string again = folder.path("t.xml");
   write_scene(again, read);
   const auto text_of = [](const std::string& file_path) {
     const std::vector<std::byte> bytes = read_file(file_path);
@@ -149,11 +149,32 @@ TEST(SceneWriter, WhatIsReadAgainIsTheSameScene) {
   EXPECT_EQ(text_of(path), text_of(again));
 }
 
+TEST(SceneWriter, FilesThatExistAreReplacedOnlyWhenAsked) {
+  const TemporaryFolder folder;
+  const Scene scene = everything();
+  const std::string other = folder.write("s-files/mesh-1.ply", "mine");
+  EXPECT_THROW(write_scene(folder.path("s.xml"), scene), Error);
+  EXPECT_EQ(read_file(other).size(), 4u);
+  const auto files = std::filesystem::recursive_directory_iterator(folder.path(""));
+  EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "the folder and the file that were there";
+  write_scene(folder.path("s.xml"), scene, ExistingFiles::replace);
+  EXPECT_GT(read_file(other).size(), 4u);
+}
+
+TEST(SceneWriter, WhatFailsHalfwayLeavesNothing) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path("s.xml"));  // so that the last file cannot be written
+  EXPECT_THROW(write_scene(folder.path("s.xml"), everything(), ExistingFiles::replace), Error);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path("s.xml")));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("s-files")));
+}
+
 TEST(SceneWriter, MitsubaIsToldWhatItCanSay) {
   const TemporaryFolder folder;
   Scene scene = everything();
-  const std::string path = folder.write("s.xml", "");
+  const std::string path = folder.path("s.xml");
   EXPECT_THROW(write_mitsuba_scene(path, scene), Error);  // Nori's microfacet
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path(""))) << "pictures and meshes of a scene that was refused";
   for (Material& material : scene.materials) {
     if (std::holds_alternative<MicrofacetBsdf>(material.bsdf)) material.bsdf = DiffuseBsdf{};
   }

@@ -1,49 +1,71 @@
 #include "formats/dialect/scene_files.h"
 
 #include <filesystem>
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
 #include "formats/ply/ply_writer.h"
 #include "image/bitmap_file.h"
+#include "image/files.h"
 
 namespace etendue {
 
 namespace fs = std::filesystem;
 
-SceneFiles::SceneFiles(const std::string& path)
-    : folder_(fs::path(path).parent_path().string()), files_(fs::path(path).stem().string() + "-files") {}
-
-std::string SceneFiles::path_of(const std::string& name) const {
-  return (fs::path(folder_) / name).string();
+std::string SceneFiles::folder() const {
+  return fs::path(path_).stem().string() + "-files";
 }
 
-std::string SceneFiles::name_of(const std::string& file) {
-  if (!made_) {
-    std::error_code error;
-    fs::create_directories(path_of(files_), error);
-    if (error)
-      throw Error(ErrorKind::file, fmt::format("{}: cannot make the folder: {}", path_of(files_), error.message()));
-    made_ = true;
-  }
-  return files_ + "/" + file;
-}
-
-std::string SceneFiles::mesh(const Scene& scene, std::uint32_t shape) {
+std::string SceneFiles::mesh(std::uint32_t shape) {
   const auto [known, is_new] = meshes_.try_emplace(shape);
-  if (!is_new) return known->second;
-  known->second = name_of(fmt::format("mesh-{}.ply", meshes_.size() - 1));
-  write_ply(path_of(known->second), std::get<TriangleMesh>(scene.shapes[shape]));
+  if (is_new) known->second = fmt::format("{}/mesh-{}.ply", folder(), meshes_.size() - 1);
   return known->second;
 }
 
 std::string SceneFiles::picture(const std::shared_ptr<const Bitmap>& bitmap) {
-  const auto [known, is_new] = pictures_.try_emplace(bitmap.get());
-  if (!is_new) return known->second;
-  known->second = name_of(fmt::format("picture-{}.{}", pictures_.size() - 1, bitmap_extension(*bitmap)));
-  write_bitmap(path_of(known->second), *bitmap);
+  const auto [known, is_new] = pictures_.try_emplace(bitmap);
+  if (is_new)
+    known->second = fmt::format("{}/picture-{}.{}", folder(), pictures_.size() - 1, bitmap_extension(*bitmap));
   return known->second;
+}
+
+void SceneFiles::write(const std::string& text, ExistingFiles existing) const {
+  const fs::path beside = fs::path(path_).parent_path();
+  std::vector<std::pair<std::string, std::function<void(const std::string& path)>>> files;
+  for (const auto& [shape, name] : meshes_) {
+    const auto& mesh = std::get<TriangleMesh>(scene_.shapes[shape]);
+    files.emplace_back((beside / name).string(), [&mesh](const std::string& path) { write_ply(path, mesh); });
+  }
+  for (const auto& [bitmap, name] : pictures_)
+    files.emplace_back((beside / name).string(), [&bitmap](const std::string& path) { write_bitmap(path, *bitmap); });
+  files.emplace_back(path_,
+                     [&](const std::string& path) { write_file_atomically(path, std::as_bytes(std::span(text))); });
+
+  std::error_code error;
+  std::vector<std::string> made;
+  for (const auto& [path, write] : files) {
+    if (!fs::exists(path, error)) {
+      made.push_back(path);
+    } else if (existing == ExistingFiles::refuse) {
+      throw Error(ErrorKind::file, fmt::format("{}: exists already; --force replaces it", path));
+    }
+  }
+  const fs::path files_folder = beside / folder();
+  const bool made_folder = files.size() > 1 && fs::create_directory(files_folder, error);
+  if (error)
+    throw Error(ErrorKind::file, fmt::format("{}: cannot make the folder: {}", files_folder.string(), error.message()));
+  try {
+    for (const auto& [path, write] : files) write(path);
+  } catch (...) {
+    for (const std::string& path : made) fs::remove(path, error);
+    if (made_folder) fs::remove(files_folder, error);
+    throw;
+  }
 }
 
 }  // namespace etendue

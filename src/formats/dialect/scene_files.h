@@ -1,5 +1,5 @@
 #pragma once
-/// The files that a scene file names, written beside it: meshes and pictures.
+/// A scene file in the making, and the files that it names: meshes and pictures beside it.
 
 #include <cstdint>
 #include <map>
@@ -10,25 +10,30 @@
 
 namespace etendue {
 
+/// What becomes of files that are there already.
+enum class ExistingFiles { refuse, replace };
+
 class SceneFiles {
  public:
-  /// Files of the scene file at `path` go into the folder NAME-files beside it, which is made when the first one is
-  /// written.
-  explicit SceneFiles(const std::string& path);
+  /// Files of the scene file at `path` go into the folder NAME-files beside it. The scene must outlive this.
+  SceneFiles(const std::string& path, const Scene& scene) : path_(path), scene_(scene) {}
 
-  // Names relative to the folder of the scene file; what was written before has its name already. Throw Error(file).
-  std::string mesh(const Scene& scene, std::uint32_t shape);
+  // Names relative to the folder of the scene file; nothing is written yet.
+  std::string mesh(std::uint32_t shape);
   std::string picture(const std::shared_ptr<const Bitmap>& bitmap);
 
- private:
-  std::string name_of(const std::string& file);
-  std::string path_of(const std::string& name) const;
+  /// Writes them, and `text` as the scene file when all that it names is there. Throws Error(file); then files that
+  /// this made are taken away again.
+  void write(const std::string& text, ExistingFiles existing) const;
 
-  std::string folder_;  ///< of the scene file
-  std::string files_;   ///< relative to it
-  bool made_ = false;
+ private:
+  std::string folder() const;  ///< NAME-files
+
+  std::string path_;
+  const Scene& scene_;
   std::map<std::uint32_t, std::string> meshes_;
-  std::map<const Bitmap*, std::string> pictures_;
+  std::map<std::shared_ptr<const Bitmap>, std::string>
+      pictures_;  ///< kept, so that no other comes to lie where one was
 };
 
 }  // namespace etendue

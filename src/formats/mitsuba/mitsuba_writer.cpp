@@ -6,16 +6,13 @@
 #include <map>
 #include <numbers>
 #include <set>
-#include <span>
 #include <stdexcept>
 #include <tuple>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "formats/dialect/scene_files.h"
 #include "formats/xml/xml_writer.h"
-#include "image/files.h"
 #include "scene/parameters.h"
 #include "scene/texture_facts.h"
 
@@ -45,9 +42,9 @@ void set_texel(Bitmap& bitmap, std::uint32_t x, std::uint32_t y, const glm::vec3
 
 class MitsubaWriter {
  public:
-  MitsubaWriter(const std::string& path, const Scene& scene) : files_(path), scene_(scene) {}
+  MitsubaWriter(const std::string& path, const Scene& scene) : files_(path, scene), scene_(scene) {}
 
-  std::string write() {
+  void write(ExistingFiles existing) {
     xml_.open("scene", {{"version", "3.0.0"}});
     write_integrator(scene_.integrator);
     write_sensor(scene_.camera);
@@ -56,13 +53,14 @@ class MitsubaWriter {
     for (const Instance& instance : scene_.instances) write_material(instance.material);
     for (const Instance& instance : scene_.instances) write_shape(instance);
     xml_.close();
-    return xml_.result();
+    files_.write(xml_.result(), existing);
   }
   const std::vector<std::string>& differences() const { return differences_; }
 
  private:
-  [[noreturn]] static void refuse(const std::string& what) {
-    throw Error(ErrorKind::scene, what + ", which Mitsuba does not have; the scene is not exported");
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw Error(ErrorKind::scene,
+                fmt::format("{}: {}, which Mitsuba does not have; nothing is written", scene_.file, what));
   }
   void differs(std::string sentence) { differences_.push_back(std::move(sentence)); }
 
@@ -120,7 +118,7 @@ class MitsubaWriter {
     xml_.close();
   }
 
-  static const char* word_of(Camera::Type type) {
+  const char* word_of(Camera::Type type) const {
     using enum Camera::Type;
     switch (type) {
       case perspective:
@@ -172,7 +170,7 @@ class MitsubaWriter {
   }
 
   /// Cameras for Mitsuba are not scaled.
-  static double even_scale(const Camera& camera) {
+  double even_scale(const Camera& camera) const {
     const glm::dmat3 axes(camera.world_from_camera);
     const double scale = glm::length(axes[2]);
     constexpr double kTolerance = 1e-6;
@@ -263,7 +261,7 @@ class MitsubaWriter {
       const glm::vec3 radiance(glm::mix(sky.horizon, sky.top, std::clamp(up, 0.0, 1.0)));
       for (std::uint32_t x = 0; x < 2; ++x) set_texel(*bitmap, x, y, radiance);
     }
-    return keep(std::move(bitmap));
+    return bitmap;
   }
 
   /// Rows at the edges of the bands: a mean of two each, the first and last alone at the poles.
@@ -277,12 +275,6 @@ class MitsubaWriter {
         set_texel(*bitmap, x, y, 0.5f * (above + below));
       }
     }
-    return keep(std::move(bitmap));
-  }
-
-  /// Pictures are known by their address: ours must not come to lie where another was.
-  std::shared_ptr<const Bitmap> keep(std::shared_ptr<const Bitmap> bitmap) {
-    made_.push_back(bitmap);
     return bitmap;
   }
 
@@ -334,7 +326,7 @@ class MitsubaWriter {
       for (std::uint32_t x = 0; x < bitmap.width; ++x)
         set_texel(*result, x, y, glm::vec3(factor * glm::dvec3(texel_color(bitmap, space, x, y))));
     }
-    return keep(std::move(result));
+    return result;
   }
 
   static std::string material_id(std::uint32_t row) { return fmt::format("material-{}", row); }
@@ -479,7 +471,7 @@ class MitsubaWriter {
     const Shape& shape = scene_.shape_of(instance);
     if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
       xml_.open("shape", {{"type", "ply"}});
-      xml_.text("filename", files_.mesh(scene_, instance.shape));
+      xml_.text("filename", files_.mesh(instance.shape));
       if (!mesh->uv_sets.empty()) xml_.boolean("flip_tex_coords", true);
       // There, normals of triangles follow from the order of their vertices in the world.
       if (mesh->normals.empty()) {
@@ -513,17 +505,15 @@ class MitsubaWriter {
   const Scene& scene_;
   XmlWriter xml_;
   std::vector<std::string> differences_;
-  std::vector<std::shared_ptr<const Bitmap>> made_;
   std::map<std::tuple<std::uint32_t, double, double, double>, std::string> textures_;  ///< ids by row and factor
   std::set<std::uint32_t> written_;                                                    ///< materials
 };
 
 }  // namespace
 
-std::vector<std::string> write_mitsuba_scene(const std::string& path, const Scene& scene) {
+std::vector<std::string> write_mitsuba_scene(const std::string& path, const Scene& scene, ExistingFiles existing) {
   MitsubaWriter writer(path, scene);
-  const std::string text = writer.write();
-  write_file_atomically(path, std::as_bytes(std::span(text)));
+  writer.write(existing);
   return writer.differences();
 }
 

@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
+#include "formats/dialect/scene_files.h"
 
 namespace etendue {
 
 /// Writes the scene to `path`, and what it needs into the folder NAME-files beside it. Returns sentences on what
-/// Mitsuba will render differently. Throws Error(scene) for what it does not have, Error(file).
-std::vector<std::string> write_mitsuba_scene(const std::string& path, const Scene& scene);
+/// Mitsuba will render differently. Throws Error(scene) for what it does not have, Error(file); then nothing is left
+/// behind.
+std::vector<std::string> write_mitsuba_scene(const std::string& path, const Scene& scene,
+                                             ExistingFiles existing = ExistingFiles::refuse);
 
 }  // namespace etendue

@@ -3,16 +3,13 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <span>
 #include <stdexcept>
 #include <tuple>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "formats/dialect/scene_files.h"
 #include "formats/xml/xml_writer.h"
-#include "image/files.h"
 #include "scene/parameters.h"
 
 namespace etendue {
@@ -20,9 +17,9 @@ namespace {
 
 class NoriWriter {
  public:
-  NoriWriter(const std::string& path, const Scene& scene) : files_(path), scene_(scene) {}
+  NoriWriter(const std::string& path, const Scene& scene) : files_(path, scene), scene_(scene) {}
 
-  std::string write() {
+  void write(ExistingFiles existing) {
     xml_.open("scene");
     if (scene_.instancing != Instancing::automatic)
       xml_.text("instancing", scene_.instancing == Instancing::never ? "never" : "always");
@@ -31,15 +28,16 @@ class NoriWriter {
     write_integrator(scene_.integrator);
     write_sampler(scene_.sampler);
     write_camera(scene_.camera);
-    for (const Instance& instance : scene_.instances) write_material_of(instance);
+    for (const Instance& instance : scene_.instances) write_material(instance.material);
     for (const Instance& instance : scene_.instances) write_instance(instance);
     xml_.close();
-    return xml_.result();
+    files_.write(xml_.result(), existing);
   }
 
  private:
-  [[noreturn]] static void refuse(const std::string& what) {
-    throw Error(ErrorKind::scene, what + ", which a scene file cannot say");
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw Error(ErrorKind::scene,
+                fmt::format("{}: {}, which a scene file cannot say; nothing is written", scene_.file, what));
   }
 
   void color(const char* name, const glm::dvec3& value) { xml_.property("color", name, shortest(value)); }
@@ -141,7 +139,7 @@ class NoriWriter {
     xml_.close();
   }
 
-  static const char* word_of(Camera::Type type) {
+  const char* word_of(Camera::Type type) const {
     using enum Camera::Type;
     switch (type) {
       case perspective:
@@ -275,7 +273,6 @@ class NoriWriter {
   static std::string material_id(std::uint32_t row) { return fmt::format("material-{}", row); }
 
   /// Each material once, in the order of its first use.
-  void write_material_of(const Instance& instance) { write_material(instance.material); }
   void write_material(std::uint32_t row) {
     if (!written_.insert(row).second) return;
     const Material& material = scene_.materials[row];
@@ -429,7 +426,7 @@ class NoriWriter {
   }
   void write_shape(const Instance& instance, const TriangleMesh&) {
     xml_.open("mesh", {{"type", "ply"}});
-    xml_.text("filename", files_.mesh(scene_, instance.shape));
+    xml_.text("filename", files_.mesh(instance.shape));
   }
   void write_shape(const Instance&, const Sphere& sphere) {
     xml_.open("mesh", {{"type", "sphere"}});
@@ -454,9 +451,8 @@ class NoriWriter {
 
 }  // namespace
 
-void write_scene(const std::string& path, const Scene& scene) {
-  const std::string text = NoriWriter(path, scene).write();
-  write_file_atomically(path, std::as_bytes(std::span(text)));
+void write_scene(const std::string& path, const Scene& scene, ExistingFiles existing) {
+  NoriWriter(path, scene).write(existing);
 }
 
 }  // namespace etendue

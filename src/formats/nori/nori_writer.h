@@ -3,12 +3,13 @@
 
 #include <string>
 
-#include "scene/scene.h"
+#include "formats/dialect/scene_files.h"
 
 namespace etendue {
 
 /// Writes the scene to `path`, and what it needs into the folder NAME-files beside it; reading it gives a scene that
-/// renders to the same film, byte for byte on one device. Throws Error(scene) for what no file can say, Error(file).
-void write_scene(const std::string& path, const Scene& scene);
+/// renders to the same film, byte for byte on one device. Throws Error(scene) for what no file can say, Error(file);
+/// then nothing is left behind.
+void write_scene(const std::string& path, const Scene& scene, ExistingFiles existing = ExistingFiles::refuse);
 
 }  // namespace etendue

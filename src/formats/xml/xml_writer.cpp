@@ -4,34 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "core/text.h"
+
 namespace etendue {
-namespace {
-
-std::string escaped(std::string_view value) {
-  std::string out;
-  for (const char c : value) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
-}  // namespace
-
 std::string shortest(double value) {
   return fmt::format("{}", value);
 }
@@ -48,7 +23,7 @@ void XmlWriter::comment(std::string_view text) {
 
 void XmlWriter::start(std::string_view tag, const XmlAttributes& attributes) {
   text_ += fmt::format("{:{}}<{}", "", 2 * open_.size(), tag);
-  for (const auto& [name, value] : attributes) text_ += fmt::format(" {}=\"{}\"", name, escaped(value));
+  for (const auto& [name, value] : attributes) text_ += fmt::format(" {}=\"{}\"", name, text::xml_escaped(value));
 }
 
 void XmlWriter::open(std::string_view tag, const XmlAttributes& attributes) {
