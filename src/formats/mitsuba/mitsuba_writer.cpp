@@ -5,15 +5,13 @@
 #include <cstring>
 #include <map>
 #include <numbers>
-#include <set>
 #include <stdexcept>
 #include <tuple>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "formats/xml/xml_writer.h"
-#include "scene/parameters.h"
+#include "formats/dialect/material_writer.h"
 #include "scene/texture_facts.h"
 
 namespace etendue {
@@ -40,9 +38,17 @@ void set_texel(Bitmap& bitmap, std::uint32_t x, std::uint32_t y, const glm::vec3
   std::memcpy(&bitmap.texels[y * bitmap.row_bytes() + x * sizeof color], &color, sizeof color);
 }
 
-class MitsubaWriter {
+class MitsubaWriter : MaterialWriter {
  public:
-  MitsubaWriter(const std::string& path, const Scene& scene) : files_(path, scene), scene_(scene) {}
+  MitsubaWriter(const std::string& path, const Scene& scene)
+      : MaterialWriter(path, scene,
+                       {.color = "rgb",
+                        .albedo = "reflectance",
+                        .mirror = "conductor",
+                        .blend = "blendbsdf",
+                        .int_ior = "int_ior",
+                        .ext_ior = "ext_ior",
+                        .lacking = "which Mitsuba does not have"}) {}
 
   void write(ExistingFiles existing) {
     xml_.open("scene", {{"version", "3.0.0"}});
@@ -50,7 +56,8 @@ class MitsubaWriter {
     write_sensor(scene_.camera);
     write_sky();
     for (const DeltaLight& light : scene_.delta_lights) write_delta_light(light);
-    for (const Instance& instance : scene_.instances) write_material(instance.material);
+    write_materials();
+    note_masks();
     for (const Instance& instance : scene_.instances) write_shape(instance);
     xml_.close();
     files_.write(xml_.result(), existing);
@@ -58,18 +65,7 @@ class MitsubaWriter {
   const std::vector<std::string>& differences() const { return differences_; }
 
  private:
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::scene,
-                fmt::format("{}: {}, which Mitsuba does not have; nothing is written", scene_.file, what));
-  }
   void differs(std::string sentence) { differences_.push_back(std::move(sentence)); }
-
-  void color(const char* name, const glm::dvec3& value) { xml_.property("rgb", name, shortest(value)); }
-  void color(const char* name, const ColorParameter& parameter) {
-    if (!parameter.texture) return color(name, parameter.value);
-    write_texture(name, *parameter.texture, parameter.value);
-  }
-  void number(const char* name, double value) { xml_.number(name, value); }
 
   void write_delta_light(const DeltaLight& light) {
     using Type = DeltaLight::Type;
@@ -279,7 +275,8 @@ class MitsubaWriter {
   }
 
   /// At its first use with an id, later by that.
-  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor) {
+  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor, TextureChannel channel) override {
+    if (channel != TextureChannel::luminance) refuse("a number is a channel of a texture");
     const std::string id = fmt::format("texture-{}", textures_.size());
     const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z}, id);
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
@@ -329,141 +326,15 @@ class MitsubaWriter {
     return result;
   }
 
-  static std::string material_id(std::uint32_t row) { return fmt::format("material-{}", row); }
-
-  void write_material(std::uint32_t row) {
-    if (!written_.insert(row).second) return;
-    const Material& material = scene_.materials[row];
-    if (material.adapter) {
-      each_choice(*material.adapter, [&](std::uint32_t choice) { write_material(choice); });
-      std::visit([&](const auto& adapter) { write_adapter(material_id(row), adapter); }, *material.adapter);
-    } else {
-      std::visit([&](const auto& bsdf) { write_bsdf(material_id(row), bsdf); }, material.bsdf);
-    }
-    xml_.close();
+  void write_microfacet(const std::string&, const MicrofacetBsdf&) override {
+    refuse("a material is Nori's microfacet");
   }
-  void refer_to(std::uint32_t row) { xml_.leaf("ref", {{"id", material_id(row)}}); }
-  void write_adapter(const std::string& id, const TwoSidedAdapter& adapter) {
-    open_bsdf(id, "twosided");
-    refer_to(adapter.front);
-    if (adapter.back != adapter.front) refer_to(adapter.back);
-  }
-  void write_adapter(const std::string& id, const MaskAdapter& mask) {
-    open_bsdf(id, "mask");
-    number("opacity", mask.opacity);
-    refer_to(mask.inner);
-    if (!scene_.integrator.count_passes) differs("a mask makes no path longer, in Mitsuba it does");
-  }
-  void write_adapter(const std::string& id, const NormalMapAdapter& map) {
-    open_bsdf(id, "normalmap");
-    color("normalmap", map.normals);
-    refer_to(map.inner);
-  }
-  void write_adapter(const std::string& id, const BumpMapAdapter& map) {
-    open_bsdf(id, "bumpmap");
-    ScalarParameter height = map.height;
-    height.value = 1.0;
-    number("displacement", height);
-    number("scale", map.height.value);
-    refer_to(map.inner);
-  }
-  void write_adapter(const std::string& id, const BlendAdapter& blend) {
-    open_bsdf(id, "blendbsdf");
-    number("weight", blend.weight);
-    refer_to(blend.first);
-    refer_to(blend.second);
-  }
-  void number(const char* name, const ScalarParameter& parameter) {
-    if (!parameter.texture) return number(name, parameter.value);
-    if (parameter.channel != TextureChannel::luminance) refuse("a number is a channel of a texture");
-    write_texture(name, *parameter.texture, glm::dvec3(parameter.value));
-  }
-  void open_bsdf(const std::string& id, const char* type) { xml_.open("bsdf", {{"type", type}, {"id", id}}); }
-
-  void write_bsdf(const std::string& id, const DiffuseBsdf& bsdf) {
-    open_bsdf(id, "diffuse");
-    color("reflectance", bsdf.albedo);
-  }
-  void write_bsdf(const std::string& id, const MirrorBsdf&) { open_bsdf(id, "conductor"); }
-  void write_bsdf(const std::string& id, const DielectricBsdf& bsdf) {
-    open_bsdf(id, "dielectric");
-    write_indices(bsdf);
-  }
-  void write_bsdf(const std::string& id, const PrincipledBsdf& bsdf) {
-    open_bsdf(id, "principled");
-    each_parameter(bsdf, [&](const char* name, const auto& parameter) {
-      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>)
-        color(name, parameter);
-      else
-        number(name, parameter);
-    });
-    number("sheen_tint", bsdf.sheen_tint);
-    number("flatness", bsdf.flatness);
-    number("clearcoat_gloss", bsdf.clearcoat_gloss);
-    number("eta", bsdf.eta);
-  }
-  void write_bsdf(const std::string& id, const NullBsdf&) { open_bsdf(id, "null"); }
-  void write_bsdf(const std::string&, const MicrofacetBsdf&) { refuse("a material is Nori's microfacet"); }
-  void write_bsdf(const std::string& id, const ConductorBsdf& bsdf) {
-    open_bsdf(id, "conductor");
-    write_metal(bsdf);
-  }
-  void write_bsdf(const std::string& id, const RoughConductorBsdf& bsdf) {
-    open_bsdf(id, "roughconductor");
-    write_metal(bsdf);
-    write_roughness(bsdf.roughness);
-  }
-  void write_bsdf(const std::string& id, const RoughDielectricBsdf& bsdf) {
-    open_bsdf(id, "roughdielectric");
-    write_clear(bsdf);
-    write_roughness(bsdf.roughness);
-  }
-  void write_bsdf(const std::string& id, const ThinDielectricBsdf& bsdf) {
-    open_bsdf(id, "thindielectric");
-    write_clear(bsdf);
-  }
-  void write_bsdf(const std::string& id, const PlasticBsdf& bsdf) {
-    open_bsdf(id, "plastic");
-    write_plastic(bsdf);
-  }
-  void write_bsdf(const std::string& id, const RoughPlasticBsdf& bsdf) {
-    open_bsdf(id, "roughplastic");
-    write_plastic(bsdf);
-    write_distribution(bsdf.distribution);
-    number("alpha", bsdf.alpha);
-  }
-
-  template <typename Glass>
-  void write_indices(const Glass& bsdf) {
-    number("int_ior", bsdf.int_ior);
-    number("ext_ior", bsdf.ext_ior);
-  }
-  template <typename Metal>
-  void write_metal(const Metal& bsdf) {
-    color("eta", bsdf.index.eta);
-    color("k", bsdf.index.k);
-    color("specular_reflectance", bsdf.specular_reflectance);
-  }
-  template <typename Glass>
-  void write_clear(const Glass& bsdf) {
-    write_indices(bsdf);
-    color("specular_reflectance", bsdf.specular_reflectance);
-    color("specular_transmittance", bsdf.specular_transmittance);
-  }
-  template <typename Plastic>
-  void write_plastic(const Plastic& bsdf) {
-    write_indices(bsdf);
-    color("diffuse_reflectance", bsdf.diffuse_reflectance);
-    color("specular_reflectance", bsdf.specular_reflectance);
-    xml_.boolean("nonlinear", bsdf.nonlinear);
-  }
-  void write_distribution(Roughness::Distribution distribution) {
-    xml_.text("distribution", distribution == Roughness::Distribution::ggx ? "ggx" : "beckmann");
-  }
-  void write_roughness(const Roughness& roughness) {
-    write_distribution(roughness.distribution);
-    number("alpha_u", roughness.alpha_u);
-    number("alpha_v", roughness.alpha_v);
+  void note_masks() {
+    const auto is_mask = [](const Material& material) {
+      return material.adapter && std::holds_alternative<MaskAdapter>(*material.adapter);
+    };
+    if (!scene_.integrator.count_passes && std::ranges::any_of(scene_.materials, is_mask))
+      differs("a mask makes no path longer, in Mitsuba it does");
   }
 
   void write_shape(const Instance& instance) {
@@ -492,7 +363,7 @@ class MitsubaWriter {
     }
     xml_.transform("to_world", instance.world_from_object);
     if (flip) xml_.boolean("flip_normals", true);
-    xml_.leaf("ref", {{"id", material_id(instance.material)}});
+    refer_to(instance.material);
     if (const AreaEmitter* emitter = scene_.emitter_of(instance)) {
       xml_.open("emitter", {{"type", "area"}});
       color("radiance", emitter->radiance);
@@ -501,12 +372,8 @@ class MitsubaWriter {
     xml_.close();
   }
 
-  SceneFiles files_;
-  const Scene& scene_;
-  XmlWriter xml_;
   std::vector<std::string> differences_;
   std::map<std::tuple<std::uint32_t, double, double, double>, std::string> textures_;  ///< ids by row and factor
-  std::set<std::uint32_t> written_;                                                    ///< materials
 };
 
 }  // namespace

@@ -2,22 +2,28 @@
 
 #include <cmath>
 #include <map>
-#include <set>
 #include <stdexcept>
 #include <tuple>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "formats/xml/xml_writer.h"
-#include "scene/parameters.h"
+#include "formats/dialect/material_writer.h"
 
 namespace etendue {
 namespace {
 
-class NoriWriter {
+class NoriWriter : MaterialWriter {
  public:
-  NoriWriter(const std::string& path, const Scene& scene) : files_(path, scene), scene_(scene) {}
+  NoriWriter(const std::string& path, const Scene& scene)
+      : MaterialWriter(path, scene,
+                       {.color = "color",
+                        .albedo = "albedo",
+                        .mirror = "mirror",
+                        .blend = "blend",
+                        .int_ior = "intIOR",
+                        .ext_ior = "extIOR",
+                        .lacking = "which a scene file cannot say"}) {}
 
   void write(ExistingFiles existing) {
     xml_.open("scene");
@@ -28,24 +34,13 @@ class NoriWriter {
     write_integrator(scene_.integrator);
     write_sampler(scene_.sampler);
     write_camera(scene_.camera);
-    for (const Instance& instance : scene_.instances) write_material(instance.material);
+    write_materials();
     for (const Instance& instance : scene_.instances) write_instance(instance);
     xml_.close();
     files_.write(xml_.result(), existing);
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::scene,
-                fmt::format("{}: {}, which a scene file cannot say; nothing is written", scene_.file, what));
-  }
-
-  void color(const char* name, const glm::dvec3& value) { xml_.property("color", name, shortest(value)); }
-  void color(const char* name, const ColorParameter& parameter) {
-    if (!parameter.texture) return color(name, parameter.value);
-    write_texture(name, *parameter.texture, parameter.value);
-  }
-
   void write_sky() {
     const Sky& sky = scene_.sky;
     if (!sky.picture) {
@@ -230,8 +225,7 @@ class NoriWriter {
 
   /// The texture that stands for a property: at its first use with an id, later by that. A texture that is multiplied
   /// by different colours is written for each of them.
-  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor,
-                     TextureChannel channel = TextureChannel::luminance) {
+  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor, TextureChannel channel) override {
     const std::string id = fmt::format("texture-{}", textures_.size());
     const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z, channel}, id);
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
@@ -270,153 +264,18 @@ class NoriWriter {
     xml_.text("attribute", faces ? "face_color" : "vertex_color");
   }
 
-  static std::string material_id(std::uint32_t row) { return fmt::format("material-{}", row); }
-
-  /// Each material once, in the order of its first use.
-  void write_material(std::uint32_t row) {
-    if (!written_.insert(row).second) return;
-    const Material& material = scene_.materials[row];
-    if (material.adapter) {
-      each_choice(*material.adapter, [&](std::uint32_t choice) { write_material(choice); });
-      std::visit([&](const auto& adapter) { write_adapter(material_id(row), adapter); }, *material.adapter);
-    } else {
-      std::visit([&](const auto& bsdf) { write_bsdf(material_id(row), bsdf); }, material.bsdf);
-    }
-    xml_.close();
-  }
-  void refer_to(std::uint32_t row) { xml_.leaf("ref", {{"id", material_id(row)}}); }
-  void write_adapter(const std::string& id, const TwoSidedAdapter& adapter) {
-    open_bsdf(id, "twosided");
-    refer_to(adapter.front);
-    if (adapter.back != adapter.front) refer_to(adapter.back);
-  }
-  void write_adapter(const std::string& id, const MaskAdapter& mask) {
-    open_bsdf(id, "mask");
-    number("opacity", mask.opacity);
-    refer_to(mask.inner);
-  }
-  void write_adapter(const std::string& id, const NormalMapAdapter& map) {
-    open_bsdf(id, "normalmap");
-    color("normalmap", map.normals);
-    refer_to(map.inner);
-  }
-  void write_adapter(const std::string& id, const BumpMapAdapter& map) {
-    open_bsdf(id, "bumpmap");
-    ScalarParameter height = map.height;
-    height.value = 1.0;
-    number("displacement", height);
-    number("scale", map.height.value);
-    refer_to(map.inner);
-  }
-  void write_adapter(const std::string& id, const BlendAdapter& blend) {
-    open_bsdf(id, "blend");
-    number("weight", blend.weight);
-    refer_to(blend.first);
-    refer_to(blend.second);
-  }
-  void open_bsdf(const std::string& id, const char* type) { xml_.open("bsdf", {{"type", type}, {"id", id}}); }
-
-  void write_bsdf(const std::string& id, const DiffuseBsdf& bsdf) {
-    open_bsdf(id, "diffuse");
-    color("albedo", bsdf.albedo);
-  }
-  void write_bsdf(const std::string& id, const MirrorBsdf&) { open_bsdf(id, "mirror"); }
-  void write_bsdf(const std::string& id, const PrincipledBsdf& bsdf) {
-    open_bsdf(id, "principled");
-    each_parameter(bsdf, [&](const char* name, const auto& parameter) {
-      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>)
-        color(name, parameter);
-      else
-        number(name, parameter);
-    });
-    number("sheen_tint", bsdf.sheen_tint);
-    number("flatness", bsdf.flatness);
-    number("clearcoat_gloss", bsdf.clearcoat_gloss);
-    number("eta", bsdf.eta);
-  }
-  void write_bsdf(const std::string& id, const NullBsdf&) { open_bsdf(id, "null"); }
-  void write_bsdf(const std::string& id, const DielectricBsdf& bsdf) {
-    open_bsdf(id, "dielectric");
-    write_indices(bsdf);
-  }
-  void write_bsdf(const std::string& id, const MicrofacetBsdf& bsdf) {
+  void write_microfacet(const std::string& id, const MicrofacetBsdf& bsdf) override {
     open_bsdf(id, "microfacet");
     color("kd", bsdf.kd);
     number("alpha", bsdf.alpha);
     write_indices(bsdf);
-  }
-  void write_bsdf(const std::string& id, const ConductorBsdf& bsdf) {
-    open_bsdf(id, "conductor");
-    write_metal(bsdf);
-  }
-  void write_bsdf(const std::string& id, const RoughConductorBsdf& bsdf) {
-    open_bsdf(id, "roughconductor");
-    write_metal(bsdf);
-    write_roughness(bsdf.roughness);
-  }
-  void write_bsdf(const std::string& id, const RoughDielectricBsdf& bsdf) {
-    open_bsdf(id, "roughdielectric");
-    write_clear(bsdf);
-    write_roughness(bsdf.roughness);
-  }
-  void write_bsdf(const std::string& id, const ThinDielectricBsdf& bsdf) {
-    open_bsdf(id, "thindielectric");
-    write_clear(bsdf);
-  }
-  void write_bsdf(const std::string& id, const PlasticBsdf& bsdf) {
-    open_bsdf(id, "plastic");
-    write_plastic(bsdf);
-  }
-  void write_bsdf(const std::string& id, const RoughPlasticBsdf& bsdf) {
-    open_bsdf(id, "roughplastic");
-    write_plastic(bsdf);
-    write_distribution(bsdf.distribution);
-    number("alpha", bsdf.alpha);
-  }
-
-  void number(const char* name, double value) { xml_.number(name, value); }
-  void number(const char* name, const ScalarParameter& parameter) {
-    if (!parameter.texture) return number(name, parameter.value);
-    write_texture(name, *parameter.texture, glm::dvec3(parameter.value), parameter.channel);
-  }
-  template <typename Glass>
-  void write_indices(const Glass& bsdf) {
-    xml_.number("intIOR", bsdf.int_ior);
-    xml_.number("extIOR", bsdf.ext_ior);
-  }
-  template <typename Metal>
-  void write_metal(const Metal& bsdf) {
-    color("eta", bsdf.index.eta);
-    color("k", bsdf.index.k);
-    color("specular_reflectance", bsdf.specular_reflectance);
-  }
-  template <typename Glass>
-  void write_clear(const Glass& bsdf) {
-    write_indices(bsdf);
-    color("specular_reflectance", bsdf.specular_reflectance);
-    color("specular_transmittance", bsdf.specular_transmittance);
-  }
-  template <typename Plastic>
-  void write_plastic(const Plastic& bsdf) {
-    write_indices(bsdf);
-    color("diffuse_reflectance", bsdf.diffuse_reflectance);
-    color("specular_reflectance", bsdf.specular_reflectance);
-    xml_.boolean("nonlinear", bsdf.nonlinear);
-  }
-  void write_distribution(Roughness::Distribution distribution) {
-    xml_.text("distribution", distribution == Roughness::Distribution::ggx ? "ggx" : "beckmann");
-  }
-  void write_roughness(const Roughness& roughness) {
-    write_distribution(roughness.distribution);
-    number("alpha_u", roughness.alpha_u);
-    number("alpha_v", roughness.alpha_v);
   }
 
   void write_instance(const Instance& instance) {
     std::visit([&](const auto& shape) { write_shape(instance, shape); }, scene_.shape_of(instance));
     xml_.transform("toWorld", instance.world_from_object);
     if (instance.flip_normals) xml_.boolean("flipNormals", true);
-    xml_.leaf("ref", {{"id", material_id(instance.material)}});
+    refer_to(instance.material);
     if (const AreaEmitter* emitter = scene_.emitter_of(instance)) {
       xml_.open("emitter", {{"type", "area"}});
       color("radiance", emitter->radiance);
@@ -441,12 +300,8 @@ class NoriWriter {
     xml_.number("radius", cylinder.radius);
   }
 
-  SceneFiles files_;
-  const Scene& scene_;
-  XmlWriter xml_;
   std::map<std::tuple<std::uint32_t, double, double, double, TextureChannel>, std::string>
-      textures_;                     ///< ids by row, factor and channel
-  std::set<std::uint32_t> written_;  ///< materials
+      textures_;  ///< ids by row, factor and channel
 };
 
 }  // namespace

@@ -1,0 +1,178 @@
+#include "formats/dialect/material_writer.h"
+
+#include <type_traits>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "scene/parameters.h"
+
+namespace etendue {
+
+void MaterialWriter::refuse(const std::string& what) const {
+  throw Error(ErrorKind::scene, fmt::format("{}: {}, {}; nothing is written", scene_.file, what, words_.lacking));
+}
+
+void MaterialWriter::color(const char* name, const ColorParameter& parameter) {
+  if (!parameter.texture) return color(name, parameter.value);
+  write_texture(name, *parameter.texture, parameter.value, TextureChannel::luminance);
+}
+
+void MaterialWriter::number(const char* name, const ScalarParameter& parameter) {
+  if (!parameter.texture) return number(name, parameter.value);
+  write_texture(name, *parameter.texture, glm::dvec3(parameter.value), parameter.channel);
+}
+
+std::string MaterialWriter::material_id(std::uint32_t row) {
+  return fmt::format("material-{}", row);
+}
+
+void MaterialWriter::write_materials() {
+  for (const Instance& instance : scene_.instances) write_material(instance.material);
+}
+
+void MaterialWriter::write_material(std::uint32_t row) {
+  if (!written_.insert(row).second) return;
+  const Material& material = scene_.materials[row];
+  if (material.adapter) {
+    each_choice(*material.adapter, [&](std::uint32_t choice) { write_material(choice); });
+    std::visit([&](const auto& adapter) { write_adapter(material_id(row), adapter); }, *material.adapter);
+  } else {
+    std::visit([&](const auto& bsdf) { write_bsdf(material_id(row), bsdf); }, material.bsdf);
+  }
+  xml_.close();
+}
+
+template <typename Metal>
+void MaterialWriter::write_metal(const Metal& bsdf) {
+  color("eta", bsdf.index.eta);
+  color("k", bsdf.index.k);
+  color("specular_reflectance", bsdf.specular_reflectance);
+}
+
+template <typename Glass>
+void MaterialWriter::write_clear(const Glass& bsdf) {
+  write_indices(bsdf);
+  color("specular_reflectance", bsdf.specular_reflectance);
+  color("specular_transmittance", bsdf.specular_transmittance);
+}
+
+template <typename Plastic>
+void MaterialWriter::write_plastic(const Plastic& bsdf) {
+  write_indices(bsdf);
+  color("diffuse_reflectance", bsdf.diffuse_reflectance);
+  color("specular_reflectance", bsdf.specular_reflectance);
+  xml_.boolean("nonlinear", bsdf.nonlinear);
+}
+
+void MaterialWriter::write_distribution(Roughness::Distribution distribution) {
+  xml_.text("distribution", distribution == Roughness::Distribution::ggx ? "ggx" : "beckmann");
+}
+
+void MaterialWriter::write_roughness(const Roughness& roughness) {
+  write_distribution(roughness.distribution);
+  number("alpha_u", roughness.alpha_u);
+  number("alpha_v", roughness.alpha_v);
+}
+
+void MaterialWriter::write_adapter(const std::string& id, const TwoSidedAdapter& adapter) {
+  open_bsdf(id, "twosided");
+  refer_to(adapter.front);
+  if (adapter.back != adapter.front) refer_to(adapter.back);
+}
+
+void MaterialWriter::write_adapter(const std::string& id, const MaskAdapter& mask) {
+  open_bsdf(id, "mask");
+  number("opacity", mask.opacity);
+  refer_to(mask.inner);
+}
+
+void MaterialWriter::write_adapter(const std::string& id, const NormalMapAdapter& map) {
+  open_bsdf(id, "normalmap");
+  color("normalmap", map.normals);
+  refer_to(map.inner);
+}
+
+void MaterialWriter::write_adapter(const std::string& id, const BumpMapAdapter& map) {
+  open_bsdf(id, "bumpmap");
+  ScalarParameter height = map.height;
+  height.value = 1.0;
+  number("displacement", height);
+  number("scale", map.height.value);
+  refer_to(map.inner);
+}
+
+void MaterialWriter::write_adapter(const std::string& id, const BlendAdapter& blend) {
+  open_bsdf(id, words_.blend);
+  number("weight", blend.weight);
+  refer_to(blend.first);
+  refer_to(blend.second);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const DiffuseBsdf& bsdf) {
+  open_bsdf(id, "diffuse");
+  color(words_.albedo, bsdf.albedo);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const MirrorBsdf&) {
+  open_bsdf(id, words_.mirror);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const PrincipledBsdf& bsdf) {
+  open_bsdf(id, "principled");
+  each_parameter(bsdf, [&](const char* name, const auto& parameter) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>)
+      color(name, parameter);
+    else
+      number(name, parameter);
+  });
+  number("sheen_tint", bsdf.sheen_tint);
+  number("flatness", bsdf.flatness);
+  number("clearcoat_gloss", bsdf.clearcoat_gloss);
+  number("eta", bsdf.eta);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const NullBsdf&) {
+  open_bsdf(id, "null");
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const DielectricBsdf& bsdf) {
+  open_bsdf(id, "dielectric");
+  write_indices(bsdf);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const ConductorBsdf& bsdf) {
+  open_bsdf(id, "conductor");
+  write_metal(bsdf);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const RoughConductorBsdf& bsdf) {
+  open_bsdf(id, "roughconductor");
+  write_metal(bsdf);
+  write_roughness(bsdf.roughness);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const RoughDielectricBsdf& bsdf) {
+  open_bsdf(id, "roughdielectric");
+  write_clear(bsdf);
+  write_roughness(bsdf.roughness);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const ThinDielectricBsdf& bsdf) {
+  open_bsdf(id, "thindielectric");
+  write_clear(bsdf);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const PlasticBsdf& bsdf) {
+  open_bsdf(id, "plastic");
+  write_plastic(bsdf);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const RoughPlasticBsdf& bsdf) {
+  open_bsdf(id, "roughplastic");
+  write_plastic(bsdf);
+  write_distribution(bsdf.distribution);
+  number("alpha", bsdf.alpha);
+}
+
+}  // namespace etendue

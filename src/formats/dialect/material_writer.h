@@ -1,0 +1,90 @@
+#pragma once
+/// What the writers of scene files share: materials, which the dialects write alike but for some words.
+
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "formats/dialect/scene_files.h"
+#include "formats/xml/xml_writer.h"
+#include "scene/scene.h"
+
+namespace etendue {
+
+class MaterialWriter {
+ protected:
+  /// Words that the dialects have for the same things.
+  struct Words {
+    const char *color, *albedo, *mirror, *blend, *int_ior, *ext_ior;
+    const char* lacking;  ///< end of the sentence on what the dialect cannot say: "which Mitsuba does not have"
+  };
+
+  MaterialWriter(const std::string& path, const Scene& scene, const Words& words)
+      : scene_(scene), words_(words), files_(path, scene) {}
+  virtual ~MaterialWriter() = default;
+  MaterialWriter(const MaterialWriter&) = delete;
+  MaterialWriter& operator=(const MaterialWriter&) = delete;
+
+  /// Throws Error(scene).
+  [[noreturn]] void refuse(const std::string& what) const;
+
+  void color(const char* name, const glm::dvec3& value) { xml_.property(words_.color, name, shortest(value)); }
+  void color(const char* name, const ColorParameter& parameter);
+  void number(const char* name, double value) { xml_.number(name, value); }
+  void number(const char* name, const ScalarParameter& parameter);
+
+  /// All materials that instances show, in the order of their first use.
+  void write_materials();
+  /// The material that an instance shows.
+  void refer_to(std::uint32_t row) { xml_.leaf("ref", {{"id", material_id(row)}}); }
+  void open_bsdf(const std::string& id, const char* type) { xml_.open("bsdf", {{"type", type}, {"id", id}}); }
+  template <typename Glass>
+  void write_indices(const Glass& bsdf) {
+    number(words_.int_ior, bsdf.int_ior);
+    number(words_.ext_ior, bsdf.ext_ior);
+  }
+
+  const Scene& scene_;
+  const Words words_;
+  SceneFiles files_;
+  XmlWriter xml_;
+
+ private:
+  /// The texture that stands for a property, multiplied by `factor`; of numbers one channel.
+  virtual void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor, TextureChannel channel) = 0;
+  /// Opens the element, like write_bsdf.
+  virtual void write_microfacet(const std::string& id, const MicrofacetBsdf& bsdf) = 0;
+
+  static std::string material_id(std::uint32_t row);
+  void write_material(std::uint32_t row);
+  // Each opens an element, which the caller closes.
+  void write_adapter(const std::string& id, const TwoSidedAdapter& adapter);
+  void write_adapter(const std::string& id, const MaskAdapter& adapter);
+  void write_adapter(const std::string& id, const NormalMapAdapter& adapter);
+  void write_adapter(const std::string& id, const BumpMapAdapter& adapter);
+  void write_adapter(const std::string& id, const BlendAdapter& adapter);
+  void write_bsdf(const std::string& id, const DiffuseBsdf& bsdf);
+  void write_bsdf(const std::string& id, const MirrorBsdf& bsdf);
+  void write_bsdf(const std::string& id, const PrincipledBsdf& bsdf);
+  void write_bsdf(const std::string& id, const NullBsdf& bsdf);
+  void write_bsdf(const std::string& id, const DielectricBsdf& bsdf);
+  void write_bsdf(const std::string& id, const ConductorBsdf& bsdf);
+  void write_bsdf(const std::string& id, const RoughConductorBsdf& bsdf);
+  void write_bsdf(const std::string& id, const RoughDielectricBsdf& bsdf);
+  void write_bsdf(const std::string& id, const ThinDielectricBsdf& bsdf);
+  void write_bsdf(const std::string& id, const PlasticBsdf& bsdf);
+  void write_bsdf(const std::string& id, const RoughPlasticBsdf& bsdf);
+  void write_bsdf(const std::string& id, const MicrofacetBsdf& bsdf) { write_microfacet(id, bsdf); }
+  template <typename Metal>
+  void write_metal(const Metal& bsdf);
+  template <typename Glass>
+  void write_clear(const Glass& bsdf);
+  template <typename Plastic>
+  void write_plastic(const Plastic& bsdf);
+  void write_distribution(Roughness::Distribution distribution);
+  void write_roughness(const Roughness& roughness);
+
+  std::set<std::uint32_t> written_;  ///< materials
+};
+
+}  // namespace etendue
