@@ -149,6 +149,73 @@ TEST(SceneWriter, WhatIsReadAgainIsTheSameScene) {
   EXPECT_EQ(text_of(path), text_of(again));
 }
 
+std::string text_of(const std::string& path) {
+  const std::vector<std::byte> bytes = read_file(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Adapters in one another, each before what refers to it, as they are read again.
+Scene nested() {
+  Scene scene;
+  scene.bitmaps = {bitmap(BitmapFormat::u8, 3, ColorSpace::linear)};
+  scene.textures.push_back({.source = BitmapTexture{.bitmap = 0, .color_space = {}}});
+  ScalarParameter height{0.1};
+  height.texture = 0;
+  height.channel = TextureChannel::luminance;
+  scene.materials = {{.bsdf = DiffuseBsdf{{0.1, 0.2, 0.3}}},
+                     {.bsdf = MirrorBsdf{}},
+                     {.adapter = TwoSidedAdapter{0, 1}},
+                     {.adapter = MaskAdapter{{1.0 / 3.0}, 2}},
+                     {.bsdf = PrincipledBsdf{.base_color = {0.2, 0.5, 0.7},
+                                             .roughness = 0.6,
+                                             .metallic = 0.1,
+                                             .anisotropic = 0.4,
+                                             .spec_tint = 0.3,
+                                             .sheen = 0.5,
+                                             .clearcoat = 0.9,
+                                             .sheen_tint = 0.7,
+                                             .flatness = 0.2,
+                                             .clearcoat_gloss = 0.8,
+                                             .eta = 1.4}},
+                     {.adapter = BlendAdapter{{0.3}, 3, 4}},
+                     {.adapter = BumpMapAdapter{height, 5}},
+                     {.adapter = NormalMapAdapter{{glm::dvec3(1.0), 0}, 4}},
+                     {.bsdf = NullBsdf{}}};
+  scene.shapes.emplace_back(Sphere{});
+  for (const std::uint32_t material : {6u, 7u, 8u}) scene.instances.push_back({.shape = 0, .material = material});
+  return scene;
+}
+
+TEST(SceneWriter, AdaptersAreWrittenWithWhatTheyStandBefore) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("1/s.xml"), again = folder.path("2/s.xml"), mitsuba = folder.path("3/s.xml");
+  for (const char* name : {"1", "2", "3"}) std::filesystem::create_directory(folder.path(name));
+  write_scene(path, nested());
+  const auto read = [](const std::string& file_path) {
+    Diagnostics diagnostics;
+    auto file = read_scene_file(file_path, {.overrides = {}, .strict = true}, diagnostics);
+    EXPECT_TRUE(file.has_value()) << all_messages(diagnostics);
+    return std::get<Scene>(*file);
+  };
+  const Scene scene = read(path);
+  ASSERT_EQ(scene.materials.size(), 9u);
+  const auto& principled = std::get<PrincipledBsdf>(scene.materials[4].bsdf);
+  EXPECT_EQ(principled.roughness.value, 0.6);
+  EXPECT_EQ(principled.eta, 1.4);
+  EXPECT_EQ(std::get<BlendAdapter>(*scene.materials[5].adapter).second, 4u);
+  EXPECT_EQ(std::get<TwoSidedAdapter>(*scene.materials[2].adapter).back, 1u);
+  write_scene(again, scene);
+  EXPECT_EQ(text_of(path), text_of(again));
+  write_mitsuba_scene(mitsuba, nested());
+  const Scene there = read(mitsuba);
+  ASSERT_EQ(there.instances.size(), 3u);
+  const auto& bumps = std::get<BumpMapAdapter>(*there.materials[there.instances[0].material].adapter);
+  EXPECT_EQ(bumps.height.value, 0.1);
+  const auto& blend = std::get<BlendAdapter>(*there.materials[bumps.inner].adapter);
+  EXPECT_EQ(blend.weight.value, 0.3);
+  EXPECT_TRUE(std::holds_alternative<MaskAdapter>(*there.materials[blend.first].adapter));
+}
+
 TEST(SceneWriter, FilesThatExistAreReplacedOnlyWhenAsked) {
   const TemporaryFolder folder;
   const Scene scene = everything();

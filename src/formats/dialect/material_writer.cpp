@@ -10,7 +10,8 @@
 namespace etendue {
 
 void MaterialWriter::refuse(const std::string& what) const {
-  throw Error(ErrorKind::scene, fmt::format("{}: {}, {}; nothing is written", scene_.file, what, words_.lacking));
+  const std::string& scene = scene_.file.empty() ? scene_.name : scene_.file;
+  throw Error(ErrorKind::scene, fmt::format("{}: {}, {}; nothing is written", scene, what, words_.lacking));
 }
 
 void MaterialWriter::color(const char* name, const ColorParameter& parameter) {
