@@ -21,12 +21,34 @@ void SceneOptions::add_to(Command& command) {
                   "a picture of latitude and longitude that lights the scene in place of its sky")
       ->type_name("FILE");
   command
-      .add_option("--camera", camera,
-                  "where the scene is seen from: the eye and what it looks at, perhaps a field of view")
+      .add_option(
+          "--camera", camera,
+          "where the scene is seen from: the eye and what it looks at, perhaps a field of view; of a glTF asset "
+          "also the name or number of one of its cameras")
       ->type_name("X,Y,Z,X,Y,Z[,FOV]");
+  command.add_option("--scene", scene, "name or number of the scene of a glTF asset")->type_name("NAME");
+  command.add_option("--variant", variant, "name of the material variant of a glTF asset")->type_name("NAME");
+  command
+      .add_option("--lamps", lamps,
+                  "brightness of a glTF asset's lamps: 'standard', as it is written, 'blender', one 683rd of it, or "
+                  "'auto', by what wrote the file")
+      ->type_name("RULE")
+      ->capture_default_str();
   command.add_flag("--approximate", approximate,
                    "what a scene for Mitsuba asks for and there is not here is replaced, with a warning for each");
 }
+
+namespace {
+
+GltfLamps lamps_of(const std::string& rule) {
+  if (rule == "auto") return GltfLamps::automatic;
+  if (rule == "blender") return GltfLamps::blender;
+  if (rule == "standard") return GltfLamps::standard;
+  throw Error(ErrorKind::usage,
+              fmt::format("'--lamps {}': there is no such rule; use auto, blender or standard.", rule));
+}
+
+}  // namespace
 
 ReadOptions SceneOptions::read_options() const {
   ReadOptions options;
@@ -34,6 +56,9 @@ ReadOptions SceneOptions::read_options() const {
   options.approximate = approximate;
   options.environment = environment;
   options.camera = camera;
+  options.scene = scene;
+  options.variant = variant;
+  options.lamps = lamps_of(lamps);
   for (const std::string& text : overrides) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {

@@ -37,7 +37,8 @@ struct SceneOptions {
   std::vector<std::string> overrides;  ///< "integrator.nee=false"
   bool strict = false;
   bool approximate = false;
-  std::string environment, camera;
+  std::string environment, camera, scene, variant;
+  std::string lamps = "auto";
 
   void add_to(Command& command);
   /// Throws Error(usage) for an override without '='.

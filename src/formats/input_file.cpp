@@ -62,4 +62,16 @@ std::size_t InputFile::read(char* buffer, std::size_t capacity) {
   }
 }
 
+void InputFile::read_at(std::uint64_t offset, char* buffer, std::size_t count) const {
+  while (count > 0) {
+    const ssize_t got = ::pread(descriptor_, buffer, count, static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw Error(ErrorKind::file, fmt::format("{}: cannot read the file: {}", path_, std::strerror(errno)));
+    if (got == 0) throw Error(ErrorKind::file, fmt::format("{}: the file became shorter while it was read", path_));
+    buffer += got;
+    offset += static_cast<std::uint64_t>(got);
+    count -= static_cast<std::size_t>(got);
+  }
+}
+
 }  // namespace etendue

@@ -21,6 +21,9 @@ class InputFile {
   std::uint64_t size() const { return size_; }
   /// Reads up to `capacity` bytes and returns how many; 0 at the end. Throws Error(file).
   std::size_t read(char* buffer, std::size_t capacity);
+  /// Reads that many bytes from a place in the file, wherever read() has come to. Throws Error(file), also where the
+  /// file ends before.
+  void read_at(std::uint64_t offset, char* buffer, std::size_t count) const;
 
  private:
   std::string path_;

@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "formats/dialect/values.h"
+#include "formats/gltf/gltf_reader.h"
 #include "formats/input_file.h"
 #include "formats/mitsuba/mitsuba_reader.h"
 #include "formats/model/model_reader.h"
@@ -97,18 +98,49 @@ void apply_additions(SceneFile& file, const ReadOptions& options, Diagnostics& d
   if (!diagnostics.has_errors()) check_invariants(*scene, diagnostics);
 }
 
+/// What only some formats know, and this file is none of them.
+void refuse_options(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics) {
+  const auto refuse = [&](const char* option) {
+    diagnostics.error({}, fmt::format("{}: only glTF assets have it, {} is none", option, path), ErrorKind::usage);
+  };
+  if (!options.scene.empty()) refuse("--scene");
+  if (!options.variant.empty()) refuse("--variant");
+  if (options.lamps != GltfLamps::automatic) refuse("--lamps");
+}
+
+/// Eye and target, and perhaps a field of view; else the name of a camera.
+bool is_placement(const std::string& camera) {
+  try {
+    return parse_numbers(camera).size() > 1;
+  } catch (const ValueError&) {
+    return false;
+  }
+}
+
+std::optional<Scene> read_asset(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics) {
+  ReadOptions of_asset = options;
+  if (is_placement(options.camera)) of_asset.camera = "";
+  return read_gltf(path, of_asset, diagnostics);
+}
+
+/// Models and assets: what has no properties.
 std::optional<SceneFile> read_model_file(const std::string& path, const ReadOptions& options,
                                          Diagnostics& diagnostics) {
   const std::size_t errors_before = diagnostics.error_count();
+  const bool asset = is_gltf(path);
   for (const auto& [name, value] : options.overrides)
     diagnostics.error({fmt::format("-D {}={}", name, value), 0, 0},
-                      fmt::format("{} is a mesh without properties; write a scene with etendue convert", path),
+                      fmt::format("{} is {} without properties; write a scene with etendue convert", path,
+                                  asset ? "a glTF asset" : "a mesh"),
                       ErrorKind::usage);
+  if (!asset) refuse_options(path, options, diagnostics);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
-  std::optional<Scene> scene = read_model(path, diagnostics);
+  std::optional<Scene> scene = asset ? read_asset(path, options, diagnostics) : read_model(path, diagnostics);
   if (!scene) return std::nullopt;
   std::optional<SceneFile> file = std::move(*scene);
-  apply_additions(*file, options, diagnostics);
+  ReadOptions additions = options;
+  if (asset && !is_placement(options.camera)) additions.camera = "";
+  apply_additions(*file, additions, diagnostics);
   return diagnostics.error_count() > errors_before ? std::nullopt : std::move(file);
 }
 
@@ -116,7 +148,8 @@ std::optional<SceneFile> read_model_file(const std::string& path, const ReadOpti
 
 std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOptions& options,
                                          Diagnostics& diagnostics) {
-  if (is_model(path)) return read_model_file(path, options, diagnostics);
+  if (is_model(path) || is_gltf(path)) return read_model_file(path, options, diagnostics);
+  refuse_options(path, options, diagnostics);
   std::string text;
   try {
     text = read_text(path);

@@ -11,6 +11,7 @@
 
 #include "core/errors.h"
 #include "core/text.h"
+#include "image/bitmap_bytes.h"
 #include "image/decode.h"
 #include "image/files.h"
 
@@ -98,9 +99,28 @@ Bitmap decode_bitmap(std::span<const std::byte> bytes, const std::string& path, 
   if (is_exr(bytes)) return decode_exr_bitmap(bytes, path, options.layer);
   if (is_png(bytes)) return decode_png_bitmap(bytes, path);
   if (is_jpeg(bytes)) return decode_jpeg(bytes, path);
+  if (is_webp(bytes)) return decode_webp(bytes, path);
   if (is_bmp(bytes)) return decode_bmp(bytes, path);
   return decode_hdr(bytes, path);
 }
+
+namespace {
+
+bool is_picture(std::span<const std::byte> head) {
+  return is_exr(head) || is_png(head) || is_jpeg(head) || is_webp(head) || is_bmp(head) || is_hdr(head);
+}
+
+[[noreturn]] void refuse_kind(const std::string& path) {
+  throw Error(
+      ErrorKind::file,
+      fmt::format("{}: is no PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR file; convert it to one of these", path));
+}
+
+[[noreturn]] void refuse_size(const std::string& path) {
+  throw Error(ErrorKind::file, fmt::format("{}: is too large for the memory of this machine", path));
+}
+
+}  // namespace
 
 Bitmap read_bitmap(const std::string& path, const BitmapOptions& options) {
   try {
@@ -109,13 +129,20 @@ Bitmap read_bitmap(const std::string& path, const BitmapOptions& options) {
     if (const char* pointer = text::pointer_sentence({reinterpret_cast<const char*>(head.data()), head.size()}))
       throw Error(ErrorKind::file, fmt::format("{}: {}", path, pointer));
     if (head.empty()) throw Error(ErrorKind::file, fmt::format("{}: is empty; expected a picture", path));
-    if (is_exr(head) || is_png(head) || is_jpeg(head) || is_bmp(head) || is_hdr(head))
-      return decode_bitmap(read_whole_image(path), path, options);
+    if (!is_picture(head)) refuse_kind(path);
+    return decode_bitmap(read_whole_image(path), path, options);
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorKind::file, fmt::format("{}: is too large for the memory of this machine", path));
+    refuse_size(path);
   }
-  throw Error(ErrorKind::file,
-              fmt::format("{}: is no PNG, JPEG, BMP, OpenEXR or Radiance HDR file; convert it to one of these", path));
+}
+
+Bitmap decode_picture(std::span<const std::byte> bytes, const std::string& name) {
+  try {
+    if (!is_picture(bytes)) refuse_kind(name);
+    return decode_bitmap(bytes, name);
+  } catch (const std::bad_alloc&) {
+    refuse_size(name);
+  }
 }
 
 }  // namespace etendue

@@ -23,7 +23,7 @@ struct Bitmap {
   std::uint32_t height = 0;
   std::uint32_t channels = 0;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
   BitmapFormat format = BitmapFormat::f32;
-  /// As files of that kind usually mean it: sRGB for PNG and JPEG, linear for EXR and HDR. Whoever uses the picture may
+  /// As files of that kind usually mean it: sRGB for PNG, JPEG and WebP, linear for EXR and HDR. Whoever uses it may
   /// know better: normals and roughness in a PNG are linear.
   ColorSpace color_space = ColorSpace::linear;
   std::vector<std::byte> texels;   ///< row-major, top row first, channels interleaved, little-endian, without gaps
@@ -46,7 +46,7 @@ struct BitmapOptions {
   std::string layer;
 };
 
-/// Reads PNG, JPEG, OpenEXR or Radiance HDR, by content. Throws Error(file) with the path and the reason; sizes are
+/// Reads PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR, by content. Throws Error(file) with the reason; sizes are
 /// held against the length of the file before memory is spent.
 Bitmap read_bitmap(const std::string& path, const BitmapOptions& options = {});
 

@@ -27,6 +27,7 @@ std::vector<std::byte> read_whole_image(const std::string& path);
 bool is_exr(std::span<const std::byte> bytes);
 bool is_png(std::span<const std::byte> bytes);
 bool is_jpeg(std::span<const std::byte> bytes);
+bool is_webp(std::span<const std::byte> bytes);
 bool is_bmp(std::span<const std::byte> bytes);
 bool is_hdr(std::span<const std::byte> bytes);
 
@@ -40,6 +41,7 @@ Bitmap decode_bitmap(std::span<const std::byte> bytes, const std::string& path, 
 Bitmap decode_exr_bitmap(std::span<const std::byte> bytes, const std::string& path, const std::string& layer = {});
 Bitmap decode_png_bitmap(std::span<const std::byte> bytes, const std::string& path);
 Bitmap decode_jpeg(std::span<const std::byte> bytes, const std::string& path);
+Bitmap decode_webp(std::span<const std::byte> bytes, const std::string& path);
 Bitmap decode_bmp(std::span<const std::byte> bytes, const std::string& path);
 Bitmap decode_hdr(std::span<const std::byte> bytes, const std::string& path);
 

@@ -61,7 +61,7 @@ TEST(SceneEnvironment, SaysWhatIsWrong) {
     const char* message;
   } cases[] = {
       {envmap("<string name=\"filename\" value=\"none.hdr\"/>"), ":2:55: picture "},
-      {envmap("<string name=\"filename\" value=\"bad.hdr\"/>"), "no PNG, JPEG, BMP, OpenEXR or Radiance HDR"},
+      {envmap("<string name=\"filename\" value=\"bad.hdr\"/>"), "no PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR"},
       {envmap("<string name=\"filename\" value=\"pointer.hdr\"/>"), "Git LFS pointer"},
       {envmap("<string name=\"filename\" value=\" \"/>"), "give the path of a picture"},
       {envmap(""), "filename"},

@@ -292,7 +292,7 @@ TEST(Bitmap, NamesWhatIsNoPicture) {
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "a.png"); }), HasSubstr("Git LFS pointer"));
   spill(folder / "b.png", "GIF89a");
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "b.png"); }),
-              HasSubstr("no PNG, JPEG, BMP, OpenEXR or Radiance HDR"));
+              HasSubstr("no PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR"));
   spill(folder / "c.png", "");
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "c.png"); }), HasSubstr("is empty"));
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "none.png"); }), HasSubstr("none.png: cannot open it"));

@@ -430,7 +430,7 @@ std::vector<Plugin> texture_rows() {
   return {
       {"texture",
        "bitmap",
-       "A picture: PNG, JPEG, BMP, OpenEXR or Radiance HDR. Its first row is where v is 0.",
+       "A picture: PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR. Its first row is where v is 0.",
        joined({{"filename", string, nullptr, any(), "the file; looked for in the folders of <path>, then of the scene"},
                {"raw", boolean, "false", any(), "8-bit numbers are no colours coded by sRGB but numbers"},
                {"gamma", real, "-1", any(), "1: the same (0.6); -1: the kind of file decides"},

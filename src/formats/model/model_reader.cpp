@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,9 +12,9 @@
 #include "core/errors.h"
 #include "core/text.h"
 #include "formats/model/mtl_reader.h"
+#include "formats/model/studio.h"
 #include "formats/obj/obj_reader.h"
 #include "formats/ply/ply_reader.h"
-#include "scene/bounds.h"
 #include "scene/invariants.h"
 #include "scene/limits.h"
 #include "scene/parameters.h"
@@ -24,8 +23,6 @@ namespace etendue {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::uint32_t kSamples = 64;
 
 std::string lower_extension(const std::string& path) {
   std::string extension = fs::path(path).extension().string();
@@ -100,9 +97,9 @@ class ModelReader {
       sink_.error(scene_.position, "the mesh has no faces; there is nothing to show");
       return std::nullopt;
     }
-    frame_camera();
-    scene_.sky.top = glm::dvec3(1.5, 1.5, 1.55);
-    scene_.sky.horizon = glm::dvec3(0.3);
+    frame_camera(scene_);
+    add_studio_sky(scene_);
+    set_viewer_sampling(scene_);
     sink_.warning(scene_.position,
                   "a mesh alone: it is seen from a camera framed on it, under a soft grey sky; --camera and "
                   "--environment give others");
@@ -261,26 +258,6 @@ class ModelReader {
   std::uint32_t add(Texture texture) {
     scene_.textures.push_back(std::move(texture));
     return static_cast<std::uint32_t>(scene_.textures.size() - 1);
-  }
-
-  /// From the front, to the right and above: +Y is up, as in most files.
-  void frame_camera() {
-    const Bounds bounds = bounds_of(scene_);
-    const glm::dvec3 center = 0.5 * (bounds.min + bounds.max);
-    const double radius = std::max(0.5 * glm::distance(bounds.min, bounds.max), 1e-6);
-    Camera& camera = scene_.camera;
-    camera.position = scene_.position;
-    camera.fov = 35.0;
-    camera.fov_axis = Camera::FovAxis::smaller;
-    const double distance = 1.02 * radius / std::sin(0.5 * camera.fov * std::numbers::pi / 180.0);
-    const glm::dvec3 back = glm::normalize(glm::dvec3(0.5, 0.35, 1.0));
-    const glm::dvec3 z = -back, x = glm::normalize(glm::cross(glm::dvec3(0.0, 1.0, 0.0), z));
-    camera.world_from_camera = {glm::dvec4(x, 0.0), glm::dvec4(glm::cross(z, x), 0.0), glm::dvec4(z, 0.0),
-                                glm::dvec4(center + distance * back, 1.0)};
-    camera.near_clip = 1e-3 * radius;
-    camera.far_clip = 1e3 * radius;
-    camera.filter = {.type = ReconstructionFilter::Type::gaussian, .radius = 2.0, .stddev = 0.5};
-    scene_.sampler = {Sampler::Type::sobol, kSamples, 4};
   }
 
   std::string path_;

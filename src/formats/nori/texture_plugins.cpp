@@ -27,7 +27,7 @@ std::vector<Plugin> texture_plugins() {
   std::vector<Plugin> rows = {
       {"texture",
        "bitmap",
-       "A picture: PNG, JPEG, BMP, OpenEXR or Radiance HDR. Its first row is on top, where v is 1.",
+       "A picture: PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR. Its first row is on top, where v is 1.",
        {{"filename", string, nullptr, {}, "the picture, relative to the folder of the scene file"},
         {"wrap_mode", string, "repeat", {}, "what lies beyond its edges: repeat, mirror or clamp"},
         {"filter_type", string, "bilinear", {}, "between texels: bilinear or nearest"},

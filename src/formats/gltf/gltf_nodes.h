@@ -1,0 +1,44 @@
+#pragma once
+/// The hierarchy of nodes of a glTF asset.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/gltf/gltf_document.h"
+
+namespace etendue {
+
+class GltfNodes {
+ public:
+  /// Throws GltfError for a node that is its own ancestor or has two parents.
+  explicit GltfNodes(const GltfDocument& document);
+
+  std::size_t size() const { return world_from_node_.size(); }
+  const JsonValue& json(std::uint32_t node) const;
+  const glm::dmat4& world_from_node(std::uint32_t node) const { return world_from_node_[node]; }
+  /// A node's name, or its number.
+  std::string name(std::uint32_t node) const;
+  /// What a scene shows, parents before their children; nodes that are said not to be visible are left out with all
+  /// below them. Throws GltfError.
+  std::vector<std::uint32_t> of_scene(const JsonValue& scene) const;
+  /// The same of the whole document.
+  std::vector<std::uint32_t> of_all() const;
+
+ private:
+  enum class Hidden { shown, left_out };
+
+  /// Each node once, whatever the roots have in common.
+  std::vector<std::uint32_t> below(const std::vector<std::uint32_t>& roots, Hidden hidden) const;
+
+  const GltfDocument& document_;
+  std::vector<std::vector<std::uint32_t>> children_;
+  std::vector<std::uint32_t> roots_;
+  std::vector<glm::dmat4> world_from_node_;
+};
+
+/// T R S of a node or an instance of it; `rotation` is (x, y, z, w), of any length but 0.
+glm::dmat4 gltf_transform(const glm::dvec3& translation, const glm::dvec4& rotation, const glm::dvec3& scale);
+
+}  // namespace etendue

@@ -1,0 +1,228 @@
+#include "formats/gltf/gltf_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "scene/limits.h"
+#include "scene/materials.h"
+
+namespace etendue {
+namespace {
+
+/// Whether alpha decides what is seen.
+bool has_opacity(const GltfMaterial& m) {
+  return m.alpha != GltfMaterial::Alpha::opaque;
+}
+
+bool is_white(const glm::dvec3& c) {
+  return c == glm::dvec3(1.0);
+}
+
+/// The textures that become parameters of the scene.
+std::vector<const MaybeTexture*> textures_of(const GltfMaterial& m) {
+  return {&m.base_color_texture, &m.metallic_roughness_texture, &m.specular_glossiness_texture, &m.normal_texture,
+          &m.emission_texture,   &m.clearcoat_texture,          &m.transmission_texture};
+}
+
+}  // namespace
+
+const GltfMaterial& GltfSurfaces::material(std::optional<std::uint32_t> index, const JsonValue& where) {
+  const auto known = materials_.find(index);
+  if (known != materials_.end()) return known->second;
+  GltfMaterial m = default_gltf_material();
+  if (index) {
+    try {
+      m = parse_gltf_material(document_.element("materials", *index, where));
+    } catch (const GltfError& error) {
+      sink_.error(document_.position(*error.where), error.message, error.kind);
+    }
+    if (m.name.empty()) m.name = fmt::format("material {}", *index);
+  }
+  return materials_.emplace(index, std::move(m)).first->second;
+}
+
+PrimitiveNeeds GltfSurfaces::needs(std::optional<std::uint32_t> index, const PrimitiveContent& content,
+                                   const JsonValue& where) {
+  const GltfMaterial& m = material(index, where);
+  PrimitiveNeeds needs;
+  for (const MaybeTexture* info : textures_of(m)) {
+    if (*info && (*info)->uv_set < content.uv_sets) needs.uv_sets = std::max(needs.uv_sets, (*info)->uv_set + 1);
+  }
+  needs.colors = content.colors && !m.base_color_texture;
+  if (m.normal_texture && m.normal_texture->uv_set < content.uv_sets) needs.tangent_uv = m.normal_texture->uv_set;
+  return needs;
+}
+
+GltfSurface GltfSurfaces::surface(std::optional<std::uint32_t> index, const PrimitiveContent& content, bool mirrored,
+                                  const JsonValue& where) {
+  const Traits traits{content.uv_sets, content.colors, content.colors_have_alpha, mirrored};
+  const auto [known, is_new] = surfaces_.try_emplace({index, traits});
+  if (is_new) known->second = make(material(index, where), traits);
+  return known->second;
+}
+
+GltfSurface GltfSurfaces::make(const GltfMaterial& m, const Traits& traits) {
+  say_what_is_left_out(m, traits);
+  Bsdf bsdf = bsdf_of(m, traits);
+  const auto* principled = std::get_if<PrincipledBsdf>(&bsdf);
+  const bool refracts = principled != nullptr && may_refract(*principled);
+  std::uint32_t row = add({.bsdf = std::move(bsdf)}, m);
+  row = with_normals(m, traits, row);
+  // Both sides are shown, whatever doubleSided says: a viewer culls the back, which light cannot do.
+  if (!refracts) row = add({.adapter = TwoSidedAdapter{row, row}}, m);
+  row = with_opacity(m, traits, row);
+  return {row, emitter_of(m, traits)};
+}
+
+Bsdf GltfSurfaces::bsdf_of(const GltfMaterial& m, const Traits& traits) {
+  if (m.model == GltfMaterial::Model::unlit) return DiffuseBsdf{glm::dvec3(0.0)};
+  PrincipledBsdf b;
+  b.base_color = base_color(m, traits);
+  b.metallic = 0.0;
+  if (m.model == GltfMaterial::Model::specular_glossiness) {
+    const TextureRecipe recipe = roughness_of_glossiness(m.glossiness);
+    if (m.specular_glossiness_texture) {
+      assign(b.roughness, 1.0, m.specular_glossiness_texture, traits, TextureChannel::red, &recipe);
+    } else {
+      b.roughness = 1.0 - m.glossiness;
+    }
+    return b;
+  }
+  assign(b.metallic, m.metallic, m.metallic_roughness_texture, traits, TextureChannel::blue);
+  assign(b.roughness, m.roughness, m.metallic_roughness_texture, traits, TextureChannel::green);
+  assign(b.spec_trans, m.transmission, m.transmission_texture, traits, TextureChannel::red);
+  assign(b.clearcoat, m.clearcoat, m.clearcoat_texture, traits, TextureChannel::red);
+  constexpr double kLeastIndex = 1.001, kMostIndex = 10.0;
+  b.eta = m.ior == 0.0 ? kMostIndex : std::clamp(m.ior, kLeastIndex, kMostIndex);
+  return b;
+}
+
+ColorParameter GltfSurfaces::base_color(const GltfMaterial& m, const Traits& traits) {
+  ColorParameter color;
+  assign(color, glm::dvec3(m.base_color), m.base_color_texture, traits);
+  if (!traits.colors) return color;
+  if (m.base_color_texture) {
+    warn_once(m, "has a texture and its meshes have colours, of which the product cannot be shown: the texture counts");
+    return color;
+  }
+  scene_.textures.push_back(
+      {.source = AttributeTexture{AttributeTexture::Source::vertex_color}, .name = "COLOR_0", .position = position(m)});
+  color.texture = static_cast<std::uint32_t>(scene_.textures.size() - 1);
+  return color;
+}
+
+std::uint32_t GltfSurfaces::with_normals(const GltfMaterial& m, const Traits& traits, std::uint32_t inner) {
+  if (!m.normal_texture || m.model == GltfMaterial::Model::unlit) return inner;
+  const bool as_it_is = m.normal_scale == 1.0 && !traits.mirrored;
+  const TextureRecipe recipe = scaled_normals(m.normal_scale, traits.mirrored);
+  const auto row = texture(m.normal_texture, traits, ColorSpace::linear, as_it_is ? nullptr : &recipe);
+  if (!row) return inner;
+  return add({.adapter = NormalMapAdapter{ColorParameter(glm::dvec3(1.0), *row), inner}}, m);
+}
+
+std::uint32_t GltfSurfaces::with_opacity(const GltfMaterial& m, const Traits& traits, std::uint32_t inner) {
+  if (!has_opacity(m)) return inner;
+  const bool blend = m.alpha == GltfMaterial::Alpha::blend;
+  const double factor = m.base_color.a;
+  ScalarParameter opacity(blend ? factor : factor >= m.alpha_cutoff ? 1.0 : 0.0);
+  if (m.base_color_texture && blend) {
+    assign(opacity, factor, m.base_color_texture, traits, TextureChannel::alpha);
+  } else if (m.base_color_texture) {
+    const TextureRecipe recipe = alpha_cut(factor, m.alpha_cutoff);
+    assign(opacity, 1.0, m.base_color_texture, traits, TextureChannel::red, &recipe);
+  }
+  if (!opacity.texture && opacity.value == 1.0) return inner;
+  return add({.adapter = MaskAdapter{opacity, inner}}, m);
+}
+
+std::optional<std::uint32_t> GltfSurfaces::emitter_of(const GltfMaterial& m, const Traits& traits) {
+  AreaEmitter emitter{.position = position(m)};
+  if (m.model == GltfMaterial::Model::unlit) {
+    emitter.radiance = base_color(m, traits);
+    const TextureRecipe recipe = premultiplied();
+    if (has_opacity(m)) {
+      if (const auto row = texture(m.base_color_texture, traits, ColorSpace::srgb, &recipe))
+        emitter.radiance.texture = row;
+      if (!m.base_color_texture) emitter.radiance.value *= m.base_color.a;
+    }
+  } else {
+    assign(emitter.radiance, m.emission, m.emission_texture, traits);
+  }
+  if (emitter.radiance.value == glm::dvec3(0.0)) return std::nullopt;
+  scene_.emitters.push_back(emitter);
+  return static_cast<std::uint32_t>(scene_.emitters.size() - 1);
+}
+
+void GltfSurfaces::say_what_is_left_out(const GltfMaterial& m, const Traits& traits) {
+  const auto say = [&](bool used, const char* what) {
+    if (used) warn_once(m, fmt::format("{}, which is not shown", what));
+  };
+  if (m.occlusion_texture && said_.insert("occlusion").second)
+    sink_.note(position(m), "occlusion textures are not looked at: light is traced");
+  say(m.model == GltfMaterial::Model::specular_glossiness &&
+          (!is_white(m.specular_factor) || m.specular_glossiness_texture),
+      "has a specular colour");
+  say(m.clearcoat > 0.0 && (m.clearcoat_roughness > 0.0 || m.clearcoat_roughness_texture), "has a rough clear coat");
+  say(m.clearcoat_normal_texture.has_value(), "has a normal texture of its clear coat");
+  say(m.sheen_color != glm::dvec3(0.0), "has a sheen");
+  say(m.specular != 1.0 || !is_white(m.specular_color) || m.specular_texture || m.specular_color_texture,
+      "has a specular factor or colour");
+  say(m.is_volume() && !is_white(m.attenuation_color), "absorbs light inside");
+  say(m.transmission > 0.0 && !m.is_volume(),
+      "is a sheet that lets light pass: it bends light as a solid, a thin wall");
+  say(m.anisotropy > 0.0, "is anisotropic");
+  say(m.iridescence > 0.0, "is iridescent");
+  say(m.dispersion > 0.0, "has dispersion");
+  say(m.diffuse_transmission > 0.0, "transmits light diffusely");
+  say(m.scatters, "scatters light inside");
+  say(has_opacity(m) && traits.colors_have_alpha, "takes part of its opacity from colours of vertices");
+}
+
+std::optional<std::uint32_t> GltfSurfaces::texture(const MaybeTexture& info, const Traits& traits,
+                                                   ColorSpace color_space, const TextureRecipe* recipe) {
+  if (!info) return std::nullopt;
+  if (info->uv_set < traits.uv_sets) return textures_.row(*info, color_space, recipe);
+  const std::string sentence =
+      fmt::format("a mesh has no TEXCOORD_{}, which this texture lies by: it is left out", info->uv_set);
+  const SourcePosition at = document_.position(*info->where);
+  if (said_.insert(to_string(at) + sentence).second) sink_.warning(at, sentence);
+  return std::nullopt;
+}
+
+void GltfSurfaces::assign(ScalarParameter& parameter, double factor, const MaybeTexture& info, const Traits& traits,
+                          TextureChannel channel, const TextureRecipe* recipe) {
+  parameter = factor;
+  if (factor == 0.0) return;
+  if (const auto row = texture(info, traits, ColorSpace::linear, recipe)) parameter = {factor, *row, channel};
+}
+
+void GltfSurfaces::assign(ColorParameter& parameter, const glm::dvec3& factor, const MaybeTexture& info,
+                          const Traits& traits) {
+  parameter = factor;
+  if (factor == glm::dvec3(0.0)) return;
+  if (const auto row = texture(info, traits, ColorSpace::srgb)) parameter.texture = row;
+}
+
+std::uint32_t GltfSurfaces::add(Material row, const GltfMaterial& m) {
+  row.name = m.name;
+  row.position = position(m);
+  scene_.materials.push_back(std::move(row));
+  return static_cast<std::uint32_t>(scene_.materials.size() - 1);
+}
+
+SourcePosition GltfSurfaces::position(const GltfMaterial& m) const {
+  return m.where == nullptr ? scene_.position : document_.position(*m.where);
+}
+
+void GltfSurfaces::warn_once(const GltfMaterial& m, const std::string& sentence) {
+  const SourcePosition at = position(m);
+  if (said_.insert(to_string(at) + sentence).second)
+    sink_.warning(at, fmt::format("the material {} {}", text::quoted(m.name), sentence));
+}
+
+}  // namespace etendue

@@ -1,0 +1,302 @@
+#include "formats/gltf/primitive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/gltf/draco.h"
+#include "formats/mesh/mesh_content.h"
+#include "scene/limits.h"
+
+namespace etendue {
+namespace {
+
+constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
+
+bool is_finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+const JsonValue& attributes_of(const JsonValue& primitive) {
+  const JsonValue* attributes = find_object(primitive, "attributes");
+  if (attributes == nullptr) throw GltfError{&primitive, "the primitive has no \"attributes\""};
+  return *attributes;
+}
+
+/// Corners of triangles, three for each [glTF 2.0, 3.7.2.1].
+std::vector<glm::uvec3> triangles_of(const std::vector<std::uint32_t>& corners, std::uint64_t mode) {
+  std::vector<glm::uvec3> triangles;
+  if (corners.size() < 3) return triangles;
+  const std::size_t count = mode == kTriangles ? corners.size() / 3 : corners.size() - 2;
+  triangles.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (mode == kTriangles) {
+      triangles.emplace_back(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]);
+    } else if (mode == kStrip) {
+      triangles.emplace_back(corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]);
+    } else {
+      triangles.emplace_back(corners[i + 1], corners[i + 2], corners[0]);
+    }
+  }
+  return triangles;
+}
+
+bool is_mirrored(const TriangleMesh& mesh, std::uint32_t uv_set, const glm::uvec3& t) {
+  const std::vector<glm::vec2>& uvs = mesh.uv_sets[uv_set];
+  const glm::dvec2 a(uvs[t.x]), b = glm::dvec2(uvs[t.y]) - a, c = glm::dvec2(uvs[t.z]) - a;
+  return b.x * c.y - b.y * c.x < 0.0;
+}
+
+class PrimitiveReader {
+ public:
+  PrimitiveReader(GltfDocument& document, Accessors& accessors, const JsonValue& primitive, const PrimitiveNeeds& needs,
+                  const PrimitivePose& pose, Diagnostics& diagnostics)
+      : document_(document),
+        accessors_(accessors),
+        primitive_(primitive),
+        attributes_(attributes_of(primitive)),
+        needs_(needs),
+        pose_(pose),
+        sink_(diagnostics) {
+    const JsonValue* compression = find_extension(primitive, "KHR_draco_mesh_compression");
+    if (compression == nullptr) return;
+    const auto view = find_index(*compression, "bufferView");
+    if (!view) throw GltfError{compression, "the compressed mesh has no \"bufferView\""};
+    const std::shared_ptr<const ByteStore> bytes = accessors_.view(*view, *compression);
+    packed_ = decode_draco(*compression, bytes->read(0, bytes->size()));
+  }
+
+  PrimitiveMeshes read() {
+    read_positions();
+    read_normals();
+    read_coordinates();
+    read_colors();
+    morph();
+    bend_by_skin();
+    read_triangles();
+    finish_normals();
+    if (!needs_.tangent_uv) return {std::move(mesh_), {}};
+    return split();
+  }
+
+ private:
+  bool has(const std::string& name) const {
+    return (packed_ && packed_->attributes.contains(name)) || attributes_.find(name) != nullptr;
+  }
+
+  /// An attribute, as long as the positions.
+  FloatTable attribute(const std::string& name, std::initializer_list<std::uint32_t> components) {
+    FloatTable table = packed_attribute_or_accessor(name, components);
+    if (!mesh_.positions.empty() && table.rows() != mesh_.positions.size())
+      throw GltfError{&attributes_,
+                      fmt::format("{} has {} rows, POSITION has {}", name, table.rows(), mesh_.positions.size())};
+    return table;
+  }
+
+  FloatTable packed_attribute_or_accessor(const std::string& name, std::initializer_list<std::uint32_t> components) {
+    if (!packed_ || !packed_->attributes.contains(name))
+      return accessors_.floats(*find_index(attributes_, name), attributes_, components);
+    FloatTable table = std::move(packed_->attributes.at(name));
+    if (std::ranges::find(components, table.components) == components.end())
+      throw GltfError{&attributes_, fmt::format("the compressed {} has {} numbers a row", name, table.components)};
+    return table;
+  }
+
+  static std::vector<glm::dvec3> vectors(const FloatTable& table) {
+    std::vector<glm::dvec3> result(table.rows());
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      const float* row = table.row(i);
+      result[i] = {row[0], row[1], row[2]};
+    }
+    return result;
+  }
+
+  void read_positions() {
+    if (!has("POSITION")) throw GltfError{&attributes_, "the primitive has no POSITION"};
+    mesh_.positions = vectors(attribute("POSITION", {3}));
+    if (mesh_.positions.size() > kMaxVertices)
+      throw GltfError{&attributes_, fmt::format("the primitive has {} vertices; at most {} are supported",
+                                                mesh_.positions.size(), kMaxVertices)};
+  }
+
+  void read_normals() {
+    if (has("NORMAL")) mesh_.normals = vectors(attribute("NORMAL", {3}));
+  }
+
+  void read_coordinates() {
+    for (std::uint32_t set = 0; set < needs_.uv_sets; ++set) {
+      const FloatTable table = attribute(fmt::format("TEXCOORD_{}", set), {2});
+      std::vector<glm::vec2>& uvs = mesh_.uv_sets.emplace_back(table.rows());
+      for (std::size_t i = 0; i < uvs.size(); ++i) {
+        const float u = table.row(i)[0], v = table.row(i)[1];
+        uvs[i] = std::isfinite(u) && std::isfinite(v) ? glm::vec2(u, 1.0f - v) : glm::vec2(0.0f);
+      }
+    }
+  }
+
+  void read_colors() {
+    if (!needs_.colors) return;
+    const FloatTable table = attribute("COLOR_0", {3, 4});
+    mesh_.vertex_colors.resize(table.rows());
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+      for (int c = 0; c < 3; ++c) {
+        const float value = table.row(i)[c];
+        mesh_.vertex_colors[i][c] = value > 0.0f ? std::min(value, 1.0f) : 0.0f;  // of NaN nothing, too
+      }
+    }
+  }
+
+  void add_target(const JsonValue& target, const std::string& name, double weight, std::vector<glm::dvec3>& to) {
+    const auto index = find_index(target, name);
+    if (!index || to.empty()) return;
+    const FloatTable offsets = accessors_.floats(*index, target, {3});
+    if (offsets.rows() != to.size())
+      throw GltfError{&target,
+                      fmt::format("{} of the target has {} rows, the primitive {}", name, offsets.rows(), to.size())};
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      const float* row = offsets.row(i);
+      to[i] += weight * glm::dvec3(row[0], row[1], row[2]);
+    }
+  }
+
+  void morph() {
+    const JsonValue::Array& targets = array_of(primitive_, "targets");
+    for (std::size_t i = 0; i < std::min(targets.size(), pose_.weights.size()); ++i) {
+      if (pose_.weights[i] == 0.0) continue;
+      add_target(targets[i], "POSITION", pose_.weights[i], mesh_.positions);
+      add_target(targets[i], "NORMAL", pose_.weights[i], mesh_.normals);
+    }
+  }
+
+  void bend_by_skin() {
+    if (pose_.joints.empty() || !has("JOINTS_0")) return;
+    std::vector<glm::dmat4> blends(mesh_.positions.size(), glm::dmat4(0.0));
+    for (int set = 0; has(fmt::format("JOINTS_{}", set)) && has(fmt::format("WEIGHTS_{}", set)); ++set)
+      add_joints(set, blends);
+    for (std::size_t i = 0; i < blends.size(); ++i) {
+      const double sum = blends[i][3][3];
+      const glm::dmat4 blend = sum > 0.0 ? blends[i] / sum : glm::dmat4(1.0);
+      mesh_.positions[i] = glm::dvec3(blend * glm::dvec4(mesh_.positions[i], 1.0));
+      const glm::dmat3 linear(blend);
+      if (!mesh_.normals.empty() && glm::determinant(linear) != 0.0)
+        mesh_.normals[i] = glm::transpose(glm::inverse(linear)) * mesh_.normals[i];
+    }
+  }
+
+  void add_joints(int set, std::vector<glm::dmat4>& blends) {
+    const FloatTable joints = attribute(fmt::format("JOINTS_{}", set), {4});
+    const FloatTable weights = attribute(fmt::format("WEIGHTS_{}", set), {4});
+    for (std::size_t i = 0; i < blends.size(); ++i) {
+      for (int k = 0; k < 4; ++k) {
+        const double weight = weights.row(i)[k], joint = joints.row(i)[k];
+        if (!(weight > 0.0)) continue;
+        if (!(joint >= 0.0 && joint < static_cast<double>(pose_.joints.size())))
+          throw GltfError{&attributes_,
+                          fmt::format("a vertex hangs on joint {}; the skin has {}", joint, pose_.joints.size())};
+        blends[i] += weight * pose_.joints[static_cast<std::size_t>(joint)];
+      }
+    }
+  }
+
+  std::vector<std::uint32_t> corners() {
+    if (packed_) return std::move(packed_->indices);
+    if (const auto index = find_index(primitive_, "indices")) return accessors_.integers(*index, primitive_);
+    std::vector<std::uint32_t> all(mesh_.positions.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
+    return all;
+  }
+
+  void read_triangles() {
+    // Draco gives triangles, whatever the primitive was before.
+    const std::uint64_t mode = packed_ ? kTriangles : count_or(primitive_, "mode", kTriangles);
+    mesh_.triangles = triangles_of(corners(), mode);
+    if (mesh_.triangles.size() > kMaxTriangles)
+      throw GltfError{&primitive_, fmt::format("the primitive has {} triangles; at most {} are supported",
+                                               mesh_.triangles.size(), kMaxTriangles)};
+    leave_out("name vertices that there are not", [&](const glm::uvec3& t) {
+      return std::max({t.x, t.y, t.z}) >= mesh_.positions.size();
+    });
+    leave_out("have a vertex that is no finite number", [&](const glm::uvec3& t) {
+      return !is_finite(mesh_.positions[t.x]) || !is_finite(mesh_.positions[t.y]) || !is_finite(mesh_.positions[t.z]);
+    });
+    drop_unused_vertices(mesh_);
+  }
+
+  template <typename F>
+  void leave_out(const char* why, const F& is_bad) {
+    const std::size_t before = mesh_.triangles.size();
+    const std::size_t count = std::erase_if(mesh_.triangles, is_bad);
+    if (count > 0)
+      sink_.warning(document_.position(primitive_),
+                    fmt::format("{} of {} triangles {}; they are left out", count, before, why));
+  }
+
+  void finish_normals() {
+    std::size_t bad = 0;
+    for (glm::dvec3& n : mesh_.normals) {
+      const double length = glm::length(n);
+      if (!(length > 0.0 && std::isfinite(length))) {
+        ++bad;
+      } else {
+        n /= length;
+      }
+    }
+    if (bad == 0) return;
+    sink_.warning(document_.position(primitive_),
+                  fmt::format("{} of {} normals have no direction; the primitive is shown with flat faces", bad,
+                              mesh_.normals.size()));
+    mesh_.normals.clear();
+  }
+
+  /// Triangles whose texture coordinates run the other way round: their bitangent is −(n × t).
+  PrimitiveMeshes split() {
+    const std::uint32_t set = *needs_.tangent_uv;
+    if (std::ranges::none_of(mesh_.triangles, [&](const glm::uvec3& t) { return is_mirrored(mesh_, set, t); }))
+      return {std::move(mesh_), {}};
+    PrimitiveMeshes parts{mesh_, std::move(mesh_)};
+    std::erase_if(parts.upright.triangles, [&](const glm::uvec3& t) { return is_mirrored(parts.upright, set, t); });
+    std::erase_if(parts.mirrored.triangles, [&](const glm::uvec3& t) { return !is_mirrored(parts.mirrored, set, t); });
+    drop_unused_vertices(parts.upright);
+    drop_unused_vertices(parts.mirrored);
+    return parts;
+  }
+
+  GltfDocument& document_;
+  Accessors& accessors_;
+  const JsonValue& primitive_;
+  const JsonValue& attributes_;
+  const PrimitiveNeeds& needs_;
+  const PrimitivePose& pose_;
+  Diagnostics& sink_;
+  std::optional<DracoMesh> packed_;
+  TriangleMesh mesh_;
+};
+
+}  // namespace
+
+PrimitiveContent primitive_content(const GltfDocument& document, const JsonValue& primitive) {
+  const JsonValue& attributes = attributes_of(primitive);
+  PrimitiveContent content;
+  while (attributes.find(fmt::format("TEXCOORD_{}", content.uv_sets)) != nullptr) ++content.uv_sets;
+  if (const auto color = find_index(attributes, "COLOR_0")) {
+    content.colors = true;
+    content.colors_have_alpha = string_or(document.element("accessors", *color, attributes), "type", "") == "VEC4";
+  }
+  return content;
+}
+
+bool has_triangles(const JsonValue& primitive) {
+  const std::uint64_t mode = count_or(primitive, "mode", kTriangles);
+  if (mode > kFan) throw GltfError{&primitive, fmt::format("the mode {} is unknown; modes are 0 to 6", mode)};
+  return mode >= kTriangles;
+}
+
+PrimitiveMeshes read_primitive(GltfDocument& document, Accessors& accessors, const JsonValue& primitive,
+                               const PrimitiveNeeds& needs, const PrimitivePose& pose, Diagnostics& diagnostics) {
+  return PrimitiveReader(document, accessors, primitive, needs, pose, diagnostics).read();
+}
+
+}  // namespace etendue

@@ -1,0 +1,36 @@
+#pragma once
+/// Targets for glTF assets: any bytes end as a sound scene or as an error.
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/errors.h"
+#include "formats/gltf/gltf_reader.h"
+#include "meshes.h"
+#include "scene/check.h"
+
+namespace etendue::fuzz {
+
+/// What URIs name is a file of a few bytes, or is not there.
+inline void read_any_asset(std::vector<std::byte> bytes) {
+  const bool approximate = bytes.size() % 2 == 0;
+  const GltfFileOpener open = [](const std::string& uri) {
+    if (uri.size() % 3 == 0) throw Error(ErrorKind::file, "there is no such file");
+    return memory_store(std::vector<std::byte>(uri.size(), std::byte{7}));
+  };
+  Diagnostics diagnostics;
+  const std::optional<Scene> scene =
+      read_gltf(memory_store(std::move(bytes)), "fuzz.gltf", open, {.approximate = approximate}, diagnostics);
+  require(scene.has_value() != diagnostics.has_errors());
+  for (const Diagnostic& d : diagnostics.list())
+    require(!d.message.empty() && d.message.find('\n') == std::string::npos);
+  if (!scene) return;
+  for (const Shape& shape : scene->shapes) require_sound(std::get<TriangleMesh>(shape));
+  check_scene(*scene, diagnostics);
+  scene_hash(*scene);
+}
+
+}  // namespace etendue::fuzz

@@ -1,0 +1,212 @@
+/// Materials and textures of glTF assets.
+
+#include "formats/gltf/gltf_textures.h"
+#include "gltf_files.h"
+#include "image/bitmap_file.h"
+#include "image/decode.h"
+#include "scene/texture_facts.h"
+
+namespace etendue::testing {
+namespace {
+
+/// A PNG of 2 × 1 texels of RGBA.
+std::vector<std::uint8_t> picture(const std::vector<std::uint8_t>& codes) {
+  const TemporaryFolder folder;
+  Bitmap bitmap{.width = 2, .height = 1, .channels = 4, .format = BitmapFormat::u8, .color_space = ColorSpace::srgb};
+  for (const std::uint8_t code : codes) bitmap.texels.push_back(static_cast<std::byte>(code));
+  write_bitmap(folder.path("p.png"), bitmap);
+  std::ifstream file(folder.path("p.png"), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  return {bytes.begin(), bytes.end()};
+}
+
+/// A triangle of material 0 with two sets of coordinates and colours, and texture 0, a picture.
+GltfRead with_material(const std::string& material, const std::string& primitive_more = "",
+                       const std::string& texture = R"("source":0)", const ReadOptions& options = {},
+                       const std::vector<std::uint8_t>& file = picture({255, 0, 0, 255, 0, 128, 255, 51})) {
+  GltfBuffer buffer;
+  buffer.accessor(right_triangle(), "VEC3", 3);
+  buffer.accessor(std::vector<float>{0, 0, 1, 0, 0, 1}, "VEC2", 2);
+  buffer.accessor(std::vector<float>{0, 0, 0, 1, 1, 0}, "VEC2", 2);
+  buffer.accessor(std::vector<std::uint8_t>{255, 0, 0, 0, 51, 0, 255, 255, 255}, "VEC3", 3, R"(,"normalized":true)");
+  const int image = buffer.view(file);
+  return read_asset(
+      glb(one_primitive(
+              buffer,
+              R"("attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":2)" + primitive_more + R"(},"material":0)",
+              fmt::format(R"(,"materials":[{{{}}}],"textures":[{{{}}}],"images":[{{"bufferView":{}}}])", material,
+                          texture, image)),
+          buffer.bytes()),
+      options);
+}
+
+/// The material that is reached through adapters, and those on the way.
+struct Stack {
+  std::vector<Adapter> adapters;
+  Bsdf bsdf;
+};
+Stack stack_of(const Scene& scene) {
+  Stack stack;
+  std::uint32_t row = scene.instances.at(0).material;
+  while (scene.materials.at(row).adapter) {
+    stack.adapters.push_back(*scene.materials[row].adapter);
+    each_choice(stack.adapters.back(), [&](std::uint32_t choice) { row = choice; });
+  }
+  stack.bsdf = scene.materials[row].bsdf;
+  return stack;
+}
+
+std::string textured(const char* more = "") {
+  return fmt::format(R"("pbrMetallicRoughness":{{"baseColorTexture":{{"index":0{}}}}})", more);
+}
+
+TEST(GltfMaterials, MetallicRoughness) {
+  const GltfRead read = with_material(
+      R"("pbrMetallicRoughness":{"baseColorFactor":[0.1,0.2,0.3,1],"metallicFactor":0.75,"roughnessFactor":0.5,"metallicRoughnessTexture":{"index":0,"texCoord":1}})");
+  ASSERT_TRUE(read.scene.has_value()) << read.messages();
+  const Stack stack = stack_of(*read.scene);
+  ASSERT_EQ(stack.adapters.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<TwoSidedAdapter>(stack.adapters[0]));
+  const auto& bsdf = std::get<PrincipledBsdf>(stack.bsdf);
+  EXPECT_EQ(bsdf.base_color.value, glm::dvec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(bsdf.metallic.value, 0.75);
+  EXPECT_EQ(bsdf.metallic.channel, TextureChannel::blue);
+  EXPECT_EQ(bsdf.roughness.value, 0.5);
+  EXPECT_EQ(bsdf.roughness.channel, TextureChannel::green);
+  const Texture& texture = read.scene->textures.at(*bsdf.roughness.texture);
+  EXPECT_EQ(texture.uv_set, 1u);
+  EXPECT_EQ(std::get<BitmapTexture>(texture.source).color_space, ColorSpace::linear);
+  EXPECT_EQ(read.mesh().uv_sets.size(), 2u);
+  EXPECT_EQ(read.mesh().uv_sets[0].at(2), glm::vec2(0, 0));  // v upward
+}
+
+TEST(GltfMaterials, ColoursAreSrgbAndEmissionIsStrong) {
+  const GltfRead read = with_material(
+      textured() +
+      R"(,"emissiveFactor":[1,0.5,0],"emissiveTexture":{"index":0},"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":6}})");
+  ASSERT_TRUE(read.scene.has_value()) << read.messages();
+  const AreaEmitter* emitter = read.scene->emitter_of(read.scene->instances.at(0));
+  ASSERT_NE(emitter, nullptr);
+  EXPECT_EQ(emitter->radiance.value, glm::dvec3(6, 3, 0));
+  const Texture& texture = read.scene->textures.at(*emitter->radiance.texture);
+  EXPECT_EQ(std::get<BitmapTexture>(texture.source).color_space, ColorSpace::srgb);
+  EXPECT_EQ(read.scene->bitmaps.size(), 1u);  // decoded once
+}
+
+TEST(GltfMaterials, AlphaCutsOrBlends) {
+  const GltfRead blend = with_material(textured() + R"(,"alphaMode":"BLEND")");
+  ASSERT_TRUE(blend.scene.has_value()) << blend.messages();
+  const auto mask = std::get<MaskAdapter>(stack_of(*blend.scene).adapters.at(0));
+  EXPECT_EQ(mask.opacity.channel, TextureChannel::alpha);
+  const GltfRead cut = with_material(textured() + R"(,"alphaMode":"MASK","alphaCutoff":0.25)");
+  ASSERT_TRUE(cut.scene.has_value()) << cut.messages();
+  const auto holes = std::get<MaskAdapter>(stack_of(*cut.scene).adapters.at(0));
+  const auto& source = std::get<BitmapTexture>(cut.scene->textures.at(*holes.opacity.texture).source);
+  const Bitmap& bitmap = *cut.scene->bitmaps.at(source.bitmap);
+  EXPECT_EQ(bitmap.stored(0, 0, 0), 1.0f);
+  EXPECT_EQ(bitmap.stored(1, 0, 0), 0.0f);  // 51/255 is below the cutoff
+  const GltfRead opaque = with_material(textured());
+  EXPECT_EQ(stack_of(opaque.scene.value()).adapters.size(), 1u);  // alpha means nothing
+  EXPECT_FALSE(with_material(R"("alphaMode":"GLASS")").scene.has_value());
+}
+
+TEST(GltfMaterials, TexturesAreTurnedAndWrapped) {
+  const GltfRead read = with_material(
+      textured(
+          R"(,"extensions":{"KHR_texture_transform":{"offset":[0.25,0.5],"rotation":1.5707963267948966,"scale":[2,4],"texCoord":1}})"),
+      "", R"("source":0,"sampler":0}],"samplers":[{"wrapS":33071,"wrapT":33648,"magFilter":9728)");
+  ASSERT_TRUE(read.scene.has_value()) << read.messages();
+  const auto bsdf = std::get<PrincipledBsdf>(stack_of(*read.scene).bsdf);
+  const Texture& texture = read.scene->textures.at(*bsdf.base_color.texture);
+  EXPECT_EQ(texture.uv_set, 1u);
+  const auto& source = std::get<BitmapTexture>(texture.source);
+  EXPECT_EQ(source.wrap_u, TextureWrap::clamp);
+  EXPECT_EQ(source.wrap_v, TextureWrap::mirror);
+  EXPECT_EQ(source.filter, TextureFilter::nearest);
+  // (u, v) downward = (0.5, 0.25): scaled (1, 1), turned by a quarter (1, −1), moved (1.25, −0.5).
+  const glm::dvec3 moved = texture.uv_transform * glm::dvec3(0.5, 1.0 - 0.25, 1.0);
+  EXPECT_NEAR(moved.x, 1.25, 1e-12);
+  EXPECT_NEAR(1.0 - moved.y, -0.5, 1e-12);
+}
+
+TEST(GltfMaterials, MirroredCoordinatesTurnTheBitangent) {
+  // Set 1 runs the other way round than set 0.
+  for (const int set : {0, 1}) {
+    const GltfRead read = with_material(fmt::format(R"("normalTexture":{{"index":0,"texCoord":{}}})", set));
+    ASSERT_TRUE(read.scene.has_value()) << read.messages();
+    const Stack stack = stack_of(*read.scene);
+    const auto& normals = std::get<NormalMapAdapter>(stack.adapters.at(1));
+    const auto& source = std::get<BitmapTexture>(read.scene->textures.at(*normals.normals.texture).source);
+    const Bitmap& bitmap = *read.scene->bitmaps.at(source.bitmap);
+    EXPECT_EQ(source.color_space, ColorSpace::linear);
+    // As texture coordinates of the file run downward, those of a face seen upright are mirrored there and not here.
+    EXPECT_FLOAT_EQ(bitmap.stored(1, 0, 1), set == 0 ? 1.0f - 128.0f / 255.0f : 128.0f / 255.0f) << set;
+  }
+}
+
+TEST(GltfMaterials, ScaledNormals) {
+  const std::vector<std::uint8_t> file = picture({255, 0, 255, 255, 0, 255, 200, 255});
+  const Bitmap made = scaled_normals(0.5, false).make(decode_png_bitmap(std::as_bytes(std::span(file)), "p.png"));
+  EXPECT_FLOAT_EQ(made.stored(0, 0, 0), 0.75f);
+  EXPECT_FLOAT_EQ(made.stored(0, 0, 1), 0.25f);
+  EXPECT_FLOAT_EQ(made.stored(0, 0, 2), 1.0f);
+  EXPECT_FLOAT_EQ(made.stored(1, 0, 2), 200.0f / 255.0f);
+}
+
+TEST(GltfMaterials, UnlitSurfacesEmitTheirColour) {
+  const GltfRead read = with_material(textured() + R"(,"extensions":{"KHR_materials_unlit":{}})");
+  ASSERT_TRUE(read.scene.has_value()) << read.messages();
+  EXPECT_EQ(std::get<DiffuseBsdf>(stack_of(*read.scene).bsdf).albedo.value, glm::dvec3(0.0));
+  EXPECT_EQ(read.scene->emitter_of(read.scene->instances.at(0))->radiance.value, glm::dvec3(1.0));
+}
+
+TEST(GltfMaterials, ColoursOfVertices) {
+  const GltfRead read = with_material(R"("pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1]})", R"(,"COLOR_0":3)");
+  ASSERT_TRUE(read.scene.has_value()) << read.messages();
+  EXPECT_EQ(read.mesh().vertex_colors.at(1), glm::vec3(0.0f, 0.2f, 0.0f));
+  const auto bsdf = std::get<PrincipledBsdf>(stack_of(*read.scene).bsdf);
+  EXPECT_EQ(bsdf.base_color.value, glm::dvec3(0.5, 1, 1));
+  EXPECT_TRUE(std::holds_alternative<AttributeTexture>(read.scene->textures.at(*bsdf.base_color.texture).source));
+  const GltfRead both = with_material(textured(), R"(,"COLOR_0":3)");
+  EXPECT_NE(both.messages().find("the texture counts"), std::string::npos);
+  EXPECT_TRUE(both.mesh().vertex_colors.empty());
+}
+
+TEST(GltfMaterials, VariantsByName) {
+  const std::string variants =
+      R"("name":"first"},{"name":"second","emissiveFactor":[1,1,1]}],"extensions":{"KHR_materials_variants":{"variants":[{"name":"day"},{"name":"night"}]}},"asset2":[{"x":0)";
+  const auto emits = [&](const std::string& variant) {
+    GltfBuffer buffer;
+    buffer.accessor(right_triangle(), "VEC3", 3);
+    const GltfRead read = read_asset(
+        glb(one_primitive(
+                buffer,
+                R"("attributes":{"POSITION":0},"material":0,"extensions":{"KHR_materials_variants":{"mappings":[{"material":1,"variants":[1]}]}})",
+                R"(,"materials":[{)" + variants + "}]"),
+            buffer.bytes()),
+        {.variant = variant});
+    return read.scene ? (read.scene->emitters.empty() ? "no" : "yes") : read.messages();
+  };
+  EXPECT_EQ(emits(""), "no");
+  EXPECT_EQ(emits("day"), "no");
+  EXPECT_EQ(emits("night"), "yes");
+  EXPECT_NE(emits("dusk").find("--variant dusk"), std::string::npos);
+}
+
+TEST(GltfMaterials, PicturesThatAreNotRead) {
+  const std::string ktx = "\xabKTX 20\xbb\r\n\x1a\n";
+  const std::vector<std::uint8_t> file(ktx.begin(), ktx.end());
+  const std::string texture = R"("extensions":{"KHR_texture_basisu":{"source":0}})";
+  const GltfRead refused = with_material(textured(), "", texture, {}, file);
+  EXPECT_FALSE(refused.scene.has_value());
+  EXPECT_NE(refused.messages().find("KTX2 (Basis Universal)"), std::string::npos) << refused.messages();
+  const GltfRead shown = with_material(textured(), "", texture, {.approximate = true}, file);
+  EXPECT_TRUE(shown.scene.has_value());
+  EXPECT_NE(shown.messages().find("shown without it"), std::string::npos);
+  EXPECT_FALSE(with_material(textured(), "", "").scene.has_value());
+  EXPECT_FALSE(with_material(textured(R"(,"texCoord":-1)")).scene.has_value());
+  EXPECT_TRUE(with_material(textured(R"(,"texCoord":7)")).scene.has_value());  // with a warning
+}
+
+}  // namespace
+}  // namespace etendue::testing
