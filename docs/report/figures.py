@@ -33,6 +33,7 @@ def options():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--etendue", help="the program")
     parser.add_argument("--sculpt", help="etendue-sculpt, the maker of meshes")
+    parser.add_argument("--mutate", help="etendue-mutate, which plants errors")
     parser.add_argument("--out", type=Path, help="folder for images/ and data/ (default: docs; with --quick a temporary one)")
     parser.add_argument("--device", default="", help="as for etendue render (default: auto)")
     parser.add_argument("--only", nargs="+", choices=[*CHAPTERS, *UNASKED], default=CHAPTERS, metavar="CHAPTER",
@@ -84,7 +85,7 @@ def need_plotting():
 
 def work(arguments, out, scratch):
     from studio import Studio, progress  # pylint: disable=import-outside-toplevel
-    studio = Studio(arguments.etendue, arguments.sculpt, out, arguments.device, arguments.quick, scratch)
+    studio = Studio(arguments.etendue, arguments.sculpt, arguments.mutate, out, arguments.device, arguments.quick, scratch)
     times = studio.data / "time_figures.json"
     seconds = json.loads(times.read_text(encoding="utf-8"))["cpu_seconds"] if times.exists() else {}
     for name in arguments.only:
@@ -120,8 +121,8 @@ def main():
     if arguments.text:
         write_report(ROOT / "docs" / "data", ROOT / "docs")
         return 0
-    if not arguments.etendue or not arguments.sculpt:
-        sys.exit("figures.py needs --etendue and --sculpt, the paths of the two programs; ./run figures gives them")
+    if not arguments.etendue or not arguments.sculpt or not arguments.mutate:
+        sys.exit("figures.py needs --etendue, --sculpt and --mutate, the paths of three programs; ./run figures gives them")
     need_plotting()
     scratch = Path(tempfile.mkdtemp(prefix="etendue-figures-"))
     try:

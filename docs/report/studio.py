@@ -45,9 +45,10 @@ class Render:
 
 
 class Studio:
-    def __init__(self, etendue, sculpt, out, device, quick, scratch):
+    def __init__(self, etendue, sculpt, mutate, out, device, quick, scratch):
         self.program = Path(etendue).resolve()
         self.sculptor = Path(sculpt).resolve()
+        self.mutator = Path(mutate).resolve()
         self.images = Path(out) / "images"
         self.data = Path(out) / "data"
         self.device = device
@@ -78,8 +79,11 @@ class Studio:
 
     def json_file(self, *arguments, accept=(0,)):
         """For the commands whose --json names a file."""
+        return self.json_file_of(self.program, *arguments, accept=accept)
+
+    def json_file_of(self, program, *arguments, accept=(0,)):
         path = self.scratch / "result.json"
-        self.etendue(*arguments, "--json", path, accept=accept)
+        self.run(program, *arguments, "--json", path, accept=accept)
         return json.loads(path.read_text(encoding="utf-8"))
 
     def device_options(self, device=None):

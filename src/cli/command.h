@@ -28,7 +28,6 @@ void add_compare_command(Command& app, Action& action);
 void add_validate_command(Command& app, Action& action);
 void add_chi2_command(Command& app, Action& action);
 void add_selftest_command(Command& app, Action& action);
-void add_mutate_command(Command& app, Action& action);
 void add_bench_command(Command& app, Action& action);
 void add_explain_command(Command& app, Action& action);
 

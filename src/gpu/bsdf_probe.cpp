@@ -27,7 +27,7 @@ std::vector<vulkan::Specialization> joined(std::vector<vulkan::Specialization> a
 class GpuBsdfProbe final : public BsdfProbe {
  public:
   GpuBsdfProbe(const Bsdf& bsdf, const GpuOptions& options)
-      : kernels_(kernel_set(options.mutant)),
+      : kernels_(kernel_set(options, TableLoads::texel_buffer)),
         scene_(open_device(options), compile_material(bsdf), TableLoads::texel_buffer),
         kernel_(context(), scene_.request_kernels().pipeline, kernels_.bsdf_samples,
                 joined(scene_.constants(), kernels_.constants), "bsdf_samples"),

@@ -10,6 +10,8 @@
 
 namespace etendue {
 
+struct KernelSet;  // kernel_set.h
+
 /// How kernels read the tables of the scene, see shaders/scene.glsl.
 enum class TableLoads { texel_buffer, storage_buffer };
 
@@ -24,11 +26,11 @@ struct GpuOptions {
   std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
   std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
   std::optional<TableLoads> loads;  ///< see choose_table_loads; for tests and measurements
-  std::optional<std::uint32_t>
-      mutant;  ///< kernels with a planted error (shaders/mutants.h), for tests of the tests; 0: those kernels, no error
+  std::shared_ptr<const KernelSet>
+      kernels;  ///< not null: in place of the kernels that render pictures; they read texel buffers
 
-  /// The choice of `loads` that is open: kernels with planted errors read texel buffers only.
-  std::optional<TableLoads> wanted_loads() const { return mutant ? TableLoads::texel_buffer : loads; }
+  /// The choice of `loads` that is open.
+  std::optional<TableLoads> wanted_loads() const { return kernels ? TableLoads::texel_buffer : loads; }
 };
 
 }  // namespace etendue

@@ -91,7 +91,7 @@ class GpuRenderer final : public Renderer {
               const GpuOptions& options, const GpuTimings& timings)
       : options_(options),
         scene_(std::move(scene)),
-        kernels_(kernel_set(options.mutant, scene_->loads())),
+        kernels_(kernel_set(options, scene_->loads())),
         view_(scene_->device()),
         report_(context(), sizeof(gpu::ReportHead) + gpu::kRejectedListed * sizeof(gpu::RejectedEntry),
                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::host, "report"),

@@ -4,21 +4,18 @@
 #include <iterator>
 
 #include "kernels.h"
-#include "kernels_mutant.h"
 #include "kernels_plain.h"
-#include "kernels_plain_mutant.h"
 #include "kernels_plain_storage.h"
 #include "kernels_profile.h"
 #include "kernels_profile_storage.h"
 #include "kernels_profile_subgroups.h"
 #include "kernels_profile_subgroups_storage.h"
 #include "kernels_storage.h"
-#include "mutants.h"
 
 namespace etendue {
 
-KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
-  if (!mutant && loads == TableLoads::storage_buffer)
+KernelSet kernel_set(TableLoads loads) {
+  if (loads == TableLoads::storage_buffer)
     return {kernels::render_storage,
             kernels::trace_samples_storage,
             kernels::trace_path_storage,
@@ -29,28 +26,20 @@ KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads) {
             kernels::render_profile_storage,
             kernels::render_profile_subgroups_storage,
             {}};
-  if (!mutant)
-    return {kernels::render,
-            kernels::trace_samples,
-            kernels::trace_path,
-            kernels::trace_rays,
-            kernels::bsdf_samples,
-            kernels::render_plain,
-            kernels::trace_samples_plain,
-            kernels::render_profile,
-            kernels::render_profile_subgroups,
-            {}};
-  // Errors are planted to be found in pictures, not in counts.
-  return {kernels::render_mutant,
-          kernels::trace_samples_mutant,
-          kernels::trace_path_mutant,
-          kernels::trace_rays_mutant,
-          kernels::bsdf_samples_mutant,
-          kernels::render_plain_mutant,
-          kernels::trace_samples_plain_mutant,
+  return {kernels::render,
+          kernels::trace_samples,
+          kernels::trace_path,
+          kernels::trace_rays,
+          kernels::bsdf_samples,
+          kernels::render_plain,
+          kernels::trace_samples_plain,
           kernels::render_profile,
           kernels::render_profile_subgroups,
-          {{gpu::kConstantMutant, *mutant}}};
+          {}};
+}
+
+KernelSet kernel_set(const GpuOptions& options, TableLoads loads) {
+  return options.kernels ? *options.kernels : kernel_set(loads);
 }
 
 namespace {

@@ -1,12 +1,12 @@
 #pragma once
-/// Which build of the kernels a renderer runs: the one that renders pictures, or the one with planted errors.
+/// Which build of the kernels a renderer runs.
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "gpu/device_scene.h"
+#include "gpu/gpu_options.h"
 
 namespace etendue {
 
@@ -21,8 +21,9 @@ struct KernelSet {
 /// Whether a scene with these constants asks for none of the features that plain kernels lack.
 bool is_plain(std::span<const vulkan::Specialization> constants);
 
-/// Without a mutant the kernels that render pictures; with one those of shaders/mutants.h with that error (0: none),
-/// which read texel buffers only.
-KernelSet kernel_set(std::optional<std::uint32_t> mutant, TableLoads loads = TableLoads::texel_buffer);
+/// The kernels that render pictures.
+KernelSet kernel_set(TableLoads loads);
+/// Those of the options, if they bring some.
+KernelSet kernel_set(const GpuOptions& options, TableLoads loads);
 
 }  // namespace etendue

@@ -26,7 +26,7 @@ class GpuRayCaster final : public RayCaster {
     const auto compiled = scene.once<CompiledScene>(compile_scene);
     placement_ = {compiled->normalization.center, compiled->normalization.scale};
     scene_ = std::make_unique<DeviceScene>(device_, *compiled, options.wanted_loads());
-    kernels_ = kernel_set(options.mutant, scene_->loads());
+    kernels_ = kernel_set(options, scene_->loads());
     set_.emplace(*device_->context, scene_->request_kernels().set);
     constants_ = scene_->constants();
     constants_.insert(constants_.end(), kernels_.constants.begin(), kernels_.constants.end());

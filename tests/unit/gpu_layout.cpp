@@ -10,6 +10,8 @@
 #include "gpu/kernel_bindings.h"
 #include "gpu/kernel_set.h"
 #include "gpu_types.h"
+#include "mutants.h"
+#include "mutants/mutate.h"
 
 namespace etendue {
 namespace {
@@ -75,9 +77,9 @@ void check_kernels(const KernelSet& kernels, TableLoads loads) {
 }
 
 TEST(GpuLayout, HoldsWhatKernelsDeclareAndNothingElse) {
-  check_kernels(kernel_set({}, TableLoads::texel_buffer), TableLoads::texel_buffer);
-  check_kernels(kernel_set({}, TableLoads::storage_buffer), TableLoads::storage_buffer);
-  check_kernels(kernel_set(0), TableLoads::texel_buffer);
+  check_kernels(kernel_set(TableLoads::texel_buffer), TableLoads::texel_buffer);
+  check_kernels(kernel_set(TableLoads::storage_buffer), TableLoads::storage_buffer);
+  check_kernels(kernels_with(gpu::kMutantNone), TableLoads::texel_buffer);
 }
 
 // Ids of the specialization constants that a kernel declares.
@@ -106,7 +108,7 @@ TEST(GpuLayout, ThePlainKernelLacksWhatTheHostKnowsThatItLacks) {
                                            gpu::kConstantInstanceAttributesAt,
                                            gpu::kConstantAttributesAt};
   for (const TableLoads loads : {TableLoads::texel_buffer, TableLoads::storage_buffer}) {
-    const KernelSet kernels = kernel_set({}, loads);
+    const KernelSet kernels = kernel_set(loads);
     const auto plain_with = [](std::uint32_t id, std::uint32_t value) {
       return is_plain(std::vector<vulkan::Specialization>{{id, value}});
     };

@@ -44,7 +44,7 @@ def sizes_and_places(studio):
 
 
 def planted_errors(studio):
-    report = studio.json_file("mutate", *studio.pick([], ["--only", "1"]), *studio.device_options(), accept=(0, 1))
+    report = studio.json_file_of(studio.mutator, *studio.pick([], ["--only", "1"]), *studio.device_options(), accept=(0, 1))
     planted = [mutant for mutant in report["mutants"] if mutant["id"] != 0]
     studio.keep_data("mutants", {"count": len(planted), "caught": sum(mutant["caught"] for mutant in planted),
                                  "false_alarms": sum(mutant["caught"] for mutant in report["mutants"] if mutant["id"] == 0)})

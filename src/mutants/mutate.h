@@ -1,6 +1,6 @@
 #pragma once
-/// `etendue mutate`: do the tests notice an error? The device renders with kernels that have one planted error each
-/// (shaders/mutants.h), and the suite has to find every one, and nothing where there is none.
+/// What `etendue-mutate` does: do the tests notice an error? The device renders with kernels that have one planted
+/// error each (shaders/mutants.h), and the suite has to find every one, and nothing where there is none.
 
 #include <cstdint>
 #include <functional>
@@ -11,6 +11,7 @@
 
 #include "core/json.h"
 #include "gpu/gpu_renderer.h"
+#include "gpu/kernel_set.h"
 #include "validate/junit.h"
 
 namespace etendue {
@@ -23,6 +24,9 @@ struct Mutant {
 };
 /// All of them, by id; the first (0) has no error.
 std::span<const Mutant> mutants();
+
+/// The kernels with that error; 0: the same kernels without one.
+KernelSet kernels_with(std::uint32_t mutant);
 
 struct MutateOptions {
   GpuOptions gpu;

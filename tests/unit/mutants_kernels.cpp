@@ -1,4 +1,4 @@
-/// The kernels that render pictures hold no planted errors; those of `etendue mutate` do.
+/// The kernels that render pictures hold no planted errors; those of `etendue-mutate` do.
 
 #include <algorithm>
 #include <cstdint>
@@ -6,9 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "gpu/kernel_set.h"
 #include "mutants.h"
-#include "validate/mutate.h"
+#include "mutants/mutate.h"
 
 namespace etendue {
 namespace {
@@ -24,8 +23,8 @@ bool has_constant(std::span<const std::uint32_t> spirv, std::uint32_t id) {
 }
 
 TEST(Mutants, ReleaseKernelsHoldNone) {
-  const KernelSet release = kernel_set(std::nullopt);
-  const KernelSet wrong = kernel_set(gpu::kMutantNone);
+  const KernelSet release = kernel_set(TableLoads::texel_buffer);
+  const KernelSet wrong = kernels_with(gpu::kMutantNone);
   for (const auto kernel : {release.render, release.trace_samples, release.trace_path, release.bsdf_samples}) {
     EXPECT_FALSE(kernel.empty());
     EXPECT_FALSE(has_constant(kernel, gpu::kConstantMutant));

@@ -1,4 +1,4 @@
-#include "validate/mutate.h"
+#include "mutants/mutate.h"
 
 #include <algorithm>
 #include <array>
@@ -14,6 +14,8 @@
 #include "core/errors.h"
 #include "gpu/bsdf_probe.h"
 #include "image/film.h"
+#include "kernels_mutant.h"
+#include "kernels_plain_mutant.h"
 #include "mutants.h"
 #include "reference/material_probe.h"
 #include "reference/reference_renderer.h"
@@ -611,7 +613,7 @@ MutantOutcome run_mutant(const Mutant& mutant, const std::vector<SuiteTest>& sui
   const auto start = std::chrono::steady_clock::now();
   MutantOutcome outcome{.mutant = mutant, .findings = {}};
   GpuOptions gpu = options.gpu;
-  gpu.mutant = mutant.id;
+  gpu.kernels = std::make_shared<const KernelSet>(kernels_with(mutant.id));
   // The test known to notice goes first: most mutants are done in a second then, and all others follow if it fails to.
   std::vector<SuiteTest> order = suite;
   std::stable_partition(order.begin(), order.end(), [&](const SuiteTest& t) {
@@ -642,6 +644,19 @@ std::string p_text(double p) {
 
 std::span<const Mutant> mutants() {
   return kMutants;
+}
+
+KernelSet kernels_with(std::uint32_t mutant) {
+  KernelSet set = kernel_set(TableLoads::texel_buffer);  // errors are planted to be found in pictures, not in counts
+  set.render = kernels::render_mutant;
+  set.trace_samples = kernels::trace_samples_mutant;
+  set.trace_path = kernels::trace_path_mutant;
+  set.trace_rays = kernels::trace_rays_mutant;
+  set.bsdf_samples = kernels::bsdf_samples_mutant;
+  set.render_plain = kernels::render_plain_mutant;
+  set.trace_samples_plain = kernels::trace_samples_plain_mutant;
+  set.constants = {{gpu::kConstantMutant, mutant}};
+  return set;
 }
 
 bool MutantOutcome::caught() const {

@@ -1,4 +1,4 @@
-#include "validate/mutate.h"
+/// `etendue-mutate`, a program of the build tree: plants errors in the kernels and demands that the tests notice each.
 
 #include <cstdio>
 #include <memory>
@@ -6,9 +6,11 @@
 #include <fmt/core.h>
 
 #include "cli/command.h"
+#include "cli/program.h"
 #include "cli/result_files.h"
 #include "cli/results.h"
 #include "core/terminal.h"
+#include "mutants/mutate.h"
 #include "validate/compare.h"
 
 namespace etendue::cli {
@@ -39,18 +41,20 @@ Ending run(const Options& options) {
   return report.passed() ? Ending::ok : Ending::failed;
 }
 
-}  // namespace
-
-void add_mutate_command(Command& app, Action& action) {
-  auto* command =
-      app.add_subcommand("mutate", "plant errors in the kernels and demand that the tests notice each of them");
+void add_options(Command& command, Action& action) {
   const auto options = std::make_shared<Options>();
-  options->device.add_to(*command);
-  command->add_option("--only", options->test.only, "numbers of the mutants to run")->delimiter(',');
-  command->add_flag("--all", options->test.all_tests, "run every test on every mutant, not only until one notices");
-  command->add_flag("--markdown", options->markdown, "print the table of docs/validation.md");
-  options->files.add_to(*command, false);
-  command->callback([&action, options] { action = [options] { return run(*options); }; });
+  options->device.add_to(command);
+  command.add_option("--only", options->test.only, "numbers of the mutants to run")->delimiter(',');
+  command.add_flag("--all", options->test.all_tests, "run every test on every mutant, not only until one notices");
+  command.add_flag("--markdown", options->markdown, "print the table of docs/validation.md");
+  options->files.add_to(command, false);
+  action = [options] { return run(*options); };
 }
 
+}  // namespace
 }  // namespace etendue::cli
+
+int main(int argc, char** argv) {
+  return etendue::cli::run_program("Plants errors in the kernels and demands that the tests notice each of them.",
+                                   "etendue-mutate", etendue::cli::add_options, argc, argv);
+}
