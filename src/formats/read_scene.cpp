@@ -1,6 +1,5 @@
 #include "formats/read_scene.h"
 
-#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -8,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "formats/dialect/values.h"
+#include "formats/camera_option.h"
 #include "formats/gltf/gltf_reader.h"
 #include "formats/input_file.h"
 #include "formats/mitsuba/mitsuba_reader.h"
@@ -56,39 +55,6 @@ void set_environment(const std::string& path, Scene& scene, Diagnostics& diagnos
   }
 }
 
-void set_camera(const std::string& text, Scene& scene, Diagnostics& diagnostics) {
-  const auto refuse = [&](const std::string& why) {
-    diagnostics.error({}, fmt::format("--camera {}: {}", text, why), ErrorKind::usage);
-  };
-  std::vector<ListedNumber> n;
-  try {
-    n = parse_numbers(text);
-  } catch (const ValueError& error) {
-    return refuse(error.message);
-  }
-  if (n.size() != 6 && n.size() != 7)
-    return refuse(
-        fmt::format("{} numbers; write 3 of the eye, 3 of what it looks at and perhaps a field of view in "
-                    "degrees",
-                    n.size()));
-  const glm::dvec3 eye(n[0].value, n[1].value, n[2].value), target(n[3].value, n[4].value, n[5].value);
-  const double distance = glm::distance(eye, target);
-  if (!(distance > 0.0)) return refuse("the eye looks at itself; move one of the points");
-  const glm::dvec3 z = (target - eye) / distance;
-  const glm::dvec3 up = std::abs(z.y) < 0.999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
-  const glm::dvec3 x = glm::normalize(glm::cross(up, z));
-  Camera& camera = scene.camera;
-  camera.type = Camera::Type::perspective;
-  camera.aperture = {};
-  camera.window = {};
-  if (n.size() == 7) {
-    if (!(n[6].value > 0.0 && n[6].value < 180.0)) return refuse("the field of view is not between 0 and 180 degrees");
-    camera.fov = n[6].value;
-    camera.fov_axis = Camera::FovAxis::x;
-  }
-  camera.world_from_camera = {glm::dvec4(x, 0), glm::dvec4(glm::cross(z, x), 0), glm::dvec4(z, 0), glm::dvec4(eye, 1)};
-}
-
 /// What the caller adds to a scene, whatever its format.
 void apply_additions(SceneFile& file, const ReadOptions& options, Diagnostics& diagnostics) {
   auto* scene = std::get_if<Scene>(&file);
@@ -108,21 +74,6 @@ void refuse_options(const std::string& path, const ReadOptions& options, Diagnos
   if (options.lamps != GltfLamps::automatic) refuse("--lamps");
 }
 
-/// Eye and target, and perhaps a field of view; else the name of a camera.
-bool is_placement(const std::string& camera) {
-  try {
-    return parse_numbers(camera).size() > 1;
-  } catch (const ValueError&) {
-    return false;
-  }
-}
-
-std::optional<Scene> read_asset(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics) {
-  ReadOptions of_asset = options;
-  if (is_placement(options.camera)) of_asset.camera = "";
-  return read_gltf(path, of_asset, diagnostics);
-}
-
 /// Models and assets: what has no properties.
 std::optional<SceneFile> read_model_file(const std::string& path, const ReadOptions& options,
                                          Diagnostics& diagnostics) {
@@ -135,11 +86,11 @@ std::optional<SceneFile> read_model_file(const std::string& path, const ReadOpti
                       ErrorKind::usage);
   if (!asset) refuse_options(path, options, diagnostics);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
-  std::optional<Scene> scene = asset ? read_asset(path, options, diagnostics) : read_model(path, diagnostics);
+  std::optional<Scene> scene = asset ? read_gltf(path, options, diagnostics) : read_model(path, diagnostics);
   if (!scene) return std::nullopt;
   std::optional<SceneFile> file = std::move(*scene);
   ReadOptions additions = options;
-  if (asset && !is_placement(options.camera)) additions.camera = "";
+  if (asset && !is_camera_placement(options.camera)) additions.camera = "";
   apply_additions(*file, additions, diagnostics);
   return diagnostics.error_count() > errors_before ? std::nullopt : std::move(file);
 }

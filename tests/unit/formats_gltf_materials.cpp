@@ -30,6 +30,8 @@ GltfRead with_material(const std::string& material, const std::string& primitive
   buffer.accessor(std::vector<float>{0, 0, 0, 1, 1, 0}, "VEC2", 2);
   buffer.accessor(std::vector<std::uint8_t>{255, 0, 0, 0, 51, 0, 255, 255, 255}, "VEC3", 3, R"(,"normalized":true)");
   const int image = buffer.view(file);
+  buffer.add_accessor(R"("bufferView":0,"componentType":5126,"count":3,"type":"VEC3")");
+  buffer.accessor(std::vector<float>(9, 1.0f), "VEC3", 3);
   return read_asset(
       glb(one_primitive(
               buffer,
@@ -170,6 +172,8 @@ TEST(GltfMaterials, ColoursOfVertices) {
   const GltfRead both = with_material(textured(), R"(,"COLOR_0":3)");
   EXPECT_NE(both.messages().find("the texture counts"), std::string::npos);
   EXPECT_TRUE(both.mesh().vertex_colors.empty());
+  const GltfRead white = with_material(textured(), R"(,"COLOR_0":5)");  // of every vertex
+  EXPECT_EQ(white.messages().find("the texture counts"), std::string::npos) << white.messages();
 }
 
 TEST(GltfMaterials, VariantsByName) {

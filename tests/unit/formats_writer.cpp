@@ -216,6 +216,29 @@ TEST(SceneWriter, AdaptersAreWrittenWithWhatTheyStandBefore) {
   EXPECT_TRUE(std::holds_alternative<MaskAdapter>(*there.materials[blend.first].adapter));
 }
 
+TEST(SceneWriter, MitsubaGetsAChannelAsAPictureOfItsOwn) {
+  const TemporaryFolder folder;
+  Scene scene;
+  scene.bitmaps = {bitmap(BitmapFormat::u8, 4, ColorSpace::linear)};
+  scene.textures.push_back({.source = BitmapTexture{.bitmap = 0}});
+  PrincipledBsdf bsdf;
+  bsdf.roughness = {0.5, 0, TextureChannel::green};
+  bsdf.metallic = {1.0, 0, TextureChannel::blue};
+  scene.add(mesh(), bsdf);
+  write_mitsuba_scene(folder.path("s.xml"), scene);
+  Diagnostics diagnostics;
+  const auto file = read_scene_file(folder.path("s.xml"), {.strict = true}, diagnostics);
+  ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+  const Scene& read = std::get<Scene>(*file);
+  const auto& there = std::get<PrincipledBsdf>(read.bsdf_of(read.instances.at(0)));
+  const auto stored = [&](const ScalarParameter& parameter) {
+    const auto& source = std::get<BitmapTexture>(read.textures.at(*parameter.texture).source);
+    return static_cast<float>(parameter.value) * read.bitmaps.at(source.bitmap)->stored(2, 1, 0);
+  };
+  EXPECT_FLOAT_EQ(stored(there.roughness), 0.5f * scene.bitmaps[0]->stored(2, 1, 1));
+  EXPECT_FLOAT_EQ(stored(there.metallic), scene.bitmaps[0]->stored(2, 1, 2));
+}
+
 TEST(SceneWriter, FilesThatExistAreReplacedOnlyWhenAsked) {
   const TemporaryFolder folder;
   const Scene scene = everything();

@@ -26,9 +26,16 @@ glm::dmat4 looking_backward(const glm::dmat4& world_from_node, const JsonValue& 
   return {glm::dvec4(-x, 0.0), glm::dvec4(glm::cross(z, x), 0.0), glm::dvec4(-z, 0.0), world_from_node[3]};
 }
 
-void set_spot(const JsonValue& json, DeltaLight& light) {
+/// Blender writes an inner angle that is smaller than the outer one by the share `blend` of it, and fades over that
+/// share of 1 − cos.
+double beam_of_blender(double inner, double outer) {
+  const double edge = std::cos(outer), blend = 1.0 - inner / outer;
+  return std::acos(std::min(edge + (1.0 - edge) * blend, 1.0));
+}
+
+void set_spot(const JsonValue& json, const LampRule& rule, DeltaLight& light) {
   light.type = DeltaLight::Type::spot;
-  // The edge is a cubic of the cosine, as in viewers that follow Blender; the standard leaves it open.
+  // A cubic of the cosine, as in Blender; the standard leaves it open.
   light.falloff = DeltaLight::Falloff::smooth;
   const JsonValue* spot = find_object(json, "spot");
   const double inner = spot == nullptr ? 0.0 : number_or(*spot, "innerConeAngle", 0.0);
@@ -38,7 +45,7 @@ void set_spot(const JsonValue& json, DeltaLight& light) {
     throw GltfError{&json, fmt::format("a spot has the cone angles {} and {}; 0 <= inner <= outer <= pi/2 must hold",
                                        inner, outer)};
   light.cutoff = outer * kDegrees;
-  light.beam_width = std::min(inner * kDegrees, light.cutoff);
+  light.beam_width = std::min((rule.blender ? beam_of_blender(inner, outer) : inner) * kDegrees, light.cutoff);
 }
 
 void set_perspective(const JsonValue& json, Camera& camera) {
@@ -72,16 +79,16 @@ void set_orthographic(const JsonValue& json, Camera& camera) {
 
 }  // namespace
 
-double lamp_unit(const JsonValue& root, GltfLamps lamps) {
-  if (lamps == GltfLamps::standard) return 1.0;
-  if (lamps == GltfLamps::blender) return kBlenderLumensPerWatt;
+LampRule lamp_rule(const JsonValue& root, GltfLamps lamps) {
   const JsonValue* asset = find_object(root, "asset");
   const std::string generator = asset == nullptr ? "" : string_or(*asset, "generator", "");
-  return generator.find("Blender") != std::string::npos ? kBlenderLumensPerWatt : 1.0;
+  const bool blender =
+      lamps == GltfLamps::blender || (lamps == GltfLamps::automatic && generator.find("Blender") != std::string::npos);
+  return {blender ? kBlenderLumensPerWatt : 1.0, blender};
 }
 
 DeltaLight gltf_light(const GltfDocument& document, const JsonValue& reference, const glm::dmat4& world_from_node,
-                      double unit) {
+                      const LampRule& rule) {
   const auto index = find_index(reference, "light");
   const JsonValue* extension = find_extension(document.root(), "KHR_lights_punctual");
   if (!index || extension == nullptr)
@@ -92,12 +99,12 @@ DeltaLight gltf_light(const GltfDocument& document, const JsonValue& reference, 
   const JsonValue& json = lights[*index];
   DeltaLight light{.position = document.position(json)};
   light.name = string_or(json, "name", fmt::format("light {}", *index));
-  light.intensity =
-      glm::max(vec3_or(json, "color", glm::dvec3(1.0)), 0.0) * std::max(number_or(json, "intensity", 1.0), 0.0) / unit;
+  light.intensity = glm::max(vec3_or(json, "color", glm::dvec3(1.0)), 0.0) *
+                    std::max(number_or(json, "intensity", 1.0), 0.0) / rule.unit;
   light.world_from_light = looking_backward(world_from_node, reference);
   const std::string type = string_or(json, "type", "");
   if (type == "spot") {
-    set_spot(json, light);
+    set_spot(json, rule, light);
   } else if (type == "directional") {
     light.type = DeltaLight::Type::directional;
   } else if (type != "point") {

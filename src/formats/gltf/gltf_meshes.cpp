@@ -73,7 +73,7 @@ std::vector<GltfPart> GltfMeshes::read_parts(const JsonValue& mesh, const Primit
 void GltfMeshes::add_parts(const JsonValue& primitive, const PrimitivePose& pose, bool shared,
                            std::vector<GltfPart>& parts) {
   const std::optional<std::uint32_t> material = material_of(primitive);
-  const PrimitiveContent content = primitive_content(document_, primitive);
+  const PrimitiveContent content = primitive_content(document_, accessors_, primitive);
   const PrimitiveNeeds needs = surfaces_.needs(material, content, primitive);
   Shapes shapes;
   if (shared) {

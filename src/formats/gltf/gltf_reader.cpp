@@ -14,6 +14,7 @@
 #include "core/errors.h"
 #include "core/long_task.h"
 #include "core/text.h"
+#include "formats/camera_option.h"
 #include "formats/gltf/accessors.h"
 #include "formats/gltf/gltf_lights.h"
 #include "formats/gltf/gltf_meshes.h"
@@ -184,25 +185,25 @@ class GltfReader {
 
   void show(const GltfNodes& nodes, const std::vector<std::uint32_t>& shown, GltfMeshes& meshes) {
     LongTask task("Reading meshes", shown.size());
-    const double unit = lamp_unit(document_.root(), options_.lamps);
+    const LampRule rule = lamp_rule(document_.root(), options_.lamps);
     for (const std::uint32_t node : shown) {
       const JsonValue& json = nodes.json(node);
       try {
         show_mesh(nodes, node, meshes.parts_of(json));
         if (json.find("camera") != nullptr) cameras_.push_back(node);
         if (const JsonValue* light = find_extension(json, "KHR_lights_punctual"))
-          scene_.delta_lights.push_back(gltf_light(document_, *light, nodes.world_from_node(node), unit));
+          scene_.delta_lights.push_back(gltf_light(document_, *light, nodes.world_from_node(node), rule));
       } catch (const GltfError& error) {
         report(error);
       }
       task.advance(1);
     }
     std::erase_if(scene_.delta_lights, [](const DeltaLight& l) { return l.intensity.value == glm::dvec3(0.0); });
-    if (!scene_.delta_lights.empty() && unit != 1.0)
+    if (!scene_.delta_lights.empty() && rule.blender)
       sink_.note(scene_.position,
                  fmt::format("lamps are divided by {}, by which Blender multiplies them: as bright as there; --lamps "
                              "standard shows them as they are written",
-                             unit));
+                             rule.unit));
   }
 
   void show_mesh(const GltfNodes& nodes, std::uint32_t node, const std::vector<GltfPart>& parts) {
@@ -269,16 +270,18 @@ class GltfReader {
   }
 
   void choose_camera(const GltfNodes& nodes) {
-    if (cameras_.empty() && options_.camera.empty()) {
+    const bool placed = is_camera_placement(options_.camera);  // by the caller, later
+    const bool chosen = !options_.camera.empty() && !placed;
+    if (cameras_.empty() && !chosen) {
       frame_camera(scene_);
-      sink_.warning(scene_.position,
-                    "the asset has no camera; it is seen from one framed on it, --camera gives another");
+      if (!placed)
+        sink_.warning(scene_.position,
+                      "the asset has no camera; it is seen from one framed on it, --camera gives another");
       return;
     }
     std::vector<std::string> names;
     for (const std::uint32_t node : cameras_) names.push_back(nodes.name(node));
-    std::uint32_t which = 0;
-    if (!options_.camera.empty()) which = chosen_camera(nodes, names);
+    const std::uint32_t which = chosen ? chosen_camera(nodes, names) : 0;
     if (cameras_.size() > 1 && options_.camera.empty())
       sink_.note(scene_.position, fmt::format("the scene has {} cameras and is seen from {}; --camera chooses another",
                                               names.size(), text::quoted(names[0])));

@@ -151,7 +151,8 @@ JsonValue parse_json(std::string_view text) {
 }
 
 LineIndex::LineIndex(std::string_view text) : starts_{0} {
-  for (std::size_t at = text.find('\n'); at != std::string_view::npos; at = text.find('\n', at + 1))
+  for (std::size_t at = text.find('\n'); at != std::string_view::npos && starts_.size() < JsonLimits::kMaxLines;
+       at = text.find('\n', at + 1))
     starts_.push_back(at + 1);
 }
 

@@ -39,7 +39,8 @@ class JsonValue {
 };
 
 struct JsonLimits {
-  static constexpr std::uint32_t kMaxDepth = 100;                  ///< arrays and objects one in the other
+  static constexpr std::uint32_t kMaxDepth = 100;  ///< arrays and objects one in the other
+  static constexpr std::size_t kMaxLines = std::size_t{1} << 24;
   static constexpr std::size_t kMaxValues = std::size_t{1} << 24;  ///< of a text
 };
 
@@ -55,6 +56,7 @@ JsonValue parse_json(std::string_view text);
 /// Where the lines of a text begin.
 class LineIndex {
  public:
+  /// Of at most kMaxLines; what follows counts as the last.
   explicit LineIndex(std::string_view text);
   /// Line and column of an offset, from 1.
   std::pair<int, int> place(std::uint64_t offset) const;

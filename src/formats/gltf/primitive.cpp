@@ -277,14 +277,18 @@ class PrimitiveReader {
 
 }  // namespace
 
-PrimitiveContent primitive_content(const GltfDocument& document, const JsonValue& primitive) {
+PrimitiveContent primitive_content(const GltfDocument& document, Accessors& accessors, const JsonValue& primitive) {
   const JsonValue& attributes = attributes_of(primitive);
   PrimitiveContent content;
   while (attributes.find(fmt::format("TEXCOORD_{}", content.uv_sets)) != nullptr) ++content.uv_sets;
-  if (const auto color = find_index(attributes, "COLOR_0")) {
-    content.colors = true;
-    content.colors_have_alpha = string_or(document.element("accessors", *color, attributes), "type", "") == "VEC4";
-  }
+  const auto color = find_index(attributes, "COLOR_0");
+  if (!color) return content;
+  const bool packed = find_extension(primitive, "KHR_draco_mesh_compression") != nullptr;
+  const auto is_one = [](float value) { return value == 1.0f; };
+  // Many exporters write white for every vertex.
+  content.colors = packed || !std::ranges::all_of(accessors.floats(*color, attributes, {3, 4}).numbers, is_one);
+  content.colors_have_alpha =
+      content.colors && string_or(document.element("accessors", *color, attributes), "type", "") == "VEC4";
   return content;
 }
 

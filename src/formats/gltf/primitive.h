@@ -29,14 +29,14 @@ struct PrimitiveMeshes {
   TriangleMesh mirrored;  ///< empty unless asked for
 };
 
-/// What a primitive has, without reading it.
+/// What a primitive has beside its surface.
 struct PrimitiveContent {
   std::uint32_t uv_sets = 0;
-  bool colors = false;
+  bool colors = false;  ///< other than white
   bool colors_have_alpha = false;
 };
 
-PrimitiveContent primitive_content(const GltfDocument& document, const JsonValue& primitive);
+PrimitiveContent primitive_content(const GltfDocument& document, Accessors& accessors, const JsonValue& primitive);
 /// False for points and lines. Throws GltfError for a mode that there is not.
 bool has_triangles(const JsonValue& primitive);
 

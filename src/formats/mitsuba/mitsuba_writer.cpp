@@ -276,25 +276,36 @@ class MitsubaWriter : MaterialWriter {
 
   /// At its first use with an id, later by that.
   void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor, TextureChannel channel) override {
-    if (channel != TextureChannel::luminance) refuse("a number is a channel of a texture");
     const std::string id = fmt::format("texture-{}", textures_.size());
-    const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z}, id);
+    const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z, channel}, id);
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
     const Texture& texture = scene_.textures[row];
+    if (channel != TextureChannel::luminance) {
+      const auto* picture = std::get_if<BitmapTexture>(&texture.source);
+      if (picture == nullptr) refuse("a number is a channel of a texture that is no picture");
+      open_picture(name, known->second, texture, *picture);
+      xml_.text("filename", files_.picture(channel_of(*picture, factor.x, channel)));
+      xml_.boolean("raw", true);
+      return xml_.close();
+    }
     if (texture.uv_set > 0) refuse("a texture uses the second texture coordinates of a mesh");
     std::visit([&](const auto& source) { write_source(name, known->second, texture, source, factor); }, texture.source);
     xml_.close();
   }
   void write_source(const char* name, const std::string& id, const Texture& texture, const BitmapTexture& source,
                     const glm::dvec3& factor) {
-    constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};
     const std::shared_ptr<const Bitmap>& bitmap = scene_.bitmaps[source.bitmap];
     const ColorSpace space = source.color_space.value_or(bitmap->color_space);
-    if (source.wrap_u != source.wrap_v) refuse("a texture is wrapped differently along u and v");
-    xml_.open("texture", {{"name", name}, {"id", id}, {"type", "bitmap"}});
+    open_picture(name, id, texture, source);
     xml_.text("filename",
               factor == glm::dvec3(1.0) ? files_.picture(bitmap) : files_.picture(scaled(*bitmap, space, factor)));
     if (space == ColorSpace::linear || factor != glm::dvec3(1.0)) xml_.boolean("raw", true);
+  }
+  /// All but the name of the file.
+  void open_picture(const char* name, const std::string& id, const Texture& texture, const BitmapTexture& source) {
+    constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};
+    if (source.wrap_u != source.wrap_v) refuse("a texture is wrapped differently along u and v");
+    xml_.open("texture", {{"name", name}, {"id", id}, {"type", "bitmap"}});
     xml_.text("wrap_mode", kWraps[static_cast<std::size_t>(source.wrap_u)]);
     xml_.text("filter_type", source.filter == TextureFilter::nearest ? "nearest" : "bilinear");
     write_uv(kFlip * texture.uv_transform * kFlip);
@@ -324,6 +335,24 @@ class MitsubaWriter : MaterialWriter {
         set_texel(*result, x, y, glm::vec3(factor * glm::dvec3(texel_color(bitmap, space, x, y))));
     }
     return result;
+  }
+
+  /// One channel as a grey picture: Mitsuba knows the luminance of a texture alone.
+  std::shared_ptr<const Bitmap> channel_of(const BitmapTexture& source, double factor, TextureChannel channel) {
+    const Bitmap& from = *scene_.bitmaps[source.bitmap];
+    const ColorSpace space = source.color_space.value_or(from.color_space);
+    auto grey = std::make_shared<Bitmap>();
+    *grey = {.width = from.width, .height = from.height, .channels = 1, .format = BitmapFormat::f32};
+    grey->texels.resize(grey->row_bytes() * grey->height);
+    std::size_t at = 0;
+    for (std::uint32_t y = 0; y < from.height; ++y) {
+      for (std::uint32_t x = 0; x < from.width; ++x) {
+        const auto value = static_cast<float>(factor * texel_color(from, space, x, y)[static_cast<int>(channel)]);
+        std::memcpy(&grey->texels[at], &value, sizeof value);
+        at += sizeof value;
+      }
+    }
+    return grey;
   }
 
   void write_microfacet(const std::string&, const MicrofacetBsdf&) override {
@@ -373,7 +402,8 @@ class MitsubaWriter : MaterialWriter {
   }
 
   std::vector<std::string> differences_;
-  std::map<std::tuple<std::uint32_t, double, double, double>, std::string> textures_;  ///< ids by row and factor
+  /// Ids by row, factor and channel.
+  std::map<std::tuple<std::uint32_t, double, double, double, TextureChannel>, std::string> textures_;
 };
 
 }  // namespace
