@@ -95,7 +95,9 @@ std::optional<std::uint32_t> GltfTextures::row(const GltfTextureInfo& info, Colo
   } catch (const GltfError& error) {
     const SourcePosition position = document_.position(*error.where);
     if (approximate_) {
-      sink_.warning(position, fmt::format("{}; the material is shown without it", error.message));
+      const std::string sentence = fmt::format("{}; the material is shown without it", error.message);
+      sink_.warning(position, sentence);
+      scene_.approximations.push_back(sentence);
     } else {
       sink_.error(position, error.message, error.kind);
     }
