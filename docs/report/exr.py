@@ -1,4 +1,4 @@
-"""Reads the EXR pictures that Etendue writes (docs/image_files.md): one part, scan lines, float or uint channels."""
+"""Reads and writes EXR pictures like those of Etendue (docs/image_files.md): one part, scan lines, float or uint channels."""
 import struct
 import zlib
 
@@ -87,3 +87,29 @@ def rgb(path):
         return np.stack([planes[prefix + c].astype(np.float64) for c in "RGB"], axis=-1)
 
     return stack(""), stack("StdErr.")
+
+
+def _attribute(name, kind, value):
+    return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+
+
+def write(path, planes):
+    """Arrays [height, width] of uint32 or float32 by the names of their channels, not compressed."""
+    names = sorted(planes)  # as the format asks for
+    height, width = planes[names[0]].shape
+    kinds = {kind: number for number, kind in PIXEL_TYPES.items()}
+    channels = b"".join(name.encode() + b"\0" + struct.pack("<iBxxxii", kinds[planes[name].dtype.newbyteorder("<")], 0, 1, 1)
+                        for name in names)
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    header = b"\x76\x2f\x31\x01" + struct.pack("<i", 2)
+    header += _attribute("channels", "chlist", channels + b"\0") + _attribute("compression", "compression", b"\0")
+    header += _attribute("dataWindow", "box2i", window) + _attribute("displayWindow", "box2i", window)
+    header += _attribute("lineOrder", "lineOrder", b"\0") + _attribute("pixelAspectRatio", "float", struct.pack("<f", 1.0))
+    header += _attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0.0, 0.0))
+    header += _attribute("screenWindowWidth", "float", struct.pack("<f", 1.0)) + b"\0"
+    size = 4 * width * len(names)
+    first = len(header) + 8 * height
+    with open(path, "wb") as file:
+        file.write(header + struct.pack(f"<{height}Q", *(first + y * (8 + size) for y in range(height))))
+        for y in range(height):
+            file.write(struct.pack("<ii", y, size) + b"".join(planes[name][y].tobytes() for name in names))

@@ -68,6 +68,14 @@ class Renderer:
         return ''
 
 
+def python_with(module):
+    """The first python3 on PATH when it has that module, or None."""
+    python = shutil.which('python3')
+    # Looking the module up does not load it, which would take seconds.
+    search = f'import importlib.util; print("{module} found" if importlib.util.find_spec("{module}") else "none")'
+    return python if python and f'{module} found' in output_of([python, '-c', search]) else None
+
+
 class Cycles(Renderer):
     """Blender's path tracer: the Python module bpy of the first python3 on PATH, or else the program blender."""
 
@@ -75,11 +83,7 @@ class Cycles(Renderer):
 
     @functools.cached_property
     def python(self):
-        """The first python3 on PATH when it has the module bpy, or None."""
-        python = shutil.which('python3')
-        # Looking the module up does not load it, which would take seconds.
-        search = 'import importlib.util; print("bpy found" if importlib.util.find_spec("bpy") else "none")'
-        return python if python and 'bpy found' in output_of([python, '-c', search]) else None
+        return python_with('bpy')
 
     def find(self):
         return self.python or shutil.which('blender')
