@@ -32,6 +32,14 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
   return largest > 0.0 ? normalize(v / largest) : otherwise;
 }
 
+// The frame of a material that is not the same in all directions: its s follows the first texture coordinate, where the surface has some.
+ShadingFrame aligned_frame(vec3 n, SurfacePoint at, Primitive geometry) {
+  const vec3 u = surface_tangents(at, geometry, 0u).u;
+  const vec3 s = unit_or(u - n * dot(n, u), vec3(0.0));
+  if (s == vec3(0.0)) return make_frame(n);
+  return ShadingFrame(s, cross(n, s), n);
+}
+
 // What a map makes of the normal n, which is that of the surface, or with side −1 its opposite.
 vec3 mapped_normal(uint row, MaterialRecord record, vec3 n, float side, SurfacePoint at, Primitive geometry) {
   const uint texture_of = fetch_material_textures(row).first.x;
@@ -69,7 +77,10 @@ Choice choose_material(uint row, ShadingFrame surface_frame, SurfacePoint at, Pr
       }
     }
     if (kPerturbed && (adapter_is(record.header, kAdapterNormalMap) || adapter_is(record.header, kAdapterBumpMap))) {
-      choice.frame = make_frame(mapped_normal(choice.material, record, choice.frame.n, side, at, geometry));
+      const vec3 n = choice.frame.n;
+      vec3 mapped = mapped_normal(choice.material, record, n, side, at, geometry);
+      if (dot(mapped, w) * dot(n, w) <= 0.0) mapped = n * (2.0 * dot(n, mapped)) - mapped;
+      choice.frame = make_frame(mapped);
       next = first;
     }
     if (adapter_is(record.header, kAdapterMask) || adapter_is(record.header, kAdapterBlend)) {

@@ -105,7 +105,8 @@ const uint kConstantTransmittancesAt = 60u;
 const uint kConstantAdapters = 61u;       // see adapters.glsl
 const uint kConstantAdapterDepth = 62u;
 const uint kConstantCountPasses = 63u;
-const uint kConstantFew = 64u;     // the first of kFewFloats for each of kFewPrimitives
+const uint kConstantInwardSpheres = 69u;
+const uint kConstantFew = 70u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
 const uint kTileSize = 8u;        // pixels
@@ -138,6 +139,7 @@ const uint kMaterialTypeMask = 0xffu;
 const uint kMaterialDelta = 0x100u;     // nothing but delta lobes: sampling a light finds nothing
 const uint kMaterialOneSided = 0x200u;  // black seen from behind
 const uint kMaterialTextured = 0x400u;        // a parameter has a texture: see MaterialTextures
+const uint kMaterialAligned = 0x800u;         // its frame follows the texture coordinates of the surface
 const uint kMaterialBeckmann = 0x10000u;      // microfacets by Beckmann's distribution, else GGX
 const uint kMaterialTransmissive = 0x20000u;  // lights on both sides reach it, and not only by delta lobes
 const uint kMaterialNonlinear = 0x40000u;     // light takes the colour of the base each time that it meets it below a coat
@@ -168,6 +170,7 @@ const uint kIntegratorSimple = 5u;
 const uint kIntegratorAmbientOcclusion = 6u;
 const uint kIntegratorVisibility = 7u;
 const uint kIntegratorDepth = 8u;
+const uint kIntegratorDistance = 10u;
 
 // How a film position becomes a ray, see camera.glsl.
 const uint kCameraPinhole = 0u;
@@ -224,9 +227,9 @@ const uint kMaxTreeDepth = 64u;           // the builder's bound on wide levels
 const uint kFewPrimitives = 24u;
 const uint kFewFloats = 9u;
 
-// One analytic primitive, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in
-// p0 and its radius in p1.x; a disk, or what an affine map makes of it, its centre in p0 and the ends of two conjugate half axes in p1 and p2; the
-// side of a cylinder the ends of its axis in p0 and p1, its radius in p2.x, and in p2.y 1, or −1 where its normal points inward.
+// One analytic primitive, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in p0, its radius in p1.x, and in p1.y 1
+// where its normal points inward, else 0; a disk, or what an affine map makes of it, its centre in p0 and the ends of two conjugate half axes in p1 and p2;
+// the side of a cylinder the ends of its axis in p0 and p1, its radius in p2.x, and in p2.y 1, or −1 where its normal points inward.
 struct Primitive {
   vec3 p0;
   uint instance;   // index into instances
@@ -345,6 +348,7 @@ const uint kTexturesSphere = 0x80u;         // a sphere has one
 const uint kTexturesRich = 0x100u;          // a material has one that is not its albedo
 const uint kTexturesDisk = 0x100u;          // a disk has one
 const uint kTexturesCylinder = 0x200u;      // a cylinder has one
+const uint kTexturesTangents = 0x800u;      // a material has kMaterialAligned
 
 // What the textures of an instance need of its shape; empty where the scene has no textures. Each primitive has a block of texels: for each set of
 // texture coordinates (u, v) of the three corners in two texels, then the colours of the corners, then that of the face. A sphere has the rows of the
@@ -499,7 +503,7 @@ struct Frame {
   vec2 window_scale;
   // What some integrators are told.
   vec3 light_position;
-  float ray_length;       // of an occlusion ray; infinite when it has no end
+  float ray_length;       // of an occlusion ray, infinite when it has no end; of distance the share of a camera ray's way to its start that counts
   vec3 light_intensity;   // Φ/(4π²) at a distance of one scene unit, in normalised units
   uint emitter_samples;
   uint bsdf_samples;

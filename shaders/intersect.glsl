@@ -10,6 +10,7 @@
 #include "scene.glsl"
 
 layout(constant_id = kConstantHasSpheres) const bool kHasSpheres = true;
+FEATURE(bool, kInwardSpheres, kConstantInwardSpheres, false)  // normals of some point to their centre
 FEATURE(bool, kHasDisks, kConstantHasDisks, false)
 FEATURE(bool, kHasCylinders, kConstantHasCylinders, false)
 // The primitives that are tested before the tree, see kFewPrimitives.
@@ -49,6 +50,7 @@ struct Nearest {
 };
 
 bool is_sphere(Primitive prim) { return kHasSpheres && (prim.kind & kPrimitiveKindMask) == kPrimitiveSphere; }
+bool is_inward(Primitive sphere) { return kInwardSpheres && sphere.p1.y != 0.0; }
 
 #define is_disk(prim) (kHasDisks && ((prim).kind & kPrimitiveKindMask) == kPrimitiveDisk)
 #define is_cylinder(prim) (kHasCylinders && ((prim).kind & kPrimitiveKindMask) == kPrimitiveCylinder)

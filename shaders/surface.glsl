@@ -112,6 +112,7 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
   if (is_sphere(prim)) {
     s.ng = normalize(ray.o + hit.t * ray.d - prim.p0);
     s.p = prim.p0 + prim.p1.x * s.ng;  // back onto the sphere: the error no longer grows with the distance
+    if (is_inward(prim)) s.ng = -s.ng;
     ns = s.ng;
   } else if (is_cylinder(prim)) {
     s.p = onto_cylinder(ray.o + hit.t * ray.d, prim.p0, prim.p1, prim.p2.xy, s.ng);

@@ -214,9 +214,12 @@ Tangents cylinder_tangents(InstanceAttributes a, SurfacePoint at, Primitive geom
 // `geometry` is the primitive in the world.
 Tangents surface_tangents(SurfacePoint at, Primitive geometry, uint set) {
   const InstanceAttributes a = fetch_instance_attributes(at.instance);
-  if (textures_have(kTexturesSphere) && (a.layout_bits & kAttributesSphere) != 0u) return sphere_tangents(a, at, geometry.p1.x);
+  if (textures_have(kTexturesSphere) && (a.layout_bits & kAttributesSphere) != 0u) {
+    return sphere_tangents(a, at, geometry.p1.y == 0.0 ? geometry.p1.x : -geometry.p1.x);  // an inward one has its rows and its normal turned
+  }
   if (textures_have(kTexturesDisk) && (a.layout_bits & kAttributesDisk) != 0u) return disk_tangents(a, at, geometry);
   if (textures_have(kTexturesCylinder) && (a.layout_bits & kAttributesCylinder) != 0u) return cylinder_tangents(a, at, geometry);
+  if ((a.layout_bits & kAttributesSetsMask) == 0u) return Tangents(vec3(0.0), vec3(0.0));
   const uint first = a.first + attribute_stride(a.layout_bits) * at.primitive + 2u * set;
   const vec4 corners = fetch_attribute(first);
   const vec2 d1 = corners.zw - corners.xy, d2 = fetch_attribute(first + 1u).xy - corners.xy;

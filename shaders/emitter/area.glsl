@@ -10,10 +10,15 @@ vec3 area_radiance(Instance instance, vec3 ns, vec3 w) {
 // What the radiance of a lamp is multiplied with at a point of it.
 vec3 radiance_factor(SurfacePoint at) { return color_factor(fetch_instance_attributes(at.instance).radiance_texture, at); }
 
-// 1 − cos of the half angle of the cone that a sphere fills, seen from outside; 0 when p is not outside.
-float sphere_one_minus_cos(vec3 p, vec3 center, float radius) {
-  const vec3 v = center - p;
+// 1 − cos of the half angle of the cone that the shining side of a sphere fills: 0 when p is not outside. Inward ones fill all directions of what is inside.
+float sphere_one_minus_cos(vec3 p, Primitive sphere) {
+  const vec3 v = sphere.p0 - p;
+  const float radius = sphere.p1.x;
   const float d2 = dot(v, v);
+  if (is_inward(sphere)) {
+    const float reach = radius + surface_error(sphere);  // its own points see it, too
+    return d2 < reach * reach ? 2.0 : 0.0;
+  }
   const float sin2 = radius * radius / d2;
   return d2 > radius * radius ? sin2 / (1.0 + sqrt(max(0.0, 1.0 - sin2))) : 0.0;
 }
@@ -65,17 +70,20 @@ LightSample area_sample_flat(vec3 p, Primitive tri, Instance instance, LightChoi
 LightSample area_sample_sphere(vec3 p, Primitive sphere, LightChoice choice, vec2 u) {
   const vec3 center = sphere.p0;
   const float radius = sphere.p1.x;
-  const float one_minus_cos = sphere_one_minus_cos(p, center, radius);
+  const float one_minus_cos = sphere_one_minus_cos(p, sphere);
   LightSample ls;
   const vec3 v = center - p;
   const float distance = length(v);
   const vec3 local = square_to_cone(u, one_minus_cos);
-  ls.wi = to_world(make_frame(v / distance), local);
-  // Nearer intersection of that direction, by the law of cosines; local.xy carries sin θ without cancellation.
+  const bool inward = is_inward(sphere);
+  ls.wi = to_world(make_frame(inward && distance == 0.0 ? vec3(0.0, 0.0, 1.0) : v / distance), local);
+  // Nearer intersection of that direction, by the law of cosines; local.xy carries sin θ without cancellation. From inside there is one ahead.
   const float sin2 = dot(local.xy, local.xy);
-  const float t = distance * local.z - sqrt(max(0.0, radius * radius - distance * distance * sin2));
+  const float half_chord = sqrt(max(0.0, radius * radius - distance * distance * sin2));
+  const float t = distance * local.z + (inward ? half_chord : -half_chord);
   ls.ng = normalize(p + t * ls.wi - center);
   ls.p = center + radius * ls.ng;
+  if (inward) ls.ng = -ls.ng;
   ls.pdf_w = one_minus_cos > 0.0 ? choice.instance_prob / (2.0 * kPi * one_minus_cos) : 0.0;
   ls.mis_pdf = ls.pdf_w;
   return ls;
@@ -137,7 +145,7 @@ LightSample area_sample(vec3 p, Primitive prim, Instance instance, LightChoice c
 // `prob` is that of the choice, `area` what it is spread over.
 float area_pdf(vec3 p, vec3 wi, Surface s, Primitive prim, float prob, float area) {
   if (kSphereLights) {
-    const float one_minus_cos = sphere_one_minus_cos(p, prim.p0, prim.p1.x);
+    const float one_minus_cos = sphere_one_minus_cos(p, prim);
     if (is_sphere(prim)) return one_minus_cos > 0.0 ? prob / (2.0 * kPi * one_minus_cos) : 0.0;
   }
   const vec3 v = s.p - p;

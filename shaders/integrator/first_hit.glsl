@@ -1,4 +1,4 @@
-// The integrators that look at the first surface alone: normals, depth, simple, ao, av; docs/conventions.md, "Integrators".
+// The integrators that look at the first surface alone: normals, depth, distance, simple, ao, av; docs/conventions.md, "Integrators".
 #ifndef FIRST_HIT_GLSL
 #define FIRST_HIT_GLSL
 
@@ -35,6 +35,10 @@ void shade_first_hit(inout Path path, Surface s, Hit hit) {
   if (kIntegrator == kIntegratorNormals) path.radiance += path.beta * (0.5 * s.frame.n + 0.5);
   if (kIntegrator == kIntegratorAbsoluteNormals) path.radiance += abs(s.frame.n);
   if (kIntegrator == kIntegratorDepth) path.radiance += vec3(frame.distance_scale / (hit.t + camera_ray_start(path.ray.d)));
+  if (kIntegrator == kIntegratorDistance) {
+    const float before_start = frame.ray_length * camera_ray_start(path.ray.d);
+    path.radiance += vec3((hit.t - path.ray.t_min + before_start) / frame.distance_scale);
+  }
   if (kIntegrator == kIntegratorSimple) shade_simple(path, s);
   if (kIntegrator == kIntegratorAmbientOcclusion || kIntegrator == kIntegratorVisibility) shade_occlusion(path, s);
 }

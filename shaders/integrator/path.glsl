@@ -134,9 +134,17 @@ LightSample sample_environment_or_light(Path path, Surface s, vec3 n) {
 // The normal by which lights are chosen: 0 where light from both sides counts.
 vec3 light_normal(Surface s, Material material) { return material_has(material, kMaterialTransmissive) ? vec3(0.0) : s.frame.n; }
 
-// Where a map has turned the normal, directions on whose side it and the normal before do not agree carry no light.
+// Where a map has turned the normal, directions on whose side it and the normal before do not agree carry no light, ...
 bool sides_agree(Surface s, vec3 w, float cosine) {
   return !kPerturbed || dot(w, s.base) * cosine > 0.0;
+}
+
+// ... and of others there is what microfacets as steep as the turned normal would not shadow [Conty2019].
+float turned_share(Surface s, vec3 w) {
+  if (!kPerturbed) return 1.0;
+  const float turn = dot(s.base, s.frame.n), across = dot(s.base, w);
+  const float slope2 = max(0.0, 1.0 - turn * turn) / (turn * turn), tan2 = max(0.0, 1.0 - across * across) / (across * across);
+  return 2.0 / (1.0 + sqrt(1.0 + 0.125 * slope2 * tan2));
 }
 
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
@@ -147,7 +155,7 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   decisions.light_contributed = light.instance != kNone ? 0u : kNone;
   const vec3 wi = to_local(s.frame, light.wi);
   vec3 reflected = bsdf_eval(material, wo, wi) * light.radiance;
-  if (!sides_agree(s, light.wi, wi.z)) reflected = vec3(0.0);
+  reflected = sides_agree(s, light.wi, wi.z) ? reflected * turned_share(s, light.wi) : vec3(0.0);
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0;
   const bool from_outside = (kHasEnvironment && light.instance == kEnvironmentLight) ||
                             (kDistantLights > 0u && light.instance == kDeltaLightSampled && light.error < 0.0);
@@ -221,7 +229,7 @@ void scatter(inout Path path, Surface s, Material material, vec3 wo, inout Decis
     return;
   }
   decisions.lobe = bs.lobe;
-  path.beta *= bs.weight * (1.0 / bsdf_sample_count());
+  path.beta *= bs.weight * (turned_share(s, wi) / bsdf_sample_count());
   path.eta_scale *= bs.eta_scale;
   path.full_emission = is_delta(bs.lobe) || !kNee;
   MUTATE(kMutantEmissionAfterDeltaLost, path.full_emission = !kNee);
@@ -290,6 +298,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   s.frame = choice.frame;
   s.base = choice.base;
   const Material material = evaluate_material(choice.material, at);
+  if (textures_have(kTexturesTangents) && material_has(material, kMaterialAligned)) s.frame = aligned_frame(s.frame.n, at, hit.geometry);
   const vec3 wo = to_local(s.frame, -path.ray.d);
   if ((material_has(material, kMaterialOneSided) && wo.z <= 0.0) || !sides_agree(s, -path.ray.d, wo.z)) {
     decisions.lobe = kLobeNone;

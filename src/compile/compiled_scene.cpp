@@ -160,7 +160,10 @@ gpu::MaterialRecord flatten(const RoughPlasticBsdf& bsdf, const RoughCoat& coat)
 struct Placed {
   Placed(const Scene& scene, const Instance& instance) {
     const Shape& shape = scene.shape_of(instance);
-    if (const auto* s = std::get_if<Sphere>(&shape)) sphere = placed_sphere(*s, instance);
+    if (const auto* s = std::get_if<Sphere>(&shape)) {
+      sphere = placed_sphere(*s, instance);
+      inward = instance.flip_normals;
+    }
     if (const auto* m = std::get_if<TriangleMesh>(&shape)) mesh.emplace(*m, instance);
     if (std::holds_alternative<Disk>(shape)) disk = placed_disk(instance);
     if (const auto* c = std::get_if<Cylinder>(&shape)) cylinder = placed_cylinder(*c, instance);
@@ -174,6 +177,7 @@ struct Placed {
   }
 
   std::optional<Sphere> sphere;
+  bool inward = false;  // of the sphere
   std::optional<PlacedMesh> mesh;
   std::optional<PlacedDisk> disk;
   std::optional<PlacedCylinder> cylinder;
@@ -311,6 +315,7 @@ class Compiler {
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
       out_.material_textures.push_back(material_textures(scene_.materials[i]));
       if (is_textured(scene_.materials[i])) out_.materials[i].header |= gpu::kMaterialTextured;
+      if (is_aligned(scene_.materials[i])) out_.materials[i].header |= gpu::kMaterialAligned;
     }
   }
 
@@ -448,8 +453,10 @@ class Compiler {
     } else {
       p.p0 = normalization_.point(placed.sphere->center);
       p.p1.x = static_cast<float>(placed.sphere->radius * normalization_.scale);
+      p.p1.y = placed.inward ? 1.0f : 0.0f;
       p.kind = gpu::kPrimitiveSphere;
       out_.has_spheres = true;
+      out_.inward_spheres |= placed.inward;
     }
     add_primitive(p);
   }

@@ -61,6 +61,8 @@ gpu::uint integrator_id(Integrator::Type type) {
       return gpu::kIntegratorVisibility;
     case Integrator::Type::depth:
       return gpu::kIntegratorDepth;
+    case Integrator::Type::distance:
+      return gpu::kIntegratorDistance;
   }
   throw std::logic_error("an integrator without a kernel");
 }
@@ -73,7 +75,7 @@ void set_integrator(const SceneFacts& scene, const Integrator& integrator, Compi
   f.max_depth = path ? integrator.max_depth : Integrator::kUnlimitedDepth;
   // Whitted's paths may end behind every mirror, those of direct nowhere.
   f.rr_depth = path && integrator.rr_depth > 0 ? integrator.rr_depth : whitted ? 1 : gpu::kNone;
-  f.ray_length = static_cast<float>(integrator.length * n.scale);
+  if (integrator.type != Integrator::Type::distance) f.ray_length = static_cast<float>(integrator.length * n.scale);
   f.light_position = n.point(integrator.light.position);
   f.light_intensity = glm::vec3(integrator.light.energy * (n.scale * n.scale / (4.0 * kPi * kPi)));
   f.emitter_samples = integrator.emitter_samples;
@@ -137,6 +139,7 @@ void set_camera(const SceneFacts& scene, const Camera& camera, CompiledView& out
   f.camera_y = glm::vec3(m[1] / unit);
   f.camera_z = glm::vec3(m[2] / unit);
   f.near_clip = static_cast<float>(std::max(camera.near_clip - plane, 0.0) * n.scale * unit);
+  f.ray_length = far ? static_cast<float>(std::max(1.0 - camera.near_clip / plane, 0.0)) : 0.0f;
   f.far_clip = static_cast<float>(std::max(camera.far_clip - plane, 0.0) * n.scale * unit);
   f.tan_x = static_cast<float>(tan.x);
   f.tan_y = static_cast<float>(tan.y);

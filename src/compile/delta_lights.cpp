@@ -81,9 +81,8 @@ double delta_light_power(const Scene& scene, const DeltaLight& light) {
   const double mean = luminance(mean_intensity(scene, light));
   switch (light.type) {
     case Type::point:
-      return 4.0 * mean;
     case Type::spot:
-      return 2.0 * mean * (1.0 - 0.5 * (cos_degrees(light.cutoff) + cos_degrees(light.beam_width)));
+      return 4.0 * mean;
     case Type::projector:
       return 4.0 * mean * light.slope.x * light.slope.y / kPi;
     case Type::directional:

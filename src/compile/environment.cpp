@@ -136,7 +136,7 @@ class Tabulator {
 
   // The environment's share of the light.
   double share(double sum) const {
-    constexpr double kLeast = 1.0 / 8.0;
+    constexpr double kLeast = 1.0 / 4.0;
     if (!(lights_power_ > 0.0)) return 1.0;
     const double radius = typical_radius(scene_);
     const double power = radius * radius * sum;

@@ -84,7 +84,10 @@ class TextureCompiler {
       add_need(scene_.textures[*parameter.texture], instance, needs);
       if (is_rich(name)) out_.features |= gpu::kTexturesRich;
     };
-    each_material(scene_, instance.material, [&](const Material& material) { each_parameter(material, add); });
+    each_material(scene_, instance.material, [&](const Material& material) {
+      each_parameter(material, add);
+      if (is_aligned(material)) add_tangents(instance, needs);
+    });
     const AreaEmitter* emitter = scene_.emitter_of(instance);
     if (emitter == nullptr) return;
     each_parameter(*emitter, add);
@@ -116,6 +119,14 @@ class TextureCompiler {
     } else {
       needs.sets = std::max(needs.sets, texture.uv_set + 1);
     }
+  }
+
+  /// Of what has texture coordinates.
+  void add_tangents(const Instance& instance, Needs& needs) {
+    textured_ = needs.any = true;
+    out_.features |= gpu::kTexturesTangents | feature_of(scene_.shape_of(instance));
+    const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
+    if (mesh != nullptr && !mesh->uv_sets.empty()) needs.sets = std::max(needs.sets, 1u);
   }
 
   gpu::TextureRecord flatten(const Texture& texture) {
@@ -209,10 +220,14 @@ class TextureCompiler {
     return flat;
   }
 
-  /// Rows of the rotation from the world into the sphere's space; a mirror is part of it.
+  /// Rows of the rotation from the world into the sphere's space; a mirror is part of it. Normals that point inward are
+  /// turned.
   void add_rotation(const Instance& instance) {
     const glm::dmat3 axes(instance.world_from_object);
-    for (int row = 0; row < 3; ++row) out_.attributes.emplace_back(glm::vec3(glm::normalize(axes[row])), 0.0f);
+    for (int row = 0; row < 3; ++row) {
+      const glm::dvec3 axis = glm::normalize(axes[row]);
+      out_.attributes.emplace_back(glm::vec3(instance.flip_normals ? -axis : axis), 0.0f);
+    }
   }
 
   /// Where angles around a cylinder begin, and what lies a quarter turn on; normals that point inward are turned.

@@ -201,6 +201,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
   std::vector<vulkan::Specialization> constants = table_places(scene);
   constants.insert(constants.end(), {{gpu::kConstantStackSize, std::max(1u, scene.tree_depth)},
                                      {gpu::kConstantHasSpheres, scene.has_spheres ? 1u : 0u},
+                                     {gpu::kConstantInwardSpheres, scene.inward_spheres ? 1u : 0u},
                                      {gpu::kConstantFewCount, scene.few_count},
                                      {gpu::kConstantFewSpheres, scene.few_spheres},
                                      {gpu::kConstantLightInstanceRounds, light_rounds.instances},

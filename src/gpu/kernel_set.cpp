@@ -58,6 +58,7 @@ constexpr PlainConstant kPlain[] = {
     {gpu::kConstantTextureFeatures, 0},
     {gpu::kConstantIntegrator, gpu::kIntegratorPath},
     {gpu::kConstantHideEmitters, 0},
+    {gpu::kConstantInwardSpheres, 0},
     {gpu::kConstantHasDisks, 0},
     {gpu::kConstantHasCylinders, 0},
     {gpu::kConstantFewDisks, 0},

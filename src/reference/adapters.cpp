@@ -1,6 +1,7 @@
 #include "reference/adapters.h"
 
 #include "reference/texture.h"
+#include "scene/materials.h"
 
 namespace etendue::reference {
 namespace {
@@ -39,7 +40,7 @@ struct Chooser {
   }
   /// Tangent, bitangent and normal are those of the surface; seen from behind, height is counted backward.
   bool step(const NormalMapAdapter& map) {
-    const Tangents by = tangents(scene, *map.normals.texture, surface);
+    const Tangents by = tangents(scene, scene.textures[*map.normals.texture].uv_set, surface);
     const Vec3 n = frame.normal(), along = by.u - n * glm::dot(n, by.u);
     if (glm::length(along) > 0.0) {
       const Vec3 t = glm::normalize(along), b = side * glm::cross(n, t);
@@ -51,7 +52,7 @@ struct Chooser {
   }
   /// The normal of p + h n, by its derivatives without those of n [Blinn1978].
   bool step(const BumpMapAdapter& map) {
-    const Tangents by = tangents(scene, *map.height.texture, surface);
+    const Tangents by = tangents(scene, scene.textures[*map.height.texture].uv_set, surface);
     const Vec3 n = frame.normal();
     if (glm::length(by.u) > 0.0) {
       const Vec2 slope = gradient_at(scene, map.height, surface);
@@ -63,10 +64,13 @@ struct Chooser {
     row = map.inner;
     return true;
   }
-  void turn(const Vec3& n) {
-    if (!(glm::length(n) > 0.0)) return;
-    if (!base) base = frame.normal();
-    frame = Frame(glm::normalize(n));
+  /// A normal that is not seen from where the surface is seen lies on the other side of the surface's.
+  void turn(const Vec3& to) {
+    if (!(glm::length(to) > 0.0)) return;
+    const Vec3 n = frame.normal(), turned = glm::normalize(to);
+    const bool seen = glm::dot(turned, d) * glm::dot(n, d) > 0.0;
+    if (!base) base = n;
+    frame = Frame(seen ? turned : glm::normalize(2.0 * glm::dot(n, turned) * n - turned));
   }
 };
 
@@ -85,7 +89,9 @@ std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface&
     const Material& material = scene.materials[chooser.row];
     if (!material.adapter) {
       if (std::holds_alternative<NullBsdf>(material.bsdf)) return std::nullopt;
-      return ChosenMaterial{chooser.row, chooser.frame, chooser.base};
+      const bool aligned = is_aligned(material);
+      return ChosenMaterial{chooser.row, aligned ? chooser.frame.along(tangents(scene, 0, surface).u) : chooser.frame,
+                            chooser.base};
     }
     if (!std::visit([&](const auto& adapter) { return chooser.step(adapter); }, *material.adapter)) return std::nullopt;
   }

@@ -60,9 +60,8 @@ double choice_power(const Scene& scene, const DeltaLight& light) {
   const double mean = luminance(mean_intensity(scene, light));
   switch (light.type) {
     case DeltaLight::Type::point:  // 4π I over π
+    case DeltaLight::Type::spot:   // as bright where it shines
       return 4.0 * mean;
-    case DeltaLight::Type::spot:  // as if it faded with the cosine
-      return 2.0 * mean * (1.0 - (std::cos(radians(light.cutoff)) + std::cos(radians(light.beam_width))) / 2.0);
     case DeltaLight::Type::projector:  // irradiance of the plane times the area of the picture there
       return mean * (2.0 * light.slope.x) * (2.0 * light.slope.y) / kPi;
     case DeltaLight::Type::directional:

@@ -20,6 +20,31 @@ double largest_coordinate(const Vec3& v) {
   return max_component(glm::abs(v));
 }
 
+/// Whether an inward sphere shines at a place: inside, or on the sphere as far as that can be told.
+bool is_inside(const Sphere& sphere, const Vec3& from) {
+  const double slack = 1e-12 * (largest_coordinate(sphere.center) + sphere.radius);
+  return glm::distance(from, sphere.center) < sphere.radius + slack;
+}
+
+/// A point of a sphere that shines inward, uniform in the directions from a place inside.
+void sample_sphere_from_inside(const Sphere& sphere, double prob, const Vec3& from, const SampleRandom::Light& random,
+                               LightSample& sample) {
+  const Vec3 to_center = sphere.center - from;
+  const double distance = glm::length(to_center);
+  if (!is_inside(sphere, from)) return;  // nothing is emitted outward
+  const double z = 1.0 - 2.0 * random.u, r = std::sqrt(std::max(0.0, 1.0 - z * z)), phi = 2.0 * kPi * random.v;
+  const Vec3 local(r * std::cos(phi), r * std::sin(phi), z);
+  sample.wi = Frame(distance > 0.0 ? to_center / distance : Vec3(0, 0, 1)).to_world(local);
+  const double along = glm::dot(to_center, sample.wi);
+  const double half_chord =
+      std::sqrt(std::max(0.0, sphere.radius * sphere.radius - distance * distance + along * along));
+  const Vec3 outward = glm::normalize((along + half_chord) * sample.wi - to_center);
+  sample.surface.ng = sample.surface.ns = -outward;
+  sample.surface.p = sphere.center + sphere.radius * outward;
+  sample.surface.magnitude = largest_coordinate(sphere.center) + sphere.radius;
+  sample.pdf_w = sample.pdf_w_mis = prob / (4.0 * kPi);
+}
+
 /// A point of the sphere, uniform in the solid angle the sphere fills from outside.
 void sample_sphere(const Sphere& sphere, double prob, const Vec3& from, const SampleRandom::Light& random,
                    LightSample& sample) {
@@ -175,7 +200,8 @@ std::optional<LightSample> Lights::sample(const Scene& scene, const Vec3& from, 
   sample.primitive = sample.surface.primitive = chosen->primitive;
   const Shape& shape = scene.shape_of(scene.instances[sample.instance]);
   if (const auto* sphere = std::get_if<Sphere>(&shape))
-    sample_sphere(chosen->light->placement.sphere(*sphere), chosen->prob, from, random, sample);
+    (scene.instances[sample.instance].flip_normals ? sample_sphere_from_inside : sample_sphere)(
+        chosen->light->placement.sphere(*sphere), chosen->prob, from, random, sample);
   else if (const auto* mesh = std::get_if<TriangleMesh>(&shape))
     sample_triangle(*mesh, *chosen, from, random, sample);
   else
@@ -200,6 +226,7 @@ double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, c
   if (const auto* object = std::get_if<Sphere>(&scene.shape_of(scene.instances[at.instance]))) {
     const Sphere sphere = light.placement.sphere(*object);
     const double distance = glm::length(sphere.center - from);
+    if (scene.instances[at.instance].flip_normals) return is_inside(sphere, from) ? prob_light / (4.0 * kPi) : 0.0;
     return distance <= sphere.radius ? 0.0 : prob_light * SphereCone(sphere.radius, distance).pdf_w();
   }
   const Vec3 to_light = at.p - from;

@@ -42,7 +42,7 @@ Environment::Environment(const Scene& scene, double lights_power) : sky_(scene.s
   double prob = 1.0;
   if (lights_power > 0.0) {
     const double r = typical_radius(scene);
-    prob = std::min(std::max(r * r * sum / (r * r * sum + lights_power), 0.125), 0.875);
+    prob = std::min(std::max(r * r * sum / (r * r * sum + lights_power), 0.25), 0.75);
   }
   for (double& weight : weights) weight *= prob / sum;
   if (lights_power > 0.0) weights.push_back(1.0 - prob);

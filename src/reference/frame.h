@@ -17,6 +17,15 @@ class Frame {
     s_ = {1.0 + sign * unit.x * unit.x * a, sign * b, -sign * unit.x};
     t_ = {b, sign + unit.y * unit.y * a, -unit.y};
   }
+  /// The same with its s along `u` as far as that is across the normal; any s where that says nothing.
+  Frame along(const Vec3& u) const {
+    const Vec3 across = u - glm::dot(u, n_) * n_;
+    if (!(glm::length(across) > 0.0)) return *this;
+    Frame other = *this;
+    other.s_ = glm::normalize(across);
+    other.t_ = glm::cross(n_, other.s_);
+    return other;
+  }
   const Vec3& normal() const { return n_; }
   /// The same seen from the other side: left-handed where this is right-handed.
   Frame mirrored() const {

@@ -48,6 +48,8 @@ Vec3 shade(const World& world, const Surface& surface, const Ray& ray, const Sam
       return glm::abs(surface.ns);
     case Integrator::Type::depth:
       return Vec3(1.0 / glm::distance(surface.p, ray.origin));
+    case Integrator::Type::distance:
+      return Vec3(glm::distance(surface.p, ray.origin) - ray.t_min);
     case Integrator::Type::simple:
       return simple(world, surface, log);
     case Integrator::Type::ambient_occlusion:

@@ -32,7 +32,9 @@ class Scatterer {
   /// Nothing scatters toward `wo`.
   bool black() const { return unseen_ || (is_one_sided(bsdf_) && wo_.z <= 0.0); }
 
-  Vec3 eval(const Vec3& wi) const { return agrees(wi) ? reference::eval(bsdf_, wo_, frame_.to_local(wi)) : Vec3(0.0); }
+  Vec3 eval(const Vec3& wi) const {
+    return agrees(wi) ? share(wi) * reference::eval(bsdf_, wo_, frame_.to_local(wi)) : Vec3(0.0);
+  }
   double pdf(const Vec3& wi) const { return reference::pdf(bsdf_, wo_, frame_.to_local(wi)); }
   /// Like that of bsdf.h, with `wi` in world space; lobe `none` unless its weight is positive somewhere.
   BsdfSample sample(const SampleRandom::Material& random) const {
@@ -40,12 +42,21 @@ class Scatterer {
     if (sample.lobe == Lobe::none || is_zero(sample.weight)) return {};
     sample.wi = frame_.to_world(sample.wi);
     if (!agrees(sample.wi)) return {};
+    sample.weight *= share(sample.wi);
     return sample;
   }
 
  private:
   /// A direction on one side of the normal and, where a map has turned it, of the normal before: others carry no light.
   bool agrees(const Vec3& w) const { return !base_ || glm::dot(*base_, w) * glm::dot(frame_.normal(), w) > 0.0; }
+
+  /// What microfacets as steep as the turned normal leave of light from `w` [Conty2019].
+  double share(const Vec3& w) const {
+    if (!base_) return 1.0;
+    const auto tan2 = [](double cosine) { return std::max(0.0, 1.0 / (cosine * cosine) - 1.0); };
+    const double slope2 = tan2(glm::dot(*base_, frame_.normal()));
+    return 2.0 / (1.0 + std::sqrt(1.0 + 0.125 * slope2 * tan2(glm::dot(*base_, w))));
+  }
 
   Bsdf bsdf_;  // its parameters are constants
   Frame frame_;

@@ -152,6 +152,7 @@ Vec3 ReferenceRenderer::radiance(const Ray& ray, const SampleRandom& random, Dec
     case Integrator::Type::ambient_occlusion:
     case Integrator::Type::visibility:
     case Integrator::Type::depth:
+    case Integrator::Type::distance:
       return first_hit_radiance(world_, ray, random, log);
   }
   return Vec3(0.0);

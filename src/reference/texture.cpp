@@ -87,7 +87,8 @@ Vec4 value(const AttributeTexture& attribute, const TriangleMesh& mesh, const In
 }
 
 Vec2 sphere_uv(const Instance& instance, const Surface& surface) {
-  const Vec3 d = glm::normalize(glm::inverse(glm::dmat3(instance.world_from_object)) * surface.ns);
+  const Vec3 outward = instance.flip_normals ? -surface.ns : surface.ns;
+  const Vec3 d = glm::normalize(glm::inverse(glm::dmat3(instance.world_from_object)) * outward);
   const double turns = std::atan2(d.y, d.x) / (2.0 * kPi);
   return {turns < 0.0 ? turns + 1.0 : turns, 1.0 - std::acos(std::clamp(d.z, -1.0, 1.0)) / kPi};
 }
@@ -188,7 +189,7 @@ double at_point(const Scene& scene, const ScalarParameter& parameter, const Surf
          channel(texture_value(scene, scene.textures[*parameter.texture], surface), parameter.channel);
 }
 
-Tangents tangents(const Scene& scene, std::uint32_t texture, const Surface& surface) {
+Tangents tangents(const Scene& scene, std::uint32_t set, const Surface& surface) {
   const Instance& instance = scene.instances[surface.instance];
   const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
   const Shape& shape = scene.shape_of(instance);
@@ -196,9 +197,10 @@ Tangents tangents(const Scene& scene, std::uint32_t texture, const Surface& surf
   if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return cylinder_tangents(*cylinder, instance, surface);
   if (mesh == nullptr)
     return sphere_tangents(Placement(instance).sphere(std::get<Sphere>(scene.shape_of(instance))), instance,
-                           surface.ns);
+                           instance.flip_normals ? -surface.ns : surface.ns);
+  if (set >= mesh->uv_sets.size()) return {};
   const glm::uvec3 t = corners(*mesh, instance, surface);
-  const std::vector<glm::vec2>& uvs = mesh->uv_sets[scene.textures[texture].uv_set];
+  const std::vector<glm::vec2>& uvs = mesh->uv_sets[set];
   const std::array<Vec3, 3> p = Placement(instance).triangle(*mesh, surface.primitive);
   // [dp/du dp/dv] times the columns of the edges' coordinates are the edges.
   const glm::dmat2 coordinates(Vec2(uvs[t.y]) - Vec2(uvs[t.x]), Vec2(uvs[t.z]) - Vec2(uvs[t.x]));

@@ -16,11 +16,12 @@ glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const glm::
 Vec3 at_point(const Scene& scene, const ColorParameter& parameter, const Surface& surface);
 double at_point(const Scene& scene, const ScalarParameter& parameter, const Surface& surface);
 
-/// How the point of a surface moves with the coordinates that a texture takes; 0 where they say nothing.
+/// How the point of a surface moves with its texture coordinates; 0 where they say nothing.
 struct Tangents {
   Vec3 u{0.0}, v{0.0};
 };
-Tangents tangents(const Scene& scene, std::uint32_t texture, const Surface& surface);
+/// `set`: of texture coordinates.
+Tangents tangents(const Scene& scene, std::uint32_t set, const Surface& surface);
 /// How a picture's number changes with those coordinates, interpolated bilinearly.
 Vec2 gradient_at(const Scene& scene, const ScalarParameter& parameter, const Surface& surface);
 

@@ -265,7 +265,7 @@ void World::shake(Surface& surface) const {
 }
 
 Surface World::surface(const Found& found, const Vec3& near_point) const {
-  if (found.radius > 0.0) return sphere_surface(found, near_point);
+  if (found.radius > 0.0) return sphere_surface(found, near_point, scene_.instances[found.instance].flip_normals);
   if (found.disk) return disk_surface(found, near_point);
   if (found.tube) return tube_surface(found, near_point);
   return triangle_surface(found);
@@ -315,9 +315,9 @@ Surface World::triangle_surface(const Found& found) const {
   return surface;
 }
 
-Surface World::sphere_surface(const Found& found, const Vec3& near_point) {
-  const Vec3 normal = glm::normalize(near_point - found.center);
-  return {.p = found.center + found.radius * normal,
+Surface World::sphere_surface(const Found& found, const Vec3& near_point, bool inward) {
+  const Vec3 outward = glm::normalize(near_point - found.center), normal = inward ? -outward : outward;
+  return {.p = found.center + found.radius * outward,
           .ng = normal,
           .ns = normal,
           .magnitude = largest_coordinate(found.center) + found.radius,

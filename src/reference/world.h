@@ -79,7 +79,7 @@ class World {
   Surface surface(const Found& found, const Vec3& near_point) const;
   void shake(Surface& surface) const;
   Surface triangle_surface(const Found& found) const;
-  static Surface sphere_surface(const Found& found, const Vec3& near_point);
+  static Surface sphere_surface(const Found& found, const Vec3& near_point, bool inward);
   static Surface disk_surface(const Found& found, const Vec3& near_point);
   static Surface tube_surface(const Found& found, const Vec3& near_point);
 

@@ -36,6 +36,8 @@ std::string integrator_text(const Scene& scene) {
       return fmt::format("av length={}", integrator.length);
     case Integrator::Type::depth:
       return "depth";
+    case Integrator::Type::distance:
+      return "distance";
   }
   const std::string passes = integrator.count_passes ? "" : " countPasses=false";
   return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}{}{}{}", integrator.max_depth, integrator.nee,

@@ -56,6 +56,11 @@ int depth_exponent(const Camera& camera) {
   return exponent_above(1.0 / nearest) - kHeadroom;
 }
 
+/// Distances end about at the far clipping distance; what the film has room for above it holds rays aslant.
+int distance_exponent(const Camera& camera) {
+  return exponent_above(camera.far_clip * glm::length(glm::dvec3(camera.world_from_camera[2])));
+}
+
 }  // namespace
 
 int radiance_exponent(const Scene& scene) {
@@ -87,6 +92,7 @@ int view_exponent(const View& view, int radiance_exponent, const Bounds& bounds)
   if (gathers_light(view.integrator)) return radiance_exponent;
   if (view.integrator.type == Integrator::Type::simple) return simple_exponent(view.integrator.light, bounds);
   if (view.integrator.type == Integrator::Type::depth) return depth_exponent(view.camera);
+  if (view.integrator.type == Integrator::Type::distance) return distance_exponent(view.camera);
   return 0;
 }
 

@@ -551,8 +551,6 @@ class Checker {
                                "translation and uniform scale, or a mesh",
                                text::quoted(instance.name)));
     }
-    if (instance.flip_normals)
-      error(instance.position, "flip_normals", "the normals of a sphere cannot be flipped; use a mesh");
     const Sphere placed = placed_sphere(sphere, instance);
     if (!(placed.radius > 0.0) || !is_finite(placed.center) ||
         !(largest_coordinate(placed.center) + placed.radius <= 4.0 * kMaxCoordinate)) {

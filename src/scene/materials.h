@@ -22,6 +22,22 @@ void each_material(const Scene& scene, std::uint32_t row, F&& f) {
   }
 }
 
+inline bool is_aligned(const Roughness& roughness) {
+  const ScalarParameter &u = roughness.alpha_u, &v = roughness.alpha_v;
+  return u.value != v.value || u.texture != v.texture || (u.texture && u.channel != v.channel);
+}
+/// Whether a material looks different when its surface is turned about the normal: its frame follows the first texture
+/// coordinates of the surface.
+template <typename T>
+bool is_aligned(const T& bsdf) {
+  if constexpr (requires { bsdf.roughness.alpha_u; }) return is_aligned(bsdf.roughness);
+  if constexpr (requires { bsdf.anisotropic; }) return bsdf.anisotropic.value != 0.0;
+  return false;
+}
+inline bool is_aligned(const Material& material) {
+  return !material.adapter && std::visit([](const auto& bsdf) { return is_aligned(bsdf); }, material.bsdf);
+}
+
 /// Whether some of the light that meets it is refracted.
 inline bool may_refract(const PrincipledBsdf& bsdf) {
   const bool metal = !bsdf.metallic.texture && bsdf.metallic.value == 1.0;

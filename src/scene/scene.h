@@ -116,7 +116,7 @@ struct Instance {
   std::uint32_t material = 0;            ///< index into Scene::materials
   std::optional<std::uint32_t> emitter;  ///< index into Scene::emitters
   glm::dmat4 world_from_object{1.0};     ///< affine and invertible; of a sphere or cylinder a similarity
-  bool flip_normals = false;             ///< turns the normals around; not of a sphere
+  bool flip_normals = false;             ///< turns the normals around
   std::string name;                      ///< for messages: the mesh's file name or the shape's type
   SourcePosition position;               ///< the tag that places it
 };
@@ -214,6 +214,7 @@ struct Integrator {
     ambient_occlusion,  ///< share of the cosine-weighted hemisphere that is free up to `length`
     visibility,         ///< the same of the hemisphere, each direction counting alike
     depth,              ///< 1 over the distance
+    distance,           ///< how far the first hit lies beyond the near clipping distance
   };
   /// How a light is chosen: `power` by its power alone, `tree` by what it can contribute to the point; `automatic` is
   /// `tree` for many lights.

@@ -1,6 +1,8 @@
 /// Stacks of adapters around diffuse materials: a floor under a lamp, seen from either side of its normal, with veils
 /// between it and the lamp and a shining ground behind it.
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -103,6 +105,28 @@ double value_of(const Scene& scene, const ScalarParameter& parameter) {
                                .color0[static_cast<int>(parameter.channel)];
 }
 
+/// The irradiance that a map leaves of a square lamp, seen from the origin, where it has turned the normal `base` to
+/// `n`: by quadrature over the lamp, as no polygon formula knows of the shadows.
+double turned_irradiance(std::span<const dvec3> lamp, const dvec3& n, const dvec3& base) {
+  constexpr int kSteps = 64;  // along each side: four digits
+  const dvec3 a = lamp[1] - lamp[0], b = lamp[3] - lamp[0], cross = glm::cross(a, b);
+  const auto tan2 = [](double cosine) { return std::max(0.0, 1.0 / (cosine * cosine) - 1.0); };
+  const double slope2 = tan2(glm::dot(n, base));
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const dvec3 p = lamp[0] + (i + 0.5) / kSteps * a + (j + 0.5) / kSteps * b;
+      const double d2 = glm::dot(p, p);
+      const dvec3 w = p / std::sqrt(d2);
+      const double across = glm::dot(w, base), cosine = glm::dot(w, n);
+      if (!(across > 0.0 && cosine > 0.0)) continue;
+      const double share = 2.0 / (1.0 + std::sqrt(1.0 + slope2 * tan2(across) / 8.0));
+      sum += cosine * share * std::abs(glm::dot(cross, w)) / d2;
+    }
+  }
+  return sum / (kSteps * kSteps);
+}
+
 /// What a stack does to light on the mean, at the middle of a square with the tangents `s` and `t`, seen from `wo`.
 struct Mean {
   const Scene& scene;
@@ -117,7 +141,8 @@ struct Mean {
       if (std::holds_alternative<NullBsdf>(material.bsdf)) {
         pass += weight;
       } else if (glm::dot(wo, n) > 0.0 && glm::dot(wo, base) > 0.0) {
-        reflected += weight / kPi * std::get<DiffuseBsdf>(material.bsdf).albedo.value * polygon_irradiance(lamp, n);
+        const double arrives = n == base ? polygon_irradiance(lamp, n) : turned_irradiance(lamp, n, base);
+        reflected += weight / kPi * std::get<DiffuseBsdf>(material.bsdf).albedo.value * arrives;
       }
       return;
     }

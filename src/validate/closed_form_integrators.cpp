@@ -66,8 +66,10 @@ ClosedFormScene lit_or_measured(Dice& dice) {
     const double d2 = glm::dot(place, place) * scale * scale;
     result.expected = luminance(energy) / (4.0 * kPi * kPi) * glm::normalize(place).y / d2;
   } else {
-    scene.integrator.type = Integrator::Type::depth;
-    result.expected = 1.0 / (distance * scale);
+    const bool inverse = dice.chance(0.5);
+    scene.integrator.type = inverse ? Integrator::Type::depth : Integrator::Type::distance;
+    if (!inverse) scene.camera.near_clip = distance * dice.between(0.0, 0.9);
+    result.expected = inverse ? 1.0 / (distance * scale) : (distance - scene.camera.near_clip) * scale;
   }
   result.name = lit ? "floor lit by a point" : fmt::format("floor {:.2g} away", distance);
   return result;

@@ -95,6 +95,7 @@ TEST_F(RendererAgreement, IntegratorsOfTheCourses) {
   compare("whitted", as(Type::whitted), 20000, 600, 400);
   compare("absolute normals", as(Type::absolute_normals), 20000, 200, 0);
   compare("depth", as(Type::depth), 20000, 200, 0);
+  compare("distance", as(Type::distance), 20000, 200, 0);
   Scene simple = as(Type::simple);
   simple.integrator.light = {{0.1, 0.6, 0.2}, {40, 30, 20}};
   compare("simple", simple, 20000, 600, 400);
@@ -315,6 +316,29 @@ TEST_F(RendererAgreement, DisksAndCylinders) {
     compare("1e-4", placed(scene, 1e-4, {0, 0, 0}), 10000, 1000, 800);
     compare("far away", placed(scene, 1.0, {3e5, -1e5, 7e5}), 10000, 1000, 800);
   }
+}
+
+// Metal that is brushed along the texture coordinates of what it lies on, in a room that shines inward.
+TEST_F(RendererAgreement, BrushedMetalAndInwardSpheres) {
+  Scene scene = round_shapes(false);
+  const RoughConductorBsdf brushed{.index = {},
+                                   .roughness = {Roughness::Distribution::ggx, 0.5, 0.06},
+                                   .specular_reflectance = glm::dvec3(0.9, 0.7, 0.5)};
+  const glm::dmat4 turn = glm::rotate(glm::dmat4(1.0), 0.9, {1.0, 0.4, 0.2});
+  for (const bool inward : {false, true}) {
+    Instance& ball = add(scene, Sphere{{inward ? 0.4 : -0.6, 0.5, 1.5}, 0.35}, brushed);
+    ball.world_from_object = turn;
+    ball.flip_normals = inward;
+  }
+  for (Instance& instance : scene.instances) {
+    if (!std::holds_alternative<TriangleMesh>(scene.shape_of(instance)) && !instance.emitter)
+      scene.materials[instance.material].bsdf = brushed;
+  }
+  Instance& room = add(scene, Sphere{{0, 0, 0}, 12.0}, diffuse(0.5), glm::dvec3(0.5, 0.6, 0.7));
+  room.flip_normals = true;
+  compare("brushed, inward", scene, 20000, 1200, 800);
+  scene.integrator.light_sampler = Integrator::LightSampler::tree;
+  compare("by the tree", scene, 20000, 1200, 800);
 }
 
 TEST_F(RendererAgreement, ScaledAndFarFromTheOrigin) {

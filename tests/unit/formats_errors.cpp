@@ -181,7 +181,7 @@ const BadInput kGrammar[] = {
      "<scene><integrator type=\"path\"/>\n<camera type=\"perspective\"><string name=\"fovAxis\" "
      "value=\"z\"/></camera></scene>",
      2, 58, "\"z\" is no axis of the field of view"},
-    {"PhotonMapper", "<scene><camera type=\"perspective\"/>\n<integrator type=\"photonmapper\"/></scene>", 2, 19,
+    {"Radiosity", "<scene><camera type=\"perspective\"/>\n<integrator type=\"radiosity\"/></scene>", 2, 19,
      "not supported; supported are: path, path_mats"},
     {"Medium", scene_around("<medium type=\"homogeneous\"/>"), 2, 1, "<medium> is not supported"},
     {"Phase", scene_around("<phase type=\"hg\"/>"), 2, 1, "<phase> is not supported"},
@@ -409,7 +409,7 @@ TEST(SceneErrors, UnknownPropertyIsAWarningUnlessStrict) {
   EXPECT_EQ(to_string(lenient.diagnostics.list()[0]),
             "s.xml:3:14: <camera type=\"perspective\"> has no property \"widht\"; did you mean \"width\"?; it has: "
             "width, height, fov, fovAxis, focalLength, principalPointOffsetX, principalPointOffsetY, cropWidth, "
-            "cropHeight, cropOffsetX, cropOffsetY, nearClip, farClip, toWorld; ignored");
+            "cropHeight, cropOffsetX, cropOffsetY, nearClip, farClip, apertureRadius, focusDistance, toWorld; ignored");
   const Parsed strict = parse(text, {{}, true});
   EXPECT_FALSE(strict.file.has_value());
 }
@@ -497,14 +497,14 @@ TEST(SceneErrors, TestFileGivenToRenderNamesTheCommand) {
 
 TEST(SceneErrors, WhatIsLackingIsListedFirst) {
   const Parsed parsed = parse(
-      "<scene><camera type=\"perspective\"/><integrator type=\"photonmapper\"/>\n<mesh type=\"sphere\"><bsdf "
+      "<scene><camera type=\"perspective\"/><integrator type=\"radiosity\"/>\n<mesh type=\"sphere\"><bsdf "
       "type=\"phong\"/></mesh>\n<mesh type=\"sphere\"><bsdf type=\"phong\"/></mesh>\n<medium "
       "type=\"homogeneous\"/><mesh type=\"marching_cubes\"/></scene>",
       {});
   EXPECT_FALSE(parsed.file.has_value());
   const std::string first = to_string(parsed.diagnostics.list().at(0));
   EXPECT_NE(first.find("bsdf phong (2:"), std::string::npos) << first;
-  for (const char* part : {", 3:", "integrator photonmapper (1:", "medium (4:", "mesh marching_cubes (4:"})
+  for (const char* part : {", 3:", "integrator radiosity (1:", "medium (4:", "mesh marching_cubes (4:"})
     EXPECT_NE(first.find(part), std::string::npos) << part << " in " << first;
 }
 

@@ -164,6 +164,41 @@ TEST(MitsubaColors, Emission) {
   expect_color(radiance_of("<spectrum name=\"radiance\" value=\"300:3, 900:3\"/>"), {3.61465, 2.84468, 2.7278});
 }
 
+TEST(MitsubaColors, SpectraWithATypeAndInFiles) {
+  const auto typed = [](const std::string& type, const std::string& properties) {
+    return fmt::format("<spectrum name=\"radiance\" type=\"{}\">{}</spectrum>", type, properties);
+  };
+  // D65 and what is uniform are grey where colours are RGB, also as emission.
+  expect_color(radiance_of(typed("uniform", "<float name=\"value\" value=\"0.5\"/>")), glm::dvec3(0.5));
+  expect_color(radiance_of(typed("d65", "<float name=\"scale\" value=\"3\"/>")), glm::dvec3(3.0));
+  expect_color(radiance_of(typed("d65", "")), glm::dvec3(1.0));
+  expect_color(radiance_of(typed("rgb", "<rgb name=\"value\" value=\"3,2,1\"/>")), {3, 2, 1});
+  expect_color(radiance_of(typed("srgb", "<rgb name=\"color\" value=\"0.3,0.2,0.1\"/>")), {0.3, 0.2, 0.1});
+  const glm::dvec3 listed(0.5266131, 0.22182667, 0.12312101);  // of 400:0.1, 500:0.2, 600:0.3, 700:0.9
+  const std::string values = "<string name=\"values\" value=\"0.1,0.2,0.3,0.9\"/>";
+  expect_color(radiance_of(typed("regular",
+                                 "<float name=\"wavelengthMin\" value=\"400\"/><float "
+                                 "name=\"wavelength_max\" value=\"700\"/>" +
+                                     values)),
+               listed);
+  expect_color(radiance_of(typed("irregular", "<string name=\"wavelengths\" value=\"400,500,600,700\"/>" + values)),
+               listed);
+  const std::string text = around(
+      "<shape type=\"sphere\"><emitter type=\"area\"><spectrum name=\"radiance\" filename=\"a.spd\"/>"
+      "</emitter></shape>");
+  const Read result = read(text, {}, {{"a.spd", "# nm, value\n400 0.1\n\n500, 0.2 # two\r\n600 0.3\n700 0.9"}});
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  expect_color(result.scene->emitters.at(0).radiance.value, listed);
+  EXPECT_EQ(read(text, {}, {{"a.spd", "400 0.1\n300 0.2"}}).first_error().find("s.xml:2:"), 0u);
+  const std::string wrong = read(text, {}, {{"a.spd", "400 0.1\n500"}}).first_error();
+  EXPECT_NE(wrong.find("a.spd:2: expected a wavelength and a value, found 1"), std::string::npos) << wrong;
+  EXPECT_NE(read(text).first_error().find("a.spd: no such file"), std::string::npos);
+  EXPECT_FALSE(
+      read(around("<shape type=\"sphere\"><emitter type=\"area\">" +
+                  typed("irregular", "<string name=\"wavelengths\" value=\"400\"/>" + values) + "</emitter></shape>"))
+          .scene.has_value());
+}
+
 TEST(MitsubaColors, Metals) {
   const auto metal = [](const std::string& properties) {
     return std::get<ConductorBsdf>(bsdf_of("<bsdf type=\"conductor\">" + properties + "</bsdf>"));
@@ -421,6 +456,24 @@ TEST(MitsubaShapes, RectanglesAndCubesPointOutward) {
   }
 }
 
+// The normals are those of Mitsuba 3.9.1 where a ray along -z meets the shape.
+TEST(MitsubaShapes, WhatMirrorsTurnInsideOut) {
+  const auto flipped = [](const char* type, const char* scale) {
+    const Read result = read(around(fmt::format(
+        "<shape type=\"{}\"><transform name=\"to_world\"><scale value=\"{}\"/></transform></shape>", type, scale)));
+    EXPECT_TRUE(result.scene.has_value()) << result.messages();
+    return result.scene.has_value() && result.scene->instances.at(0).flip_normals;
+  };
+  for (const char* type : {"rectangle", "cube", "sphere"}) {
+    EXPECT_FALSE(flipped(type, "1 1 1")) << type;
+    for (const char* scale : {"-1 1 1", "1 -1 1", "1 1 -1", "-1 -1 -1"}) EXPECT_TRUE(flipped(type, scale)) << type;
+    EXPECT_FALSE(flipped(type, "-1 -1 1")) << type;
+  }
+  for (const char* type : {"disk", "cylinder"}) {
+    for (const char* scale : {"1 1 1", "-1 1 1", "1 1 -1", "-1 -1 -1"}) EXPECT_FALSE(flipped(type, scale)) << type;
+  }
+}
+
 TEST(MitsubaShapes, GroupsAreShownWhereTheirInstancesAre) {
   const Read result = read(around(R"(<shape type="shapegroup" id="g">
     <shape type="sphere"><transform name="to_world"><translate x="1"/></transform></shape><shape type="rectangle"/></shape>
@@ -578,7 +631,7 @@ TEST(MitsubaShapes, CylindersMayBeStretchedAlongTheirAxis) {
 TEST(MitsubaShapes, MirroredMeshesWithoutNormalsOfTheirOwnTurnInsideOut) {
   const Read result =
       read(around(R"(<shape type="obj"><string name="filename" value="m.obj"/><transform name="to_world">
-    <scale x="-1"/></transform></shape><shape type="rectangle"><transform name="to_world"><scale x="-1"/></transform></shape>)"));
+    <scale x="-1"/></transform></shape><shape type="disk"><transform name="to_world"><scale x="-1"/></transform></shape>)"));
   ASSERT_TRUE(result.scene.has_value()) << result.messages();
   EXPECT_TRUE(result.scene->instances.at(0).flip_normals);
   EXPECT_FALSE(result.scene->instances.at(1).flip_normals);
@@ -603,6 +656,32 @@ TEST(MitsubaSensor, LensesCropsAndMeters) {
   EXPECT_EQ(meter.type, Camera::Type::radiance_meter);
   EXPECT_EQ(meter.world_from_camera[2], glm::dvec4(0, 1, 0, 0));
   EXPECT_EQ(meter.world_from_camera[3], glm::dvec4(1, 2, 3, 1));
+}
+
+TEST(MitsubaSensor, AMeterStandsInItsRectangle) {
+  const std::string meter =
+      "<sensor type=\"irradiancemeter\"><film type=\"hdrfilm\"><integer name=\"width\" value=\"1\"/><integer "
+      "name=\"height\" value=\"2\"/></film></sensor>";
+  const auto scene_of = [&](const std::string& type, const std::string& properties) {
+    return read("<scene version=\"3.0.0\"><shape type=\"sphere\"/><shape type=\"" + type + "\">" + properties +
+                "<transform name=\"to_world\"><translate z=\"3\"/></transform>" + meter + "</shape></scene>");
+  };
+  const Read result = scene_of("rectangle", "");
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const Camera& camera = result.scene->camera;
+  EXPECT_EQ(camera.type, Camera::Type::irradiance_meter);
+  EXPECT_EQ(camera.width, 1u);
+  EXPECT_EQ(camera.height, 2u);
+  EXPECT_EQ(camera.world_from_camera[3], glm::dvec4(0, 0, 3, 1));
+  EXPECT_EQ(camera.world_from_camera[2], glm::dvec4(0, 0, 1, 0));
+  EXPECT_EQ(result.scene->instances.size(), 2u);  // the rectangle is seen, too
+  const Read flipped = scene_of("rectangle", "<boolean name=\"flip_normals\" value=\"true\"/>");
+  ASSERT_TRUE(flipped.scene.has_value()) << flipped.messages();
+  EXPECT_EQ(flipped.scene->camera.world_from_camera[2], glm::dvec4(0, 0, -1, 0));
+  EXPECT_GT(glm::determinant(glm::dmat3(flipped.scene->camera.world_from_camera)), 0.0);
+  EXPECT_NE(scene_of("cube", "").first_error().find("irradiancemeter on a cube"), std::string::npos);
+  EXPECT_NE(read(with_sensor(meter)).first_error().find("belongs into the <shape>"), std::string::npos);
+  EXPECT_NE(read("<scene version=\"3.0.0\"/>").first_error().find("<scene> needs a <sensor>"), std::string::npos);
 }
 
 TEST(MitsubaEmitters, EnvironmentMaps) {
@@ -695,6 +774,25 @@ TEST(MitsubaAdapters, BecomeRows) {
   EXPECT_EQ(blend.weight.value, 0.75);
   EXPECT_EQ(blend.first, 3u);
   EXPECT_EQ(blend.second, 4u);
+}
+
+TEST(MitsubaAdapters, BumpsHaveATextureOfAnyName) {
+  for (const char* name : {"", "name=\"displacement\" ", "name=\"floor_tiles\" "}) {
+    const Read result =
+        read(around(fmt::format("<shape type=\"rectangle\"><bsdf type=\"bumpmap\"><float name=\"scale\" value=\"2\"/>"
+                                "<texture {}type=\"bitmap\"><string name=\"filename\" value=\"p.png\"/></texture>"
+                                "<bsdf type=\"diffuse\"/></bsdf></shape>",
+                                name)));
+    ASSERT_TRUE(result.scene.has_value()) << result.messages();
+    const auto& bumps = std::get<BumpMapAdapter>(result.scene->materials.at(1).adapter.value());
+    EXPECT_EQ(bumps.height.value, 2.0);
+    EXPECT_TRUE(bumps.height.texture.has_value());
+  }
+  const Read lacking =
+      read(around("<shape type=\"rectangle\"><bsdf type=\"bumpmap\"><bsdf type=\"diffuse\"/></bsdf>"
+                  "</shape><shape type=\"rectangle\"><bsdf type=\"normalmap\"/></shape>"));
+  EXPECT_NE(lacking.messages().find("<bsdf type=\"bumpmap\"> needs a <texture>"), std::string::npos);
+  EXPECT_NE(lacking.messages().find("<bsdf type=\"normalmap\"> needs a <bsdf>"), std::string::npos);
 }
 
 TEST(MitsubaAdapters, AMaterialCannotStandInItself) {

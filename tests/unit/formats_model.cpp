@@ -82,6 +82,39 @@ TEST(Model, AnObjWithItsLibrary) {
   }
 }
 
+TEST(Model, OpacityIsAMask) {
+  const TemporaryFolder folder;
+  for (const std::uint32_t channels : {3u, 4u}) {
+    Bitmap bitmap{
+        .width = 1, .height = 1, .channels = channels, .format = BitmapFormat::u8, .color_space = ColorSpace::srgb};
+    bitmap.texels.resize(channels, std::byte{128});
+    write_bitmap(folder.path(channels == 4 ? "rgba.png" : "rgb.png"), bitmap);
+  }
+  folder.write("m.mtl",
+               "newmtl veil\nd 0.25\nnewmtl leaf\nmap_Kd rgba.png\nmap_d rgba.png\nnewmtl holes\nd 0\nmap_d rgb.png\n"
+               "newmtl solid\nKd 1 1 1\n");
+  const std::string path = folder.write(
+      "m.obj",
+      "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl veil\nf 1 2 3\nusemtl leaf\n"
+      "f 1/1 2/2 3/3\nusemtl holes\nf 1/1 2/2 3/3\nusemtl solid\nf 1 2 3\n");
+  Diagnostics diagnostics;
+  const auto file = read_scene_file(path, {}, diagnostics);
+  ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+  const Scene& scene = std::get<Scene>(*file);
+  ASSERT_EQ(scene.instances.size(), 4u);
+  const auto opacity = [&](std::size_t i) {
+    return std::get<MaskAdapter>(scene.materials.at(scene.instances[i].material).adapter.value()).opacity;
+  };
+  EXPECT_EQ(opacity(0).value, 0.25);
+  EXPECT_FALSE(opacity(0).texture.has_value());
+  EXPECT_EQ(opacity(1).channel, TextureChannel::alpha);
+  EXPECT_EQ(opacity(2).channel, TextureChannel::luminance);
+  EXPECT_EQ(opacity(2).value, 1.0);
+  EXPECT_EQ(std::get<BitmapTexture>(scene.textures.at(*opacity(2).texture).source).color_space, ColorSpace::linear);
+  EXPECT_FALSE(std::get<TriangleMesh>(scene.shape_of(scene.instances[2])).uv_sets.empty());
+  EXPECT_FALSE(scene.materials.at(scene.instances[3].material).adapter.has_value());
+}
+
 TEST(Model, APlyShowsItsColours) {
   const TemporaryFolder folder;
   const std::string path = folder.write(

@@ -266,7 +266,7 @@ TEST(SceneReader, TypesByOverride) {
   EXPECT_EQ(read_good(text, {{{"integrator.type", "path_mats"}}, true}).integrator.max_depth, 7u);
   EXPECT_EQ(read_good(text, {{{"sampler.type", "sobol"}}, true}).sampler.type, Sampler::Type::sobol);
   // A type that nobody knows may be replaced, too.
-  EXPECT_EQ(read_good("<scene><integrator type=\"bdpt\"><float name=\"x\" value=\"1\"/></integrator>"
+  EXPECT_EQ(read_good("<scene><integrator type=\"radiosity\"><float name=\"x\" value=\"1\"/></integrator>"
                       "<camera type=\"perspective\"/></scene>",
                       {{{"integrator.type", "depth"}}, true})
                 .integrator.type,
@@ -423,7 +423,7 @@ TEST(SceneReader, SobolSamplers) {
 
 TEST(SceneReader, OverridesThatMatchNothing) {
   for (const auto& [name, expected] : {std::pair{"camera.widht", "did you mean \"camera.width\"?"},
-                                       std::pair{"rfilter.B", "known here are: camera.cropHeight"},
+                                       std::pair{"rfilter.B", "known here are: camera.apertureRadius"},
                                        std::pair{"camera.toWorld", "has no property \"camera.toWorld\""}}) {
     const Parsed parsed = parse(scene_around(""), {{{name, "3"}}, false});
     EXPECT_FALSE(parsed.file.has_value());

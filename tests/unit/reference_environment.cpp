@@ -173,8 +173,8 @@ TEST(ReferenceEnvironment, SharesTheChoiceByPower) {
   EXPECT_EQ(Environment(scene, 0.0).lights_prob(), 0.0);
   EXPECT_NEAR(Environment(scene, power).lights_prob(), 0.5, 1e-4);
   EXPECT_NEAR(Environment(scene, 3.0 * power).lights_prob(), 0.75, 1e-4);
-  EXPECT_NEAR(Environment(scene, 1e9 * power).lights_prob(), 0.875, 1e-9);
-  EXPECT_NEAR(Environment(scene, 1e-9 * power).lights_prob(), 0.125, 1e-9);
+  EXPECT_NEAR(Environment(scene, 1e9 * power).lights_prob(), 0.75, 1e-9);
+  EXPECT_NEAR(Environment(scene, 1e-9 * power).lights_prob(), 0.25, 1e-9);
   std::uint32_t lights = 0;
   const Environment half(scene, power);
   for (std::uint32_t i = 0; i < 10000; ++i) lights += half.sample(numbers(i)) ? 0 : 1;

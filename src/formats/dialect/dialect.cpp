@@ -15,6 +15,21 @@ bool contains(const Words& words, std::string_view word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+/// Whether two words differ in nothing but capitals, hyphens and underscores: pointLight, point_light, PointLight.
+bool is_spelling_of(std::string_view a, std::string_view b) {
+  std::size_t i = 0, j = 0;
+  const auto skip = [](std::string_view word, std::size_t& at) {
+    while (at < word.size() && (word[at] == '_' || word[at] == '-')) ++at;
+  };
+  const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  for (;;) {
+    skip(a, i);
+    skip(b, j);
+    if (i == a.size() || j == b.size()) return i == a.size() && j == b.size();
+    if (small(a[i++]) != small(b[j++])) return false;
+  }
+}
+
 std::string type_of(const Parameter& p) {
   if (p.type == ParameterType::object) return fmt::format("`<{}>`", p.child);
   return *p.child == '\0' ? tag_of(p.type) : fmt::format("{} or `<{}>`", tag_of(p.type), p.child);
@@ -99,18 +114,39 @@ std::string_view Dialect::canonical(std::string_view tag) const {
 }
 
 std::string_view Dialect::canonical_type(std::string_view tag, std::string_view type) const {
-  const auto found = std::find_if(type_aliases.begin(), type_aliases.end(),
-                                  [&](const TypeAlias& a) { return a.tag == tag && a.word == type; });
-  return found == type_aliases.end() ? type : found->type;
+  const auto find_alias = [&](const auto& is_word) {
+    const auto found = std::ranges::find_if(
+        type_aliases, [&](const TypeAlias& alias) { return alias.tag == tag && is_word(alias.word); });
+    return found == type_aliases.end() ? std::string_view() : found->type;
+  };
+  if (const std::string_view known = find_alias([&](std::string_view word) { return word == type; }); !known.empty())
+    return known;
+  if (!any_spelling) return type;
+  for (const Plugin& plugin : plugins) {
+    if (plugin.tag == tag && plugin.type == type) return type;
+  }
+  for (const Plugin& plugin : plugins) {
+    if (plugin.tag == tag && is_spelling_of(plugin.type, type)) return plugin.type;
+  }
+  const std::string_view known = find_alias([&](std::string_view word) { return is_spelling_of(word, type); });
+  return known.empty() ? type : known;
 }
 
 const Parameter* Dialect::find_parameter(const Plugin& plugin, std::string_view name) const {
   if (const Parameter* parameter = plugin.find(name)) return parameter;
-  for (const ParameterAlias& alias : parameter_aliases) {
-    if (alias.word != name) continue;
-    if (const Parameter* parameter = plugin.find(alias.name)) return parameter;
+  const auto find_alias = [&](const auto& is_word) -> const Parameter* {
+    for (const ParameterAlias& alias : parameter_aliases) {
+      if (!is_word(alias.word)) continue;
+      if (const Parameter* parameter = plugin.find(alias.name)) return parameter;
+    }
+    return nullptr;
+  };
+  if (const Parameter* known = find_alias([&](std::string_view word) { return word == name; })) return known;
+  if (!any_spelling) return nullptr;
+  for (const Parameter& parameter : plugin.parameters) {
+    if (is_spelling_of(parameter.name, name)) return &parameter;
   }
-  return nullptr;
+  return find_alias([&](std::string_view word) { return is_spelling_of(word, name); });
 }
 
 const Plugin* Dialect::find(std::string_view tag, std::string_view type) const {

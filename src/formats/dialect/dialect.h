@@ -91,6 +91,8 @@ struct Dialect {
   MeshFacts mesh_facts;
   std::vector<TypeAlias> type_aliases = {};
   std::vector<ParameterAlias> parameter_aliases = {};
+  /// Words of types and properties may differ in capitals, hyphens and underscores.
+  bool any_spelling = false;
 
   /// The word of the table for a tag.
   std::string_view canonical(std::string_view tag) const;

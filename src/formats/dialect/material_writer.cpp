@@ -16,7 +16,7 @@ void MaterialWriter::refuse(const std::string& what) const {
 
 void MaterialWriter::color(const char* name, const ColorParameter& parameter) {
   if (!parameter.texture) return color(name, parameter.value);
-  write_texture(name, *parameter.texture, parameter.value, TextureChannel::luminance);
+  write_texture(name, *parameter.texture, parameter.value, std::nullopt);
 }
 
 void MaterialWriter::number(const char* name, const ScalarParameter& parameter) {

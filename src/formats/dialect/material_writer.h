@@ -2,6 +2,7 @@
 /// What the writers of scene files share: materials, which the dialects write alike but for some words.
 
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -51,7 +52,8 @@ class MaterialWriter {
 
  private:
   /// The texture that stands for a property, multiplied by `factor`; of numbers one channel.
-  virtual void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor, TextureChannel channel) = 0;
+  virtual void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor,
+                             std::optional<TextureChannel> channel) = 0;
   /// Opens the element, like write_bsdf.
   virtual void write_microfacet(const std::string& id, const MicrofacetBsdf& bsdf) = 0;
 

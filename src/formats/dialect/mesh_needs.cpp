@@ -18,17 +18,21 @@ std::string attribute_of(const Texture& texture) {
 }
 
 MeshContent content_for(std::uint32_t row, const AreaEmitter* emitter, const Scene& scene) {
-  MeshContent content{.uv = false, .colors = false};
+  MeshContent content{.uv = false, .textured = false, .colors = false};
   std::set<std::string> attributes;
   const auto add = [&](const char*, const auto& parameter) {
     if (!parameter.texture) return;
     const Texture& texture = scene.textures[*parameter.texture];
     const bool colors = std::holds_alternative<AttributeTexture>(texture.source);
-    (colors ? content.colors : content.uv) = true;
+    (colors ? content.colors : content.textured) = true;
     if (colors) attributes.insert(attribute_of(texture));
   };
-  each_material(scene, row, [&](const Material& material) { each_parameter(material, add); });
+  each_material(scene, row, [&](const Material& material) {
+    each_parameter(material, add);
+    content.uv |= is_aligned(material);
+  });
   if (emitter != nullptr) each_parameter(*emitter, add);
+  content.uv |= content.textured;
   if (!attributes.empty()) content.attribute = *attributes.begin();
   content.attributes = attributes.size();
   return content;

@@ -279,7 +279,7 @@ void Object::add_named_child(const XmlElement& child, const XmlElement& object, 
 void Object::report_unknown_property(const XmlAttribute& name, ReadContext& context) const {
   if (!context.strict && !context.diagnostics.wants_warnings()) return;
   // What belongs to the type that -D has replaced is not wrong.
-  if (retyped_ && (in_file_ == nullptr || in_file_->find(name.value) != nullptr)) return;
+  if (retyped_ && (in_file_ == nullptr || context.dialect.find_parameter(*in_file_, name.value) != nullptr)) return;
   const std::vector<std::string> names = plugin_->parameter_names();
   const std::string known = names.empty() ? "it has none" : "it has: " + text::join(names);
   const std::string message = fmt::format("{} has no property {}{}; {}", heading(), text::quoted(name.value),

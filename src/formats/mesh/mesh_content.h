@@ -13,6 +13,7 @@ namespace etendue {
 /// What of a mesh file is wanted beside its surface. What nothing uses costs no memory, and splits no vertices.
 struct MeshContent {
   bool uv = true;
+  bool textured = true;  ///< textures use them, or else only the direction of materials
   bool colors = true;
   /// Of PLY files: what is read as colours instead, the properties NAME_0 to NAME_2, or NAME_0 alone as grey.
   std::string attribute = {};

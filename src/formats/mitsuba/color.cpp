@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include <fmt/format.h>
 
+#include "core/errors.h"
 #include "core/text.h"
 #include "formats/mitsuba/mitsuba_object.h"
+#include "formats/mitsuba/plugins.h"
 
 namespace etendue {
 namespace {
@@ -58,21 +61,134 @@ std::vector<SpectrumPoint> read_points(std::string_view text) {
   return points;
 }
 
+/// What a raw texture may hold in place of a colour: three numbers, or x, y and z.
+glm::dvec3 read_vector(const XmlElement& element) {
+  if (const XmlAttribute* value = element.find("value"))
+    return at_attribute(*value, [&] { return parse_triple(value->value); });
+  glm::dvec3 vector(0.0);
+  const char* axes[] = {"x", "y", "z"};
+  for (int i = 0; i < 3; ++i) {
+    if (const XmlAttribute* axis = element.find(axes[i]))
+      vector[i] =
+          at_attribute(*axis, [&] { return std::get<double>(parse_value(ParameterType::real, {}, axis->value)); });
+  }
+  return vector;
+}
+
 const XmlAttribute& required(const XmlElement& element, const char* name) {
   if (const XmlAttribute* attribute = element.find(name)) return *attribute;
   throw ValueError{element.offset, fmt::format("<{}> lacks its attribute \"{}\"", element.name, name)};
 }
 
+/// A property of <spectrum type="…">; nullptr where it is not given.
+const XmlElement* property_of(const XmlElement& spectrum, std::initializer_list<std::string_view> names) {
+  for (const XmlElement& child : spectrum.children) {
+    const XmlAttribute* name = child.find("name");
+    if (name != nullptr && std::ranges::find(names, snake_case(name->value)) != names.end()) return &child;
+  }
+  return nullptr;
+}
+
+double number_of(const XmlElement& spectrum, const char* name, double fallback) {
+  const XmlElement* property = property_of(spectrum, {name});
+  if (property == nullptr) return fallback;
+  const XmlAttribute& value = required(*property, "value");
+  return at_attribute(value, [&] { return std::get<double>(parse_value(ParameterType::real, {}, value.value)); });
+}
+
+std::vector<ListedNumber> numbers_of(const XmlElement& spectrum, const char* name) {
+  const XmlElement* property = property_of(spectrum, {name});
+  if (property == nullptr) throw ValueError{spectrum.offset, fmt::format("the spectrum lacks \"{}\"", name)};
+  const XmlAttribute& value = required(*property, "value");
+  return at_attribute(value, [&] { return parse_numbers(value.value); });
+}
+
+/// Values at wavelengths, which ascend.
+std::vector<SpectrumPoint> make_points(const std::vector<double>& wavelengths, const std::vector<double>& values,
+                                       std::size_t offset) {
+  if (wavelengths.size() != values.size() || values.size() < 2)
+    throw ValueError{offset,
+                     fmt::format("{} wavelengths and {} values; there must be as many of both, and two at least",
+                                 wavelengths.size(), values.size())};
+  std::vector<SpectrumPoint> points;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i > 0 && !(wavelengths[i] > wavelengths[i - 1]))
+      throw ValueError{offset,
+                       fmt::format("the wavelength {} does not come after {}", wavelengths[i], wavelengths[i - 1])};
+    points.push_back({wavelengths[i], values[i]});
+  }
+  return points;
+}
+
+std::vector<double> plain(const std::vector<ListedNumber>& listed) {
+  std::vector<double> values;
+  for (const ListedNumber& number : listed) values.push_back(number.value);
+  return values;
+}
+
+std::vector<SpectrumPoint> read_sampled(const XmlElement& element, bool evenly) {
+  const std::vector<double> values = plain(numbers_of(element, "values"));
+  std::vector<double> wavelengths;
+  if (evenly) {
+    const double first = number_of(element, "wavelength_min", 360.0),
+                 last = number_of(element, "wavelength_max", 830.0);
+    const double steps = std::max<double>(static_cast<double>(values.size()) - 1.0, 1.0);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      wavelengths.push_back(std::lerp(first, last, static_cast<double>(i) / steps));
+  } else {
+    wavelengths = plain(numbers_of(element, "wavelengths"));
+  }
+  return make_points(wavelengths, values, element.offset);
+}
+
+/// As in Mitsuba's variants with RGB, where D65 and what is uniform are grey.
+glm::dvec3 read_typed(const XmlElement& element, std::string_view type, SpectrumUse use,
+                      const MitsubaContext& context) {
+  if (type == "uniform" || type == "rawconstant") return glm::dvec3(number_of(element, "value", 1.0));
+  if (type == "d65") return glm::dvec3(number_of(element, "scale", 1.0));
+  if (type == "regular" || type == "irregular") return to_rec709(read_sampled(element, type == "regular"), use);
+  const XmlElement* color = property_of(element, {"value", "color"});
+  if ((type == "rgb" || type == "srgb") && color != nullptr && color->name != "spectrum")
+    return read_color(*color, use, context);
+  context.missing.add(fmt::format("spectrum {}", type), context.document.position(element), "white");
+  return glm::dvec3(1.0);
+}
+
+/// A line for each wavelength, with its value; what follows # is a comment.
+glm::dvec3 read_spectrum_file(const XmlAttribute& file, SpectrumUse use, const MitsubaContext& context) {
+  const std::string path = context.document.resolve(file.value);
+  std::string text;
+  try {
+    text = context.load_text(path);
+  } catch (const Error& error) {
+    throw ValueError{file.value_offset, fmt::format("spectrum {}", error.what())};
+  }
+  std::vector<double> wavelengths, values;
+  std::size_t number = 0;
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    const std::string_view line = text::trim(rest.substr(0, std::min(end, rest.find('#'))));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    ++number;
+    if (line.empty()) continue;
+    std::vector<ListedNumber> pair;
+    try {
+      pair = parse_numbers(line);
+    } catch (const ValueError& error) {
+      throw ValueError{file.value_offset, fmt::format("{}:{}: {}", path, number, error.message)};
+    }
+    if (pair.size() != 2)
+      throw ValueError{file.value_offset, fmt::format("{}:{}: expected a wavelength and a value, found {} numbers",
+                                                      path, number, pair.size())};
+    wavelengths.push_back(pair[0].value);
+    values.push_back(pair[1].value);
+  }
+  return to_rec709(make_points(wavelengths, values, file.value_offset), use);
+}
+
 glm::dvec3 read_spectrum(const XmlElement& element, SpectrumUse use, const MitsubaContext& context) {
-  if (const XmlAttribute* type = element.find("type")) {
-    context.missing.add(fmt::format("spectrum {}", type->value), context.document.position(element), "white");
-    return glm::dvec3(1.0);
-  }
-  if (const XmlAttribute* file = element.find("filename")) {
-    context.missing.add(fmt::format("spectrum in a file, {}", file->value), context.document.position(element),
-                        "white");
-    return glm::dvec3(1.0);
-  }
+  if (const XmlAttribute* type = element.find("type")) return read_typed(element, type->value, use, context);
+  if (const XmlAttribute* file = element.find("filename")) return read_spectrum_file(*file, use, context);
   const XmlAttribute& value = required(element, "value");
   return at_attribute(value, [&] {
     if (value.value.find(':') != std::string::npos) return to_rec709(read_points(value.value), use);
@@ -88,6 +204,7 @@ glm::dvec3 read_color(const XmlElement& element, SpectrumUse use, const MitsubaC
     context.missing.add("blackbody", context.document.position(element), "white");
     return glm::dvec3(1.0);
   }
+  if (element.name == "vector") return read_vector(element);
   const bool known = element.name == "rgb" || element.name == "srgb" || element.name == "color" ||
                      element.name == "float" || element.name == "integer";
   if (!known)

@@ -52,37 +52,40 @@ std::optional<Adapter> MitsubaMaterials::read_adapter(const MitsubaObject& objec
   if (type != "twosided" && type != "mask" && type != "blendbsdf" && !turns) return std::nullopt;
   std::vector<std::uint32_t> rows;
   for (const XmlElement* child : object.children("bsdf")) rows.push_back(row_of(*child));
-  if (rows.empty()) return std::nullopt;  // has been reported
+  if (rows.empty()) rows.push_back(default_row(false, object.position()));  // has been reported
   if (type == "twosided") return TwoSidedAdapter{rows.front(), rows.back()};
-  std::optional<Adapter> adapter;
-  if (turns) {
-    const XmlElement* map = type == "normalmap" ? object.texture("normalmap") : bump_texture(object);
-    if (map == nullptr) {
-      context_.sink.error(object.position(), fmt::format("{} needs a texture", type));
-    } else if (type == "normalmap") {
-      adapter.emplace(NormalMapAdapter{textures_.parameter({glm::dvec3(0.0), map}), rows.front()});
-    } else {
-      ScalarParameter height = textures_.scalar(*map);
-      height.value *= object.real("scale");
-      adapter.emplace(BumpMapAdapter{height, rows.front()});
-    }
-    return adapter;
-  }
+  if (turns) return read_map(object, rows.front());
   const ScalarParameter share = share_of(object, type == "mask" ? "opacity" : "weight");
-  if (type == "mask")
-    adapter.emplace(MaskAdapter{share, rows.front()});
-  else
-    adapter.emplace(BlendAdapter{share, rows.front(), rows.back()});
-  return adapter;
+  if (type == "mask") return MaskAdapter{share, rows.front()};
+  return BlendAdapter{share, rows.front(), rows.back()};
 }
 
-/// It may have any name, or none.
-const XmlElement* MitsubaMaterials::bump_texture(const MitsubaObject& object) {
-  for (const char* name : {"displacement", "map", "texture", "bumpmap", "bump", "arbitrary"}) {
-    if (const XmlElement* texture = object.texture(name)) return texture;
+Adapter MitsubaMaterials::read_map(const MitsubaObject& object, std::uint32_t inner) {
+  refuse_without_defaults(object);
+  const Adapter none = MaskAdapter{1.0, inner};
+  if (object.type() == "normalmap") {
+    const XmlElement* map = object.texture("normalmap");
+    if (map == nullptr) {
+      context_.sink.error(object.position(), "normalmap needs a texture");
+      return none;
+    }
+    ColorParameter normals = textures_.parameter({glm::dvec3(0.0), map});
+    if (!normals.texture) normals = {glm::dvec3(1.0), textures_.add_constant(normals.value, object.position())};
+    return NormalMapAdapter{normals, inner};
   }
-  const std::vector<const XmlElement*> unnamed = object.children("texture");
-  return unnamed.empty() ? nullptr : unnamed.front();
+  const std::vector<const XmlElement*> maps = object.children("texture");  // whatever its name is
+  if (maps.empty()) return none;                                           // has been reported
+  ScalarParameter height = textures_.scalar(*maps.front());
+  height.value *= object.real("scale");
+  if (!height.texture) return none;  // what is equally high everywhere is flat
+  return BumpMapAdapter{height, inner};
+}
+
+void MitsubaMaterials::refuse_without_defaults(const MitsubaObject& map) {
+  for (const char* name : {"flip_invalid_normals", "use_shadowing_function"}) {
+    if (!map.boolean(name))
+      context_.missing.add(fmt::format("{} without {}", map.type(), name), map.position_of(name), "with it");
+  }
 }
 
 ScalarParameter MitsubaMaterials::share_of(const MitsubaObject& object, const char* name) {

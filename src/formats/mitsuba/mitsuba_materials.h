@@ -25,7 +25,10 @@ class MitsubaMaterials {
   Bsdf read(const MitsubaObject& object);
   /// Nothing for a material of its own; the rows of what it chooses from are read first.
   std::optional<Adapter> read_adapter(const MitsubaObject& object);
-  static const XmlElement* bump_texture(const MitsubaObject& object);
+  /// A normal or bump map.
+  Adapter read_map(const MitsubaObject& object, std::uint32_t inner);
+  /// What normal and bump maps do unless they are told not to.
+  void refuse_without_defaults(const MitsubaObject& map);
   /// A probability, or the texture that stands for it.
   ScalarParameter share_of(const MitsubaObject& object, const char* name);
   Bsdf read_principled(const MitsubaObject& object);

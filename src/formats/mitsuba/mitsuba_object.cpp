@@ -119,10 +119,10 @@ void MitsubaObject::add_object(const XmlElement& child, const XmlElement& object
   }
   const XmlAttribute* name = child.find("name");
   if (tag == "texture" || is_property_tag(object)) {
-    if (name == nullptr) {
-      if (plugin_->find_child(tag) != nullptr) children_.emplace_back("texture", &object);
-      return;
-    }
+    const bool unnamed = name == nullptr || plugin_->find(snake_case(name->value)) == nullptr;
+    if (tag == "texture" && unnamed && plugin_->find_child(tag) != nullptr)  // whatever its name is
+      return children_.emplace_back("texture", &object), void();
+    if (name == nullptr) return;
     return add_property(child, object);
   }
   const ChildRule* rule = plugin_->find_child(tag);

@@ -19,6 +19,7 @@ struct MitsubaContext {
   const Dialect& dialect;
   Diagnostics& sink;
   MissingFeatures& missing;
+  const TextLoader& load_text;
   bool strict = false;
 };
 

@@ -23,6 +23,8 @@ namespace fs = std::filesystem;
 
 /// Paths in a set of the sampler that stands for all of Mitsuba's well-spread ones: 2^4.
 constexpr std::uint32_t kSetBits = 4;
+/// Meters of Mitsuba see everything; on a surface a ray must not meet the surface itself. In units of the camera.
+constexpr double kMeterNearClip = 1e-5, kMeterFarClip = 1e10;
 
 /// Turns the objects of a document into a Scene. Every function reports what is wrong and goes on with something
 /// usable, so that one pass finds all problems.
@@ -71,6 +73,7 @@ class MitsubaReader {
     }
     if (!object) object = MitsubaObject::defaulted("integrator", "path", root.position(), context_);
     if (object->type() == "ao") return read_occlusion(*object);
+    if (object->type() == "depth") return void(scene_.integrator.type = Integrator::Type::distance);
     const bool direct = object->type() == "direct";
     if (!direct && object->type() != "path")
       context_.sink.note(object->position(), fmt::format("the integrator {} is taken as path, which computes the same "
@@ -120,12 +123,14 @@ class MitsubaReader {
 
   void read_sensor(const MitsubaObject& root) {
     const std::vector<const XmlElement*> sensors = root.children("sensor");
-    if (sensors.empty()) return;  // reported
+    if (sensors.empty()) return read_meter_of_shape(root);
     if (sensors.size() > 1)
       context_.sink.note(context_.document.position(*sensors[1]),
                          fmt::format("the scene has {} sensors; the first one is rendered", sensors.size()));
     std::optional<MitsubaObject> sensor = MitsubaObject::read(*sensors.front(), context_, "perspective, 40 degrees");
     if (!sensor) return;
+    if (sensor->type() == "irradiancemeter")
+      return context_.sink.error(sensor->position(), "an irradiancemeter belongs into the <shape> that light falls on");
     Camera& camera = scene_.camera;
     camera.position = sensor->position();
     camera.type = camera_type(sensor->type());
@@ -137,6 +142,34 @@ class MitsubaReader {
     camera.world_from_camera = sensor->matrix("to_world");
     if (camera.type == Camera::Type::radiance_meter) read_meter(*sensor, camera);
     read_sampler(*sensor);
+  }
+
+  /// What measures the light that a shape receives stands in the shape.
+  void read_meter_of_shape(const MitsubaObject& root) {
+    for (const XmlElement* element : root.children("shape")) {
+      const auto is_sensor = [&](const XmlElement& child) {
+        return context_.dialect.canonical(child.name) == "sensor";
+      };
+      if (std::ranges::none_of(element->children, is_sensor)) continue;
+      const auto shape = MitsubaObject::read(*element, context_, "left out");
+      if (!shape) return;
+      const auto sensor = MitsubaObject::read(*shape->children("sensor").front(), context_, "left out");
+      if (!sensor) return;
+      if (sensor->type() != "irradiancemeter" || shape->type() != "rectangle")
+        return context_.missing.add(fmt::format("{} on a {}", sensor->type(), shape->type()), sensor->position(),
+                                    "an irradiancemeter at the origin");
+      Camera& camera = scene_.camera;
+      camera.position = sensor->position();
+      camera.type = Camera::Type::irradiance_meter;
+      camera.world_from_camera = shape->matrix("to_world");
+      if (shape->boolean("flip_normals"))
+        for (const int axis : {0, 2}) camera.world_from_camera[axis] = -camera.world_from_camera[axis];
+      camera.near_clip = kMeterNearClip;
+      camera.far_clip = kMeterFarClip;
+      read_film(*sensor, camera);
+      return read_sampler(*sensor);
+    }
+    context_.sink.error(root.position(), "<scene> needs a <sensor>");
   }
 
   static Camera::Type camera_type(std::string_view type) {
@@ -161,6 +194,8 @@ class MitsubaReader {
 
   /// Its place and direction may be given without a transform.
   void read_meter(const MitsubaObject& sensor, Camera& camera) {
+    if (!sensor.given("near_clip")) camera.near_clip = kMeterNearClip;
+    if (!sensor.given("far_clip")) camera.far_clip = kMeterFarClip;
     if (!sensor.given("origin") && !sensor.given("direction")) return;
     const glm::dvec3 direction = sensor.triple("direction");
     if (!(glm::length(direction) > 0.0))
@@ -331,7 +366,7 @@ std::optional<Scene> parse_mitsuba_scene(std::unique_ptr<XmlDocument> document, 
   Scene scene;
   // After other errors a file may be missing that defines what the rest refers to.
   if (diagnostics.error_count() == errors_before) {
-    const MitsubaContext context{mitsuba, mitsuba_dialect(), diagnostics, missing, options.strict};
+    const MitsubaContext context{mitsuba, mitsuba_dialect(), diagnostics, missing, files.text, options.strict};
     MitsubaReader(context, files, scene).read();
     missing.report(mitsuba.position(mitsuba.root()), diagnostics);
     if (options.approximate) scene.approximations = missing.substitutes();

@@ -117,10 +117,6 @@ std::optional<Instance> MitsubaShapes::read(const MitsubaObject& object) {
   instance.shape = geometry->shape;
   const bool mirrored = glm::determinant(glm::dmat3(instance.world_from_object)) < 0.0;
   instance.flip_normals = object.boolean("flip_normals") != (mirrored && geometry->normals_by_winding);
-  if (instance.flip_normals && object.type() == "sphere") {
-    instance.flip_normals = false;
-    context_.missing.add("flip_normals of a sphere", object.position_of("flip_normals"), "not flipped");
-  }
   return instance;
 }
 
@@ -129,7 +125,7 @@ std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_geometry(const Mitsub
   const std::string_view type = object.type();
   const MeshFormat* format = find_mesh_format(type);
   if (format != nullptr || type == "serialized") return read_mesh(object, format, content, instance.name);
-  if (type == "sphere") return add_shape(Sphere{object.triple("center"), object.real("radius")});
+  if (type == "sphere") return add_shape(Sphere{object.triple("center"), object.real("radius")}, true);
   if (type == "cylinder") return read_cylinder(object, instance);
   std::optional<Geometry>& known = type == "rectangle" ? rectangle_ : type == "cube" ? cube_ : disk_;
   if (known) return known;
@@ -137,7 +133,7 @@ std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_geometry(const Mitsub
   if (type != "rectangle" && type != "cube") throw std::logic_error(fmt::format("the reader has no shape {}", type));
   TriangleMesh mesh = type == "rectangle" ? make_rectangle() : make_cube();
   turn_over(mesh);
-  return known = add_shape(std::move(mesh));
+  return known = add_shape(std::move(mesh), true);
 }
 
 std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_cylinder(const MitsubaObject& object, Instance& instance) {
@@ -184,6 +180,7 @@ std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_mesh(const MitsubaObj
               .face_normals = object.boolean("face_normals"),
               .flip_tex_coords = false,
               .uv = content.uv,
+              .textured = content.textured,
               .colors = content.colors,
               .attribute = content.attribute};
   if (content.attributes > 1) context_.missing.add("several attributes of one mesh", position, "one of them");
@@ -215,6 +212,7 @@ void MitsubaShapes::set_coordinates(const MeshKey& key, const SourcePosition& po
     if (!key.flip_tex_coords) turn_over(mesh);
     return;
   }
+  if (!key.textured) return;
   context_.sink.note(position,
                      "the mesh has no texture coordinates: each triangle shows the texture from (0,0) to (1,0) "
                      "and (0,1)");

@@ -25,7 +25,7 @@ class MitsubaShapes {
   struct MeshKey {
     std::string path;
     std::int64_t index;
-    bool face_normals, flip_tex_coords, uv, colors;
+    bool face_normals, flip_tex_coords, uv, textured, colors;
     std::string attribute;
     auto operator<=>(const MeshKey&) const = default;
   };

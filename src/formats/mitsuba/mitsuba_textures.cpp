@@ -23,12 +23,12 @@ const glm::dmat3 kFlip = {1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0};
 
 ColorParameter MitsubaTextures::parameter(const MitsubaColor& color) {
   if (color.texture == nullptr) return color.value;
-  const Scaled found = scaled(*color.texture, 0);
+  const Scaled found = scaled(*color.texture, false, 0);
   return found.row ? ColorParameter(found.factor, *found.row) : ColorParameter(found.factor);
 }
 
 ScalarParameter MitsubaTextures::scalar(const XmlElement& texture) {
-  const Scaled found = scaled(texture, 0);
+  const Scaled found = scaled(texture, true, 0);
   if (!found.row) return found.factor.x;
   return {found.factor.x, *found.row, TextureChannel::luminance};
 }
@@ -40,12 +40,12 @@ glm::dvec3 MitsubaTextures::constant(const MitsubaColor& color, const char* of) 
   return found.value * kGrey;
 }
 
-MitsubaTextures::Scaled MitsubaTextures::scaled(const XmlElement& texture, int depth) {
-  if (const auto found = rows_.find(&texture); found != rows_.end()) return found->second;
-  return rows_[&texture] = read(texture, depth);
+MitsubaTextures::Scaled MitsubaTextures::scaled(const XmlElement& texture, bool number, int depth) {
+  if (const auto found = rows_.find({&texture, number}); found != rows_.end()) return found->second;
+  return rows_[{&texture, number}] = read(texture, number, depth);
 }
 
-MitsubaTextures::Scaled MitsubaTextures::read(const XmlElement& texture, int depth) {
+MitsubaTextures::Scaled MitsubaTextures::read(const XmlElement& texture, bool number, int depth) {
   const Scaled grey{.factor = glm::dvec3(kGrey), .row = {}};
   const auto object = MitsubaObject::read(texture, context_, "grey, 0.5");
   if (!object) return grey;
@@ -54,7 +54,7 @@ MitsubaTextures::Scaled MitsubaTextures::read(const XmlElement& texture, int dep
     return read ? Scaled{.factor = glm::dvec3(1.0), .row = add(std::move(*read))} : grey;
   };
   if (type == "bitmap") return row(read_bitmap(*object));
-  if (type == "checkerboard") return row(read_checkerboard(*object));
+  if (type == "checkerboard") return row(read_checkerboard(*object, number));
   if (type == "mesh_attribute" || type == "vertexcolors") {
     Scaled result = row(read_attribute(*object));
     if (type == "mesh_attribute") result.factor *= object->real("scale");
@@ -68,7 +68,7 @@ MitsubaTextures::Scaled MitsubaTextures::read(const XmlElement& texture, int dep
   }
   const std::vector<const XmlElement*> within = object->children("texture");
   if (within.empty()) return grey;  // reported
-  Scaled result = scaled(*within.front(), depth + 1);
+  Scaled result = scaled(*within.front(), number, depth + 1);
   result.factor *= object->color("scale", SpectrumUse::index).value;
   return result;
 }
@@ -76,6 +76,10 @@ MitsubaTextures::Scaled MitsubaTextures::read(const XmlElement& texture, int dep
 std::uint32_t MitsubaTextures::add(Texture texture) {
   scene_.textures.push_back(std::move(texture));
   return static_cast<std::uint32_t>(scene_.textures.size() - 1);
+}
+
+std::uint32_t MitsubaTextures::add_constant(const glm::dvec3& color, const SourcePosition& position) {
+  return add({.source = CheckerboardTexture{color, color}, .name = "constant", .position = position});
 }
 
 std::optional<Texture> MitsubaTextures::read_bitmap(const MitsubaObject& object) {
@@ -159,9 +163,11 @@ glm::dmat3 MitsubaTextures::uv_transform(const MitsubaObject& object) {
   return old * object.uv_matrix("to_uv");
 }
 
-Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object) {
-  const CheckerboardTexture board{constant(object.color("color0", SpectrumUse::reflectance), "a checkerboard"),
-                                  constant(object.color("color1", SpectrumUse::reflectance), "a checkerboard")};
+Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object, bool number) {
+  CheckerboardTexture board{constant(object.color("color0", SpectrumUse::reflectance), "a checkerboard"),
+                            constant(object.color("color1", SpectrumUse::reflectance), "a checkerboard")};
+  // As a number Mitsuba's (3.9) has its colours the other way round.
+  if (number) std::swap(board.color0, board.color1);
   return {.source = board,
           .uv_transform = uv_transform(object) * kFlip + glm::dmat3(0.0),
           .name = "checkerboard",

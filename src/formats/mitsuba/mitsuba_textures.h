@@ -23,6 +23,8 @@ class MitsubaTextures {
   ScalarParameter scalar(const XmlElement& texture);
   /// Where no texture can stand: grey in its place, which is noted with `of`, the name of the property.
   glm::dvec3 constant(const MitsubaColor& color, const char* of);
+  /// The row of a new texture that is the same everywhere.
+  std::uint32_t add_constant(const glm::dvec3& color, const SourcePosition& position);
   /// A picture by its name in the scene; null after reporting why not.
   std::shared_ptr<const Bitmap> picture(const MitsubaObject& object);
 
@@ -32,10 +34,11 @@ class MitsubaTextures {
     glm::dvec3 factor{1.0};
     std::optional<std::uint32_t> row;
   };
-  Scaled scaled(const XmlElement& texture, int depth);
-  Scaled read(const XmlElement& texture, int depth);
+  /// `number`: it stands for one, not for a colour.
+  Scaled scaled(const XmlElement& texture, bool number, int depth);
+  Scaled read(const XmlElement& texture, bool number, int depth);
   std::optional<Texture> read_bitmap(const MitsubaObject& object);
-  Texture read_checkerboard(const MitsubaObject& object);
+  Texture read_checkerboard(const MitsubaObject& object, bool number);
   std::optional<Texture> read_attribute(const MitsubaObject& object);
   TextureWrap wrap(const MitsubaObject& object, const char* name);
   void set_filter(const MitsubaObject& object, BitmapTexture& picture);
@@ -46,7 +49,7 @@ class MitsubaTextures {
   const MitsubaContext& context_;
   const MitsubaFiles& files_;
   Scene& scene_;
-  std::map<const XmlElement*, Scaled> rows_;
+  std::map<std::pair<const XmlElement*, bool>, Scaled> rows_;
   std::map<std::string, std::shared_ptr<const Bitmap>> pictures_;  ///< by path; null where it cannot be read
   std::map<const Bitmap*, std::uint32_t> bitmaps_;                 ///< their rows
 };

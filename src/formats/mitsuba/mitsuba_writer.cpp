@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -107,8 +108,10 @@ class MitsubaWriter : MaterialWriter {
       xml_.integer("rr_depth", integrator.rr_depth == 0 ? kNever : std::int64_t{integrator.rr_depth});
       if (!integrator.nee || !integrator.mis)
         differs("Mitsuba's path always samples lights and weighs strategies; its light is the same, its noise is not");
+    } else if (integrator.type == distance) {
+      xml_.open("integrator", {{"type", "depth"}});
     } else {
-      refuse("the integrator is neither path nor direct");
+      refuse("the integrator is neither path nor direct nor distance");
     }
     if (integrator.hide_emitters) xml_.boolean("hide_emitters", true);
     xml_.close();
@@ -275,20 +278,24 @@ class MitsubaWriter : MaterialWriter {
   }
 
   /// At its first use with an id, later by that.
-  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor, TextureChannel channel) override {
+  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor,
+                     std::optional<TextureChannel> channel) override {
     const std::string id = fmt::format("texture-{}", textures_.size());
     const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z, channel}, id);
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
-    const Texture& texture = scene_.textures[row];
-    if (channel != TextureChannel::luminance) {
+    Texture texture = scene_.textures[row];
+    if (channel.value_or(TextureChannel::luminance) != TextureChannel::luminance) {
       const auto* picture = std::get_if<BitmapTexture>(&texture.source);
       if (picture == nullptr) refuse("a number is a channel of a texture that is no picture");
       open_picture(name, known->second, texture, *picture);
-      xml_.text("filename", files_.picture(channel_of(*picture, factor.x, channel)));
+      xml_.text("filename", files_.picture(channel_of(*picture, factor.x, *channel)));
       xml_.boolean("raw", true);
       return xml_.close();
     }
     if (texture.uv_set > 0) refuse("a texture uses the second texture coordinates of a mesh");
+    // See mitsuba_textures.cpp.
+    auto* board = std::get_if<CheckerboardTexture>(&texture.source);
+    if (channel && board != nullptr) std::swap(board->color0, board->color1);
     std::visit([&](const auto& source) { write_source(name, known->second, texture, source, factor); }, texture.source);
     xml_.close();
   }
@@ -382,6 +389,7 @@ class MitsubaWriter : MaterialWriter {
       xml_.open("shape", {{"type", "sphere"}});
       xml_.property("point", "center", shortest(sphere->center));
       number("radius", sphere->radius);
+      flip = flip != is_mirrored(instance.world_from_object);  // a mirrored sphere is turned inside out there
     } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
       xml_.open("shape", {{"type", "cylinder"}});
       xml_.property("point", "p0", shortest(cylinder->p0));
@@ -402,8 +410,8 @@ class MitsubaWriter : MaterialWriter {
   }
 
   std::vector<std::string> differences_;
-  /// Ids by row, factor and channel.
-  std::map<std::tuple<std::uint32_t, double, double, double, TextureChannel>, std::string> textures_;
+  /// Ids by row, factor and, of numbers, the channel.
+  std::map<std::tuple<std::uint32_t, double, double, double, std::optional<TextureChannel>>, std::string> textures_;
 };
 
 }  // namespace

@@ -34,7 +34,7 @@ std::vector<Plugin> scene_rows() {
            "is not looked at.",
            {},
            {{"integrator", 0, 1},
-            {"sensor", 1, kAnyNumber},
+            {"sensor", 0, kAnyNumber},
             {"emitter", 0, kAnyNumber},
             {"shape", 0, kAnyNumber},
             {"bsdf", 0, kAnyNumber},
@@ -68,6 +68,11 @@ std::vector<Plugin> integrator_rows() {
         {"emitter_samples", integer, "1", between(0, kMaxDirectSamples), "samples of lights"},
         {"bsdf_samples", integer, "1", between(0, kMaxDirectSamples), "samples of materials"},
         {"hide_emitters", boolean, "false", any(), "whether camera rays see no emitters"}},
+       {}},
+      {"integrator",
+       "depth",
+       "How far the first surface lies beyond the near clipping distance, along the ray; 0 where there is none.",
+       {},
        {}},
       {"integrator",
        "moment",
@@ -128,6 +133,11 @@ std::vector<Plugin> sensor_rows() {
       {"sensor", "radiancemeter", "One ray along the camera's +z.",
        sensor_parameters({{"origin", point, "0 0 0", any(), "where the ray starts, instead of to_world"},
                           {"direction", vector, "0 0 1", any(), "where it goes, instead of to_world"}}),
+       children},
+      {"sensor",
+       "irradiancemeter",
+       "The irradiance of the rectangle that it stands in, on the side of the normal; the film lies on it.",
+       {ignored("shutter_open"), ignored("shutter_close")},
        children},
   };
 }
@@ -196,7 +206,7 @@ std::vector<Plugin> view_rows() {
 }
 
 std::vector<ChildRule> surface() {
-  return {{"bsdf", 0, 1}, {"emitter", 0, 1}};
+  return {{"bsdf", 0, 1}, {"emitter", 0, 1}, {"sensor", 0, 1}};
 }
 
 Parameter flip_normals() {
@@ -320,13 +330,6 @@ std::vector<Parameter> plastic() {
                   "whether light takes the base's colour at each reflection below the coat"}});
 }
 
-std::vector<Parameter> bump_map_parameters() {
-  std::vector<Parameter> parameters{{"scale", real, "1", any(), "scene units of 1"}};
-  for (const char* name : {"displacement", "map", "texture", "bumpmap", "bump", "arbitrary"})
-    parameters.push_back({name, real, "0", any(), "the heights; a texture", "texture"});
-  return parameters;
-}
-
 std::vector<Parameter> principled() {
   std::vector<Parameter> parameters{
       color_or_texture("base_color", "0.5 0.5 0.5", "of the diffuse base, of metal, of what is refracted"),
@@ -349,6 +352,12 @@ std::vector<Parameter> principled() {
   add("clearcoat", "0", "weight of a second highlight");
   add("clearcoat_gloss", "0", "of the second highlight");
   return parameters;
+}
+
+std::vector<Parameter> map_parameters(const Parameter& own) {
+  return {own,
+          {"flip_invalid_normals", boolean, "true", any(), "only true: a turned normal that is not seen is mirrored"},
+          {"use_shadowing_function", boolean, "true", any(), "only true: turned normals shadow"}};
 }
 
 std::vector<Plugin> bsdf_rows() {
@@ -401,14 +410,13 @@ std::vector<Plugin> bsdf_rows() {
       {"bsdf",
        "normalmap",
        "A material whose shading normals a picture says.",
-       {color_or_texture("normalmap", "0.5 0.5 1", "the normals; a raw texture")},
+       map_parameters(color_or_texture("normalmap", "0.5 0.5 1", "the normals; a raw texture")),
        {{"bsdf", 1, 1}}},
       {"bsdf",
        "bumpmap",
-       "A material with the shading normals of a surface that a picture raises. The picture may have any of these "
-       "names, or none.",
-       bump_map_parameters(),
-       {{"bsdf", 1, 1}, {"texture", 0, 1}}},
+       "A material with the shading normals of a surface that a picture raises, whatever the name of its texture.",
+       map_parameters({"scale", real, "1", any(), "scene units of 1"}),
+       {{"bsdf", 1, 1}, {"texture", 1, 1}}},
       {"bsdf", "principled", "Burley's material of many parts.", principled(), {}},
       {"bsdf", "null", "No material: light passes.", {}, {}},
   };
@@ -555,8 +563,8 @@ std::vector<Plugin> make_rows() {
 
 std::vector<UnsupportedTypes> unsupported_types() {
   return {
-      {"integrator", {"depth", "stokes", "vpl", "multichannel", "adaptive"}},
-      {"sensor", {"telecentric", "irradiancemeter", "fluencemeter", "distant", "batch", "perspective_rdist"}},
+      {"integrator", {"stokes", "vpl", "multichannel", "adaptive"}},
+      {"sensor", {"telecentric", "fluencemeter", "distant", "batch", "perspective_rdist"}},
       {"film", {"specfilm", "mfilm", "tiledhdrfilm"}},
       {"rfilter", {"lanczos", "spline"}},
       {"shape",
@@ -564,7 +572,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"bsdf",
        {"principledthin", "measured", "hair", "phong", "ward", "roughdiffuse", "roughcoating", "coating", "mixturebsdf",
         "difftrans", "hk", "pplastic", "polarizer", "retarder", "circular", "measured_polarized", "irawan"}},
-      {"emitter", {"directionalarea", "collimated", "sky", "sun", "sunsky", "timed_sunsky"}},
+      {"emitter", {"directionalarea", "collimated", "sky", "sun", "sunsky", "timed_sunsky", "volumelight"}},
       {"texture", {"volume", "gridtexture", "wireframe", "curvature"}},
   };
 }

@@ -155,16 +155,18 @@ class ModelReader {
   void add_part(TriangleMesh mesh, const MtlMaterial* material, const std::string& name) {
     Bsdf bsdf = DiffuseBsdf{glm::dvec3(0.6)};
     std::optional<AreaEmitter> emitter;
+    ScalarParameter opacity(1.0);
     const bool has_uv = !mesh.uv_sets.empty();
     if (material != nullptr) {
       bsdf = bsdf_of(*material, has_uv);
       emitter = emitter_of(*material, has_uv);
+      if (!is_glass(*material)) opacity = opacity_of(*material, has_uv);
     } else if (!mesh.face_colors.empty() || !mesh.vertex_colors.empty()) {
       using Source = AttributeTexture::Source;
       const Source source = mesh.vertex_colors.empty() ? Source::face_color : Source::vertex_color;
       bsdf = DiffuseBsdf{ColorParameter(glm::dvec3(1.0), add({.source = AttributeTexture{source}, .name = "colours"}))};
     }
-    bool textured = is_textured(bsdf) || (emitter && is_textured(*emitter));
+    const bool textured = is_textured(bsdf) || (emitter && is_textured(*emitter)) || opacity.texture;
     if (!textured || !has_uv) mesh.uv_sets.clear();
     if (!textured || material != nullptr) {
       mesh.vertex_colors.clear();
@@ -175,6 +177,29 @@ class ModelReader {
     instance.position = scene_.position;
     scene_.materials[instance.material].name = name;
     scene_.materials[instance.material].position = material != nullptr ? material->position : scene_.position;
+    if (!opacity.texture && opacity.value == 1.0) return;
+    Material mask{.bsdf = DiffuseBsdf{}, .adapter = MaskAdapter{opacity, instance.material}, .name = name};
+    mask.position = material->position;
+    instance.material = static_cast<std::uint32_t>(scene_.materials.size());
+    scene_.materials.push_back(std::move(mask));
+  }
+
+  /// Refraction is asked for, and there is something to see through.
+  static bool is_glass(const MtlMaterial& m) {
+    const bool refracts = m.illumination == 4 || m.illumination == 6 || m.illumination == 7 || m.illumination == 9;
+    return refracts && m.opacity < 1.0 && !m.opacity_map;
+  }
+
+  /// The alpha of its picture, or the luminance of one without.
+  ScalarParameter opacity_of(const MtlMaterial& m, bool has_uv) {
+    if (!m.opacity_map || !has_uv) return m.opacity;
+    const auto row = texture(*m.opacity_map, m.position);
+    if (!row) return m.opacity;
+    auto& picture = std::get<BitmapTexture>(scene_.textures[*row].source);
+    picture.color_space = ColorSpace::linear;  // numbers, no colours
+    const bool alpha = scene_.bitmaps[picture.bitmap]->has_alpha();
+    // What is 0 everywhere would hide the picture.
+    return {m.opacity > 0.0 ? m.opacity : 1.0, *row, alpha ? TextureChannel::alpha : TextureChannel::luminance};
   }
 
   /// Phong's exponents as the roughness of microfacets whose lobe is as wide [Walter2007].
@@ -185,10 +210,7 @@ class ModelReader {
 
   Bsdf bsdf_of(const MtlMaterial& m, bool has_uv) {
     const double index = m.index > 1.0 + kMinIndexContrast && m.index < kMaxCoatIndex ? m.index : 1.5;
-    const bool refracts = m.illumination == 4 || m.illumination == 6 || m.illumination == 7 || m.illumination == 9;
-    if (refracts && m.opacity < 1.0 && !m.opacity_map) return DielectricBsdf{.int_ior = index};
-    if (m.opacity < 1.0 || m.opacity_map)
-      sink_.warning(m.position, "the opacity of this material is not read: it is opaque");
+    if (is_glass(m)) return DielectricBsdf{.int_ior = index};
     const double alpha = roughness_of(m);
     if (m.metallic && *m.metallic >= 0.5) {
       RoughConductorBsdf metal;

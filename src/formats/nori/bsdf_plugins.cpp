@@ -112,7 +112,8 @@ Plugin principled_plugin() {
            {"sheen_tint", real, "0", kUnit, "how much the sheen takes the base's colour"},
            {"flatness", real, "0", kUnit, "of the base: 1 as if light had gone below the surface"},
            {"clearcoat_gloss", real, "0", kUnit, "of the second highlight: 1 is sharp"},
-           {"eta", real, "1.5", kIndex, "index of refraction inside over that outside"}},
+           {"eta", real, "1.5", kIndex, "index of refraction inside over that outside"},
+           {"specular", real, "0.5", kUnit, "in place of eta: reflectance along the normal over 0.08"}},
           {}};
 }
 

@@ -143,6 +143,7 @@ class SceneReader {
       integrator.count_passes = object.get<bool>("countPasses");
       if (object.given("nee") && scene.given("nee")) warn_scene_nee(scene, "the integrator has its own");
     } else {
+      note_other_integrator(object, type);
       integrator.nee = !type.ends_with("mats") && type != "path_simple";
       integrator.mis = integrator.nee && type != "path_ems";
       integrator.count_passes = type.find("vol") == std::string::npos;
@@ -152,6 +153,12 @@ class SceneReader {
     integrator.light_sampler = read_light_sampler(object);
     check_integrator(integrator, object);
     return integrator;
+  }
+
+  void note_other_integrator(const Object& object, const std::string& type) {
+    if (type == "photonmapper" || type == "bdpt" || type == "mlt")
+      sink_.note(object.position(),
+                 fmt::format("the integrator {} is taken as path_mis: the same light, other noise", type));
   }
 
   Integrator read_direct(const Object& object, const std::string& type) {
@@ -175,6 +182,8 @@ class SceneReader {
       integrator.type = object.get<bool>("signed") ? normals : absolute_normals;
     } else if (type == "depth") {
       integrator.type = depth;
+    } else if (type == "distance") {
+      integrator.type = distance;
     } else if (type == "simple") {
       integrator.type = simple;
       integrator.light = {object.get<glm::dvec3>("position"), object.get<glm::dvec3>("energy")};
@@ -229,10 +238,7 @@ class SceneReader {
     camera.height = to_uint32(height);
     camera.type = camera_type(object.plugin().type);
     if (object.plugin().find("fov") != nullptr) read_field_of_view(object, camera);
-    if (object.plugin().find("apertureRadius") != nullptr) {
-      camera.aperture = {object.get<double>("apertureRadius"), object.get<double>("focusDistance"),
-                         to_uint32(object.get<std::int64_t>("blades")), object.get<double>("bladeRotation")};
-    }
+    if (object.plugin().find("apertureRadius") != nullptr) read_lens(object, camera);
     read_crop(object, camera);
     camera.near_clip = object.get<double>("nearClip");
     camera.far_clip = object.get<double>("farClip");
@@ -243,6 +249,23 @@ class SceneReader {
     remember_field(object, "toWorld", "world_from_camera");
     camera.filter = read_filter(object);
     return camera;
+  }
+
+  /// Of thinlens; and of perspective, to which courses give a lens in place of a camera of its own.
+  void read_lens(const Object& object, Camera& camera) {
+    const auto radius = object.get<double>("apertureRadius");
+    if (camera.type == Camera::Type::thin_lens) {
+      camera.aperture = {radius, object.get<double>("focusDistance"), to_uint32(object.get<std::int64_t>("blades")),
+                         object.get<double>("bladeRotation")};
+      return;
+    }
+    if (!(radius > 0.0)) return;
+    if (!object.given("focusDistance"))
+      return sink_.error(
+          object.position_of("apertureRadius"),
+          "a lens needs to know where things are sharp; add <float name=\"focusDistance\" value=\"…\"/>");
+    camera.type = Camera::Type::thin_lens;
+    camera.aperture = {.radius = radius, .focus_distance = object.get<double>("focusDistance")};
   }
 
   static Camera::Type camera_type(std::string_view type) {
@@ -691,7 +714,9 @@ class SceneReader {
     bsdf.sheen_tint = object.get<double>("sheen_tint");
     bsdf.flatness = object.get<double>("flatness");
     bsdf.clearcoat_gloss = object.get<double>("clearcoat_gloss");
-    bsdf.eta = object.get<double>("eta");
+    bsdf.eta = object.given("specular") && !object.given("eta")
+                   ? 2.0 / (1.0 - std::sqrt(0.08 * object.get<double>("specular"))) - 1.0
+                   : object.get<double>("eta");
     return bsdf;
   }
 

@@ -114,7 +114,8 @@ class NoriWriter : MaterialWriter {
         if (std::isfinite(integrator.length)) xml_.number("length", integrator.length);
         break;
       case depth:
-        xml_.open("integrator", {{"type", "depth"}});
+      case distance:
+        xml_.open("integrator", {{"type", integrator.type == depth ? "depth" : "distance"}});
         break;
     }
     if (gathers_light(integrator)) {
@@ -225,7 +226,9 @@ class NoriWriter : MaterialWriter {
 
   /// The texture that stands for a property: at its first use with an id, later by that. A texture that is multiplied
   /// by different colours is written for each of them.
-  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor, TextureChannel channel) override {
+  void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor,
+                     std::optional<TextureChannel> of_number) override {
+    const TextureChannel channel = of_number.value_or(TextureChannel::luminance);
     const std::string id = fmt::format("texture-{}", textures_.size());
     const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z, channel}, id);
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});

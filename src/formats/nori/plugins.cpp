@@ -74,6 +74,9 @@ std::vector<Plugin> path_aliases() {
   add("vol_path", "Where there is no medium the same as path_mis.");
   add("vol_path_mats", "Where there is no medium the same as path_mats.");
   add("vol_path_mis", "Where there is no medium the same as path_mis.");
+  add("photonmapper", "Taken as path_mis, which computes the same light without the blur of photon maps.");
+  add("bdpt", "Taken as path_mis, which computes the same light.");
+  add("mlt", "Taken as path_mis, which computes the same light.");
   return rows;
 }
 
@@ -137,6 +140,11 @@ std::vector<Plugin> first_hit_plugins() {
        {{"length", real, nullptr, above_up_to(0, kMaxCoordinate), "of that ray"}},
        {}},
       {"integrator", "depth", "1 over the distance between camera and first hit; 0 where there is none.", {}, {}},
+      {"integrator",
+       "distance",
+       "How far the first hit lies beyond the near clipping distance, along the ray; 0 where there is none.",
+       {},
+       {}},
   };
 }
 
@@ -190,17 +198,20 @@ std::vector<Parameter> perspective_parameters() {
 }
 
 std::vector<Plugin> camera_plugins() {
-  std::vector<Parameter> lens = perspective_parameters();
+  std::vector<Parameter> pinhole = perspective_parameters(), lens = pinhole;
+  const Range radius = between(0, kMaxCoordinate);
+  pinhole.insert(pinhole.end() - 1,
+                 {{"apertureRadius", real, "0", radius, "above 0: a lens, as of thinlens"},
+                  {"focusDistance", real, "", above(0), "of that lens: of the plane in focus along the camera's +Z"}});
   lens.insert(lens.end() - 1,
-              {{"apertureRadius", real, nullptr, between(0, kMaxCoordinate), "radius of the lens, in camera units"},
+              {{"apertureRadius", real, nullptr, radius, "radius of the lens, in camera units"},
                {"focusDistance", real, nullptr, above(0), "of the plane in focus along the camera's +Z"},
                {"blades", integer, "0", between(0, 1000), "corners of a polygonal aperture; 0: a disk"},
                {"bladeRotation", real, "0", between(-360, 360),
                 "turns the first corner from the camera's +X toward +Y, degrees"}});
   const std::vector<ChildRule> filter = {{"rfilter", 0, 1}};
   return {
-      {"camera", "perspective", "A pinhole camera: +Z forward, +Y up, +X to the left of the image.",
-       perspective_parameters(), filter},
+      {"camera", "perspective", "A pinhole camera: +Z forward, +Y up, +X to the left of the image.", pinhole, filter},
       {"camera", "thinlens",
        "perspective with a lens of finite size: what is not at the focus distance is blurred. A point at depth z "
        "becomes "
@@ -284,7 +295,8 @@ std::vector<Plugin> object_plugins() {
        "An exact sphere. Its transform may rotate, move and scale it evenly.",
        {{"center", point, "0 0 0", between(-kMaxCoordinate, kMaxCoordinate), "object space"},
         {"radius", real, "1", above_up_to(0, kMaxCoordinate), "scene units"},
-        world_transform()},
+        world_transform(),
+        flip_normals()},
        surface()},
       {"emitter",
        "area",
@@ -407,89 +419,133 @@ std::vector<Plugin> make_plugins() {
 
 std::vector<UnsupportedTypes> unsupported_types() {
   return {
-      {"integrator", {"photonmapper", "bdpt", "mlt", "sppm"}},
+      {"integrator", {"irradiance_cache", "vpl", "radiosity"}},
       {"camera", {"environment", "fisheye"}},
       {"rfilter", {"lanczos", "catmullrom"}},
       {"mesh", {"serialized", "heightfield"}},
-      {"bsdf", {"phong", "disney"}},
+      {"bsdf", {"phong", "blinnphong", "ward", "orennayar", "roughdiffuse", "hair", "subsurface"}},
   };
 }
 
-/// Words of courses and other renderers for the same things.
+/// Words of courses and other renderers for the same things; their other spellings are understood, too.
 std::vector<TypeAlias> type_aliases() {
   return {
       {"integrator", "ambient_occlusion", "ao"},
+      {"integrator", "average_visibility", "av"},
       {"integrator", "path_tracer", "path_mis"},
-      {"integrator", "pathtracer", "path_mis"},
+      {"integrator", "path_tracing", "path_mis"},
+      {"integrator", "path_trace", "path_mis"},
       {"integrator", "path_nee", "path_ems"},
+      {"integrator", "path_brdf", "path_mats"},
+      {"integrator", "path_bsdf", "path_mats"},
+      {"integrator", "path_naive", "path_mats"},
+      {"integrator", "vol_path_ems", "path_ems"},
+      {"integrator", "volumetric_path", "path_vol"},
+      {"integrator", "volumetric_path_tracer", "path_vol"},
+      {"integrator", "path_vol_mis", "path_vol"},
+      {"integrator", "path_mis_vol", "path_vol"},
+      {"integrator", "path_vol_mats", "vol_path_mats"},
+      {"integrator", "direct_light", "direct_ems"},
+      {"integrator", "direct_lighting", "direct_ems"},
+      {"integrator", "direct_illumination", "direct_ems"},
+      {"integrator", "direct_nee", "direct_ems"},
+      {"integrator", "direct_bsdf", "direct_mats"},
       {"integrator", "normal", "normals"},
+      {"integrator", "photon_mapping", "photonmapper"},
+      {"integrator", "photon_map", "photonmapper"},
+      {"integrator", "pmap", "photonmapper"},
+      {"integrator", "progressive_photon_mapper", "photonmapper"},
+      {"integrator", "progressive_photon_mapping", "photonmapper"},
+      {"integrator", "ppm", "photonmapper"},
+      {"integrator", "sppm", "photonmapper"},
+      {"integrator", "bidirectional", "bdpt"},
+      {"integrator", "light_tracer", "bdpt"},
+      {"integrator", "particle_tracer", "bdpt"},
+      {"integrator", "metropolis", "mlt"},
+      {"integrator", "pssmlt", "mlt"},
       {"camera", "thin_lens", "thinlens"},
+      {"camera", "lens", "thinlens"},
+      {"camera", "depth_of_field", "thinlens"},
+      {"camera", "dof", "thinlens"},
       {"camera", "panorama", "spherical"},
+      {"camera", "ortho", "orthographic"},
       {"sampler", "stratified", "sobol"},
       {"sampler", "halton", "sobol"},
       {"sampler", "ldsampler", "sobol"},
+      {"sampler", "low_discrepancy", "sobol"},
       {"sampler", "multijitter", "sobol"},
       {"sampler", "hammersley", "sobol"},
+      {"sampler", "random", "independent"},
       {"bsdf", "lambertian", "diffuse"},
-      {"bsdf", "rough_conductor", "roughconductor"},
+      {"bsdf", "lambert", "diffuse"},
+      {"bsdf", "specular", "mirror"},
       {"bsdf", "glass", "dielectric"},
-      {"bsdf", "rough_dielectric", "roughdielectric"},
-      {"bsdf", "thin_dielectric", "thindielectric"},
-      {"bsdf", "rough_plastic", "roughplastic"},
-      {"emitter", "pointlight", "point"},
+      {"bsdf", "thin_glass", "thindielectric"},
+      {"bsdf", "rough_glass", "roughdielectric"},
+      {"bsdf", "metal", "conductor"},
+      {"bsdf", "rough_metal", "roughconductor"},
+      {"bsdf", "disney", "principled"},
+      {"bsdf", "disney_bsdf", "principled"},
+      {"bsdf", "disney_brdf", "principled"},
+      {"bsdf", "blend_bsdf", "blend"},
+      {"bsdf", "mix", "blend"},
+      {"bsdf", "two_sided", "twosided"},
       {"emitter", "point_light", "point"},
-      {"emitter", "spotlight", "spot"},
       {"emitter", "spot_light", "spot"},
-      {"emitter", "directionallight", "directional"},
       {"emitter", "directional_light", "directional"},
-      {"emitter", "arealight", "area"},
+      {"emitter", "distant_light", "directional"},
+      {"emitter", "parallel", "directional"},
       {"emitter", "area_light", "area"},
+      {"emitter", "mesh_light", "area"},
       {"emitter", "environment", "envmap"},
-      {"emitter", "environmentmap", "envmap"},
       {"emitter", "environment_map", "envmap"},
-      {"emitter", "env_map", "envmap"},
+      {"emitter", "environment_light", "envmap"},
+      {"emitter", "env_light", "envmap"},
+      {"emitter", "env", "envmap"},
+      {"emitter", "ibl", "envmap"},
+      {"emitter", "infinite", "envmap"},
+      {"emitter", "infinite_area", "envmap"},
+      {"emitter", "constant_light", "constant"},
       {"texture", "image", "bitmap"},
-      {"texture", "imagetexture", "bitmap"},
       {"texture", "image_texture", "bitmap"},
       {"texture", "png_texture", "bitmap"},
+      {"texture", "bitmap_texture", "bitmap"},
       {"texture", "texture", "bitmap"},
+      {"texture", "checkerboard_texture", "checkerboard"},
       {"mesh", "quad", "rectangle"},
+      {"mesh", "box", "cube"},
+      {"mesh", "wavefront", "obj"},
   };
 }
 
 std::vector<ParameterAlias> parameter_aliases() {
   return {
-      {"lensRadius", "apertureRadius"},
       {"lens_radius", "apertureRadius"},
       {"aperture", "apertureRadius"},
-      {"focalDistance", "focusDistance"},
       {"focal_distance", "focusDistance"},
-      {"focusDist", "focusDistance"},
-      {"aperture_radius", "apertureRadius"},
-      {"focus_distance", "focusDistance"},
-      {"toWorld", "to_world"},
-      {"to_world", "toWorld"},
-      {"max_depth", "maxDepth"},
-      {"rr_depth", "rrDepth"},
-      {"rrStart", "rrDepth"},
-      {"sample_count", "sampleCount"},
-      {"int_ior", "intIOR"},
-      {"ext_ior", "extIOR"},
-      {"alphaU", "alpha_u"},
-      {"alphaV", "alpha_v"},
-      {"near_clip", "nearClip"},
-      {"far_clip", "farClip"},
-      {"flip_normals", "flipNormals"},
+      {"focus_dist", "focusDistance"},
+      {"focal_plane", "focusDistance"},
+      {"rr_start", "rrDepth"},
+      {"max_bounces", "maxDepth"},
+      {"spp", "sampleCount"},
+      {"samples", "sampleCount"},
       {"reflectance", "albedo"},
-      {"diffuseReflectance", "diffuse_reflectance"},
-      {"specularReflectance", "specular_reflectance"},
-      {"specularTransmittance", "specular_transmittance"},
+      {"albedo", "base_color"},
+      {"kd", "diffuse_reflectance"},
+      {"ks", "specular_reflectance"},
+      {"material_name", "material"},
+      {"radiance", "intensity"},
+      {"energy", "power"},
+      {"base_colour", "base_color"},
+      {"subsurface", "flatness"},
+      {"specular_tint", "spec_tint"},
+      {"specular_transmission", "spec_trans"},
+      {"ior", "intIOR"},
       {"file", "filename"},
-      {"fileName", "filename"},
-      {"wrapMode", "wrap_mode"},
-      {"filterType", "filter_type"},
-      {"raylength", "length"},
-      {"rayLength", "length"},
+      {"path", "filename"},
+      {"image", "filename"},
+      {"ray_length", "length"},
+      {"look_at", "target"},
   };
 }
 
@@ -502,7 +558,8 @@ const Dialect& nori_dialect() {
                                    .aliases = {{"shape", "mesh"}},
                                    .mesh_facts = {.smooth_without_normals = false, .v_origin = VOrigin::bottom},
                                    .type_aliases = type_aliases(),
-                                   .parameter_aliases = parameter_aliases()};
+                                   .parameter_aliases = parameter_aliases(),
+                                   .any_spelling = true};
   return kDialect;
 }
 

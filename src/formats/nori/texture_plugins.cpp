@@ -51,6 +51,7 @@ std::vector<Plugin> texture_plugins() {
         {"scale", vector2, "1 1", kCoordinate, "size of the squares, not 0"},
         {"delta", point2, "0 0", kCoordinate, "offset in squares"}},
        {}},
+      {"texture", "constant_color", "The same everywhere.", {{"value", color, "1 1 1", kColor, "the colour"}}, {}},
       {"texture",
        "mesh_attribute",
        "Colours that the mesh's file has.",

@@ -65,6 +65,11 @@ std::optional<Texture> TextureReader::read_texture(const Object& object, Scene& 
     texture.uv_transform = square_transform(scale, object.get<glm::dvec3>("delta"));
     return texture;
   }
+  if (type == "constant_color") {
+    const auto value = object.get<glm::dvec3>("value");
+    texture.source = CheckerboardTexture{value, value};
+    return texture;
+  }
   if (type != "mesh_attribute") throw std::logic_error(fmt::format("the reader has no texture {}", type));
   const auto attribute = object.get<std::string>("attribute");
   if (attribute != "vertex_color" && attribute != "face_color") {
