@@ -105,7 +105,14 @@ const uint kMutantMaskSidesTogether = 89u;
 const uint kMutantPassesFree = 90u;
 const uint kMutantNormalMapMirrored = 91u;
 const uint kMutantRetroReflectionLost = 92u;
-const uint kMutantCount = 93u;
+const uint kMutantAovFilterIgnored = 93u;
+const uint kMutantAovSetSummed = 94u;
+const uint kMutantAovOtherSample = 95u;
+const uint kMutantAovEndsAtMirror = 96u;
+const uint kMutantAovPlaceNotMoved = 97u;
+const uint kMutantLightPartLate = 98u;
+const uint kMutantBackgroundSeen = 99u;
+const uint kMutantCount = 100u;
 #endif
 
 #ifdef __cplusplus

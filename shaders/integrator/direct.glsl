@@ -26,6 +26,7 @@ void next_direct_round(inout Path path) {
   path.passed = kNothingPassed;
   path.beta = vec3(1.0);
   path.full_emission = true;
+  path.bounces = 0u;
   path.segment = 2u * round + 1u;
 }
 
