@@ -24,7 +24,7 @@ struct Choice {
 // The probability that an adapter has at a point.
 float adapter_number(uint row, MaterialRecord record, SurfacePoint at) {
   if (!kTextured || (record.header & kMaterialTextured) == 0u) return record.params.z;
-  return record.params.z * scalar_factor(fetch_material_textures(row).first.x, at);
+  return record.params.z * scalar_factor(fetch_material_textures(row).first, at);
 }
 
 vec3 unit_or(vec3 v, vec3 otherwise) {
@@ -42,7 +42,7 @@ ShadingFrame aligned_frame(vec3 n, SurfacePoint at, Primitive geometry) {
 
 // What a map makes of the normal n, which is that of the surface, or with side −1 its opposite.
 vec3 mapped_normal(uint row, MaterialRecord record, vec3 n, float side, SurfacePoint at, Primitive geometry) {
-  const uint texture_of = fetch_material_textures(row).first.x;
+  const uint texture_of = fetch_material_textures(row).first;
   const uint index = texture_of & kTextureOfIndexMask;
   const Tangents d = surface_tangents(at, geometry, fetch_texture(index).uv_set);
   if (d.u == vec3(0.0)) return n;
@@ -63,7 +63,7 @@ Choice choose_material(uint row, ShadingFrame surface_frame, SurfacePoint at, Pr
   Choice choice = Choice(row, surface_frame, surface_frame.n);
   float side = 1.0;
   for (uint i = 0u; i <= kAdapterDepth; ++i) {
-    const MaterialRecord record = fetch_material(choice.material, false);
+    const MaterialRecord record = fetch_material(choice.material, 1u);
     const uint first = uint(record.params.x), second = uint(record.params.y);
     uint next = kNone;
     if (adapter_is(record.header, kAdapterTwoSided)) {

@@ -105,9 +105,9 @@ const uint kConstantTransmittancesAt = 60u;
 const uint kConstantAdapters = 61u;       // see adapters.glsl
 const uint kConstantAdapterDepth = 62u;
 const uint kConstantCountPasses = 63u;
-const uint kConstantLightPart = 64u;       // kLightPart…
-const uint kConstantHideBackground = 65u;
 const uint kConstantInwardSpheres = 69u;
+const uint kConstantTextureUsesAt = 64u;
+const uint kConstantTextureUses = 65u;  // of a material, at most
 const uint kConstantFew = 70u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -126,6 +126,8 @@ const uint kBsdfPlastic = 8u;
 const uint kBsdfRoughPlastic = 9u;
 const uint kBsdfNull = 10u;
 const uint kBsdfPrincipled = 11u;  // what its record holds, see principled.glsl
+const uint kBsdfPrincipledThin = 12u;
+const uint kBsdfGltf = 13u;        // see gltf.glsl
 
 // Records of materials that are none, but choose one of them. params.x and params.y are the numbers of what they choose from, params.z is a probability.
 const uint kAdapterFirst = 32u;
@@ -144,6 +146,8 @@ const uint kMaterialTextured = 0x400u;        // a parameter has a texture: see 
 const uint kMaterialAligned = 0x800u;         // its frame follows the texture coordinates of the surface
 const uint kMaterialBeckmann = 0x10000u;      // microfacets by Beckmann's distribution, else GGX
 const uint kMaterialTransmissive = 0x20000u;  // lights on both sides reach it, and not only by delta lobes
+const uint kMaterialVolume = 0x80000u;        // light is absorbed on its way through what it encloses
+const uint kMaterialFilm = 0x100000u;         // iridescent, at some of its points
 const uint kMaterialNonlinear = 0x40000u;     // light takes the colour of the base each time that it meets it below a coat
 
 // Lobes as folded into the path signature.
@@ -154,6 +158,7 @@ const uint kLobeDeltaTransmission = 3u;
 const uint kLobeGlossyReflection = 4u;
 const uint kLobeGlossyTransmission = 5u;
 const uint kLobePassed = 6u;  // the surface was as if it were not there
+const uint kLobeDiffuseTransmission = 7u;
 
 // What comes from outside the scene.
 const uint kEnvironmentNone = 0u;
@@ -172,29 +177,7 @@ const uint kIntegratorSimple = 5u;
 const uint kIntegratorAmbientOcclusion = 6u;
 const uint kIntegratorVisibility = 7u;
 const uint kIntegratorDepth = 8u;
-const uint kIntegratorAov = 9u;
 const uint kIntegratorDistance = 10u;
-
-// What kIntegratorAov computes: values of etendue::Aov. Those up to kAovLastAtHit are known where the camera ray arrives.
-const uint kAovHit = 0u;
-const uint kAovAlpha = 1u;
-const uint kAovDepth = 2u;
-const uint kAovPosition = 3u;
-const uint kAovShadingNormal = 4u;
-const uint kAovGeometricNormal = 5u;
-const uint kAovUv = 6u;
-const uint kAovInstance = 7u;
-const uint kAovPrimitive = 8u;
-const uint kAovMaterial = 9u;
-const uint kAovLastAtHit = kAovMaterial;
-const uint kAovNormal = 10u;
-const uint kAovAlbedo = 11u;
-const uint kMaxAovSegments = 64u;  // how far normal and albedo look through mirrors and glass
-
-// Light that is gathered, by how often it was scattered.
-const uint kLightPartAll = 0u;
-const uint kLightPartDirect = 1u;    // at most once
-const uint kLightPartIndirect = 2u;  // more often
 
 // How a film position becomes a ray, see camera.glsl.
 const uint kCameraPinhole = 0u;
@@ -311,22 +294,40 @@ struct MaterialRecord {
   float alpha_u;
   vec3 k;         // of a metal; under a coat: share reflected back inside, (ext/int)², first texel of its transmittances
   float alpha_v;
+  // What glTF's has beside; see gltf.glsl.
+  vec4 sheen;
+  vec4 scattered;
+  vec4 film;
+  vec4 volume;
 };
-const uint kMaterialTexels = 4u;
+const uint kMaterialTexels = 8u;
+const uint kRichMaterialTexels = 4u;  // of all others
 // What of light a rough coat lets pass on the way in, at cosines even over [0, 1]: a table behind the materials, four nodes a texel.
 const uint kTransmittanceNodes = 64u;
+// And what white sheen reflects, at cosines even over [0, 1], for roughnesses even over [0.1, 1].
+const uint kSheenCosines = 32u;
+const uint kSheenRoughnesses = 16u;
 
-// The textures of a material with kMaterialTextured: a table of its own with the indices of the materials, empty where none has any. Each is a kTextureOf…
-// or kNone. In `first`: that of the albedo, the transmittance or an adapter's number; of the specular reflectance; of alpha_u; of alpha_v.
-// Of principled: base colour, roughness, metallic, anisotropic; spec_trans, spec_tint, sheen, clearcoat.
+// The textures of a material with kMaterialTextured: a table of its own with the indices of the materials, empty where none has any.
 struct MaterialTextures {
-  uvec4 first;
-  uvec4 second;
+  uint first;  // kTextureOf… of the first parameter: the albedo, or an adapter's number; kNone where it has none
+  uint begin;  // of all of the material's uses of textures
+  uint end;
+  uint pad0;
 };
-const uint kMaterialTexturesTexels = 2u;
-// Which texture a parameter is multiplied with: its index, and above it the channel that a number takes, as in etendue::TextureChannel.
+const uint kMaterialTexturesTexels = 1u;
+// A texture that floats of a MaterialRecord are multiplied with.
+struct TextureUse {
+  uint texture_of;  // kTextureOf…
+  uint floats;      // bit i: the i-th float of the record. Colours lie at the beginning of a texel
+  float least;      // the range that the product is brought into
+  float most;
+};
+const uint kTextureUseTexels = 1u;
+// Which texture a parameter is multiplied with: its index, and above it the channel that a number takes, as in etendue::TextureChannel, or that it is a colour.
 const uint kTextureOfIndexMask = 0xffffffu;
 const uint kTextureOfChannelShift = 24u;
+const uint kTextureOfColor = 0xfu;
 
 // A texture, see texture.glsl.
 struct TextureRecord {
@@ -369,11 +370,10 @@ const uint kTexturesSrgb = 0x10u;
 const uint kTexturesThreeChannels = 0x20u;  // a texel may lie in two loads
 const uint kTexturesRadiance = 0x40u;       // an emitter has one
 const uint kTexturesSphere = 0x80u;         // a sphere has one
-const uint kTexturesRich = 0x100u;          // a material has one that is not its albedo
-const uint kTexturesDisk = 0x200u;          // a disk has one
-const uint kTexturesCylinder = 0x400u;      // a cylinder has one
+const uint kTexturesDisk = 0x100u;          // a disk has one
+const uint kTexturesCylinder = 0x200u;      // a cylinder has one
 const uint kTexturesTangents = 0x800u;      // a material has kMaterialAligned
-const uint kTexturesMesh = 0x1000u;         // coordinates of meshes are asked for, with or without textures
+const uint kTexturesRich = 0x400u;          // a material has one that is not a diffuse albedo: see TextureUse
 
 // What the textures of an instance need of its shape; empty where the scene has no textures. Each primitive has a block of texels: for each set of
 // texture coordinates (u, v) of the three corners in two texels, then the colours of the corners, then that of the face. A sphere has the rows of the
@@ -534,15 +534,13 @@ struct Frame {
   uint bsdf_samples;
   uint distant_threshold;      // words below it that do not choose the environment choose a directional light
   float delta_light_limit;     // what a light without extent adds at a vertex, at most
-  uint aov;                    // kAov…
+  uint pad0;
   vec3 sky_x;                  // axes of the sky's own frame in the world
   uint environment_row_count;  // rows of cells; those behind have no weight
   vec3 sky_y;
   uint environment_threshold;  // words below it choose the environment, others a light
   vec3 sky_z;
   float lights_prob;           // of the latter
-  vec3 scene_center;           // in the world; normalised coordinates are those about it, times distance_scale
-  uint pad0;
 };
 
 // The work of one dispatch.
@@ -648,6 +646,7 @@ static_assert(sizeof(Place) == kPlaceTexels * kTexelBytes);
 static_assert(sizeof(Instance) == kInstanceTexels * kTexelBytes);
 static_assert(sizeof(MaterialRecord) == kMaterialTexels * kTexelBytes);
 static_assert(sizeof(MaterialTextures) == kMaterialTexturesTexels * kTexelBytes);
+static_assert(sizeof(TextureUse) == kTextureUseTexels * kTexelBytes);
 static_assert(sizeof(TextureRecord) == kTextureRecordTexels * kTexelBytes);
 static_assert(sizeof(InstanceAttributes) == kInstanceAttributesTexels * kTexelBytes);
 static_assert(sizeof(LightInstance) == kLightInstanceTexels * kTexelBytes);
@@ -658,7 +657,7 @@ static_assert(sizeof(LightTrail) == kLightTrailTexels * kTexelBytes);
 static_assert(sizeof(DeltaLight) == kDeltaLightTexels * kTexelBytes);
 static_assert(sizeof(EnvironmentRow) == kEnvironmentRowTexels * kTexelBytes);
 static_assert(sizeof(EnvironmentTexel) == kEnvironmentTexelTexels * kTexelBytes);
-static_assert(sizeof(Frame) == 288);
+static_assert(sizeof(Frame) == 272);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);
 static_assert(sizeof(SampleResult) == 32);

@@ -28,6 +28,7 @@ TABLE(table, kBindingTables)
 layout(constant_id = kConstantNormalsAt) const uint kNormalsAt = 0u;
 layout(constant_id = kConstantMaterialsAt) const uint kMaterialsAt = 0u;
 layout(constant_id = kConstantMaterialTexturesAt) const uint kMaterialTexturesAt = 0u;
+layout(constant_id = kConstantTextureUsesAt) const uint kTextureUsesAt = 0u;
 layout(constant_id = kConstantTexturesAt) const uint kTexturesAt = 0u;
 layout(constant_id = kConstantInstanceAttributesAt) const uint kInstanceAttributesAt = 0u;
 layout(constant_id = kConstantSrgbAt) const uint kSrgbAt = 0u;
@@ -68,19 +69,24 @@ Place fetch_place(uint i) {
                uintBitsToFloat(z.xyz), uintBitsToFloat(z.w), uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xyz), c.w);
 }
 vec3 fetch_place_origin(uint i) { return uintBitsToFloat(load_table(kPlacesAt + kPlaceTexels * i).xyz); }
-// Without its further parameters where the type has none.
-MaterialRecord fetch_material(uint i, bool whole) {
+// Its first texels: 1, kRichMaterialTexels or kMaterialTexels.
+MaterialRecord fetch_material(uint i, uint texels) {
   const uint first = kMaterialsAt + kMaterialTexels * i;
   const uvec4 a = load_table(first);
-  const vec4 none = vec4(0.0);
-  const vec4 b = whole ? uintBitsToFloat(load_table(first + 1u)) : none;
-  const vec4 c = whole ? uintBitsToFloat(load_table(first + 2u)) : none;
-  const vec4 d = whole ? uintBitsToFloat(load_table(first + 3u)) : none;
-  return MaterialRecord(uintBitsToFloat(a.xyz), a.w, b.xyz, b.w, c.xyz, c.w, d.xyz, d.w);
+  vec4 more[7] = vec4[7](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+  if (texels >= kRichMaterialTexels)
+    for (uint k = 0u; k < kRichMaterialTexels - 1u; ++k) more[k] = uintBitsToFloat(load_table(first + 1u + k));
+  if (texels == kMaterialTexels)
+    for (uint k = kRichMaterialTexels - 1u; k < kMaterialTexels - 1u; ++k) more[k] = uintBitsToFloat(load_table(first + 1u + k));
+  return MaterialRecord(uintBitsToFloat(a.xyz), a.w, more[0].xyz, more[0].w, more[1].xyz, more[1].w, more[2].xyz, more[2].w, more[3], more[4], more[5], more[6]);
 }
 MaterialTextures fetch_material_textures(uint i) {
-  const uint first = kMaterialTexturesAt + kMaterialTexturesTexels * i;
-  return MaterialTextures(load_table(first), load_table(first + 1u));
+  const uvec4 a = load_table(kMaterialTexturesAt + i);
+  return MaterialTextures(a.x, a.y, a.z, a.w);
+}
+TextureUse fetch_texture_use(uint i) {
+  const uvec4 a = load_table(kTextureUsesAt + i);
+  return TextureUse(a.x, a.y, uintBitsToFloat(a.z), uintBitsToFloat(a.w));
 }
 TextureRecord fetch_texture(uint i) {
   const uint first = kTexturesAt + kTextureRecordTexels * i;

@@ -166,6 +166,12 @@ float scalar_factor(uint texture_of, SurfacePoint at) {
   return texture_of == kNone ? 1.0 : channel_of(texture_value(texture_of & kTextureOfIndexMask, at), texture_of);
 }
 
+// The same as four numbers: a number in each of them, a colour in the first three.
+vec4 texture_factor(uint texture_of, SurfacePoint at) {
+  const vec4 value = texture_value(texture_of & kTextureOfIndexMask, at);
+  return texture_of >> kTextureOfChannelShift == kTextureOfColor ? vec4(value.xyz, 1.0) : vec4(channel_of(value, texture_of));
+}
+
 // How a number of a picture changes with the surface's texture coordinates: the slope of its bilinear interpolation, however it is filtered.
 vec2 bitmap_gradient(uint texture_of, SurfacePoint at) {
   const TextureRecord t = fetch_texture(texture_of & kTextureOfIndexMask);
@@ -177,7 +183,8 @@ vec2 bitmap_gradient(uint texture_of, SurfacePoint at) {
   const uint y0 = wrap_texel(int(lower.y), int(t.height), wrap_v), y1 = wrap_texel(int(lower.y) + 1, int(t.height), wrap_v);
   const float c00 = channel_of(texel(t, x0, y0), texture_of), c10 = channel_of(texel(t, x1, y0), texture_of);
   const float c01 = channel_of(texel(t, x0, y1), texture_of), c11 = channel_of(texel(t, x1, y1), texture_of);
-  const vec2 g = vec2(mix(c10 - c00, c11 - c01, f.y), mix(c01 - c00, c11 - c10, f.x)) * vec2(t.width, t.height);
+  vec2 g = vec2(mix(c10 - c00, c11 - c01, f.y), mix(c01 - c00, c11 - c10, f.x)) * vec2(t.width, t.height);
+  MUTATE(kMutantBumpByTexel, g /= vec2(t.width, t.height));
   return vec2(g.x * t.u_row.x + g.y * t.v_row.x, g.x * t.u_row.y + g.y * t.v_row.y);
 }
 

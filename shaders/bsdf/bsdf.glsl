@@ -26,9 +26,15 @@ struct Material {
   float share;    // of samples that go to microfacets, the others go to the diffuse base
   vec3 eta;       // complex index of refraction of a metal
   vec3 k;         // see MaterialRecord
+  vec4 sheen;     // see gltf.glsl
+  vec4 scattered;
+  vec4 film;
+  vec4 volume;
 };
 
 const float kLeastRoughness = 1e-3;  // etendue::kMinRoughness
+
+FEATURE(uint, kTextureUses, kConstantTextureUses, 0u)  // of a material, at most
 
 struct BsdfSample {
   vec3 wi;
@@ -73,7 +79,7 @@ bool material_has(Material m, uint flag) {
 
 // Types of more parameters than a first texel holds, and among them those of microfacets.
 const uint kRoughTypes = 1u << kBsdfMicrofacet | 1u << kBsdfRoughConductor | 1u << kBsdfRoughDielectric | 1u << kBsdfRoughPlastic;
-const uint kRichTypes = 1u << kBsdfPrincipled | kRoughTypes | 1u << kBsdfConductor | 1u << kBsdfThinDielectric | 1u << kBsdfPlastic;
+const uint kRichTypes = 1u << kBsdfGltf | 1u << kBsdfPrincipled | 1u << kBsdfPrincipledThin | kRoughTypes | 1u << kBsdfConductor | 1u << kBsdfThinDielectric | 1u << kBsdfPlastic;
 
 bool has_bsdf_among(Material m, uint types) {
   return (kBsdfsUsed & types) != 0u && ((kBsdfsUsed & ~types) == 0u || (types >> (m.header & kMaterialTypeMask) & 1u) != 0u);
@@ -81,48 +87,21 @@ bool has_bsdf_among(Material m, uint types) {
 
 #include "../rough_surface.glsl"
 #include "principled.glsl"
+#include "principledthin.glsl"
+#include "gltf.glsl"
 
 // One without parameters beyond the first texel.
 Material plain_material(uint header, vec3 params) {
-  return Material(header, params, params.x, params.y, vec2(1.0), vec3(0.0), 0.0, vec3(1.0), vec3(0.0));
+  return Material(header, params, params.x, params.y, vec2(1.0), vec3(0.0), 0.0, vec3(1.0), vec3(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
 }
 
 // A metal keeps its index in eta and k, a dielectric its two where a metal has the first components of them.
 Material rich_material(MaterialRecord r) {
-  return Material(r.header, r.params, r.eta.x, r.eta.y, vec2(r.alpha_u, r.alpha_v), r.specular, r.share, r.eta, r.k);
+  return Material(r.header, r.params, r.eta.x, r.eta.y, vec2(r.alpha_u, r.alpha_v), r.specular, r.share, r.eta, r.k, r.sheen, r.scattered, r.film, r.volume);
 }
 
-// A material without its textures.
-Material stored_material(uint row) {
-  if ((kBsdfsBuilt & kRichTypes) == 0u || (kBsdfsUsed != 0u && (kBsdfsUsed & kRichTypes) == 0u)) {
-    const MaterialRecord r = fetch_material(row, false);
-    return plain_material(r.header, r.params);
-  }
-  const MaterialRecord r = fetch_material(row, true);
-  Material m = rich_material(r);
-  if (!bsdf_among(m, kRichTypes)) m = plain_material(r.header, r.params);
-  return m;
-}
-
-void apply_principled_textures(inout Material m, MaterialTextures textures, SurfacePoint at) {
-  m.albedo = clamp(m.albedo, 0.0, 1.0);
-  if (!textures_have(kTexturesRich)) return;
-  m.eta.y = clamp(m.eta.y * scalar_factor(textures.first.y, at), 0.0, 1.0);
-  m.specular.x = clamp(m.specular.x * scalar_factor(textures.first.z, at), 0.0, 1.0);
-  m.share = clamp(m.share * scalar_factor(textures.first.w, at), 0.0, 1.0);
-  m.specular.y = clamp(m.specular.y * scalar_factor(textures.second.x, at), 0.0, 1.0);
-  m.specular.z = clamp(m.specular.z * scalar_factor(textures.second.y, at), 0.0, 1.0);
-  m.k.x = clamp(m.k.x * scalar_factor(textures.second.z, at), 0.0, 1.0);
-  m.k.z = clamp(m.k.z * scalar_factor(textures.second.w, at), 0.0, 1.0);
-}
-
-// What its textures make of a material; reflectances and roughness stay in the range that constants have.
-void apply_rich_textures(inout Material m, uvec4 textures, SurfacePoint at) {
-  m.albedo = clamp(m.albedo, 0.0, 1.0);
-  if (textures_have(kTexturesRich)) {
-    m.specular = clamp(m.specular * color_factor(textures.y, at), 0.0, 1.0);
-    m.alpha = clamp(m.alpha * vec2(scalar_factor(textures.z, at), scalar_factor(textures.w, at)), kLeastRoughness, 1.0);
-  }
+// What follows from parameters at a point.
+void resolve_material(inout Material m) {
   if (bsdf_is(m, kBsdfMicrofacet)) {
     m.share = 1.0 - max_component(m.albedo);
     m.specular = vec3(m.share);
@@ -133,20 +112,74 @@ void apply_rich_textures(inout Material m, uvec4 textures, SurfacePoint at) {
   }
 }
 
+// Whether some material of the scene has more parameters than a first texel holds.
+const bool kRich = (kBsdfsUsed & kBsdfsBuilt & kRichTypes) != 0u;
+
+const bool kGltf = (kBsdfsUsed & kBsdfsBuilt & 1u << kBsdfGltf) != 0u;
+
+Material material_of(MaterialRecord r) {
+  if (kRich) {
+    const Material m = rich_material(r);
+    if (bsdf_among(m, kRichTypes)) return m;
+  }
+  return plain_material(r.header, r.params);
+}
+
+// Four floats of a record, those whose bits are set multiplied by the factor.
+vec4 textured(vec4 floats, uint bits, vec4 factor, TextureUse use) {
+  const bvec4 chosen = notEqual(uvec4(bits) & uvec4(1u, 2u, 4u, 8u), uvec4(0u));
+  return mix(floats, clamp(floats * factor, use.least, use.most), chosen);
+}
+
+// A loop, because what is in it is large: a kernel with a copy for each parameter takes seconds to build.
+void apply_textures(inout MaterialRecord r, uint row, SurfacePoint at) {
+  const MaterialTextures textures = fetch_material_textures(row);
+  for (uint i = 0u; i < kTextureUses; ++i) {
+    if (textures.begin + i >= textures.end) break;
+    const TextureUse use = fetch_texture_use(textures.begin + i);
+    const vec4 factor = texture_factor(use.texture_of, at);
+    const vec4 a = textured(vec4(r.params, 0.0), use.floats & 7u, factor, use), b = textured(vec4(r.specular, r.share), use.floats >> 4u, factor, use);
+    const vec4 c = textured(vec4(r.eta, r.alpha_u), use.floats >> 8u, factor, use), d = textured(vec4(r.k, r.alpha_v), use.floats >> 12u, factor, use);
+    if (kGltf) {
+      r.sheen = textured(r.sheen, use.floats >> 16u, factor, use);
+      r.scattered = textured(r.scattered, use.floats >> 20u, factor, use);
+      r.film = textured(r.film, use.floats >> 24u, factor, use);
+    }
+    r = MaterialRecord(a.xyz, r.header, b.xyz, b.w, c.xyz, c.w, d.xyz, d.w, r.sheen, r.scattered, r.film, r.volume);
+  }
+}
+
 // A material at a point, evaluated once per hit.
 Material evaluate_material(uint row, SurfacePoint at) {
-  Material m = stored_material(row);
-  if (kTextured && material_has(m, kMaterialTextured)) {
-    const uvec4 textures = fetch_material_textures(row).first;
-    m.albedo *= color_factor(textures.x, at);
-    if (bsdf_is(m, kBsdfPrincipled)) {
-      apply_principled_textures(m, fetch_material_textures(row), at);
-    } else if (bsdf_among(m, kRichTypes)) {
-      apply_rich_textures(m, textures, at);
-    }
-  }
+  uint texels = 1u;
+  if (kRich) texels = kRichMaterialTexels;
+  if (kGltf) texels = kMaterialTexels;
+  MaterialRecord r = fetch_material(row, texels);
+  const bool has_textures = kTextured && (kMaterialFlagsSome & kMaterialTextured) != 0u &&
+                            ((kMaterialFlagsAll & kMaterialTextured) != 0u || (r.header & kMaterialTextured) != 0u);
+  if (has_textures && !textures_have(kTexturesRich)) r.params *= color_factor(fetch_material_textures(row).first, at);
+  if (has_textures && textures_have(kTexturesRich)) apply_textures(r, row, at);
+  Material m = material_of(r);
+  if (has_textures && textures_have(kTexturesRich)) resolve_material(m);
   if (bsdf_is(m, kBsdfPrincipled)) resolve_principled(m);
+  if (bsdf_is(m, kBsdfGltf)) resolve_gltf(m);
   return m;
+}
+
+// One of glTF's materials absorbs: its bit, and that of the flag. (Of a constant made with && glslang loses the place.)
+const bool kVolumes = (kBsdfsUsed & kBsdfsBuilt & 1u << kBsdfGltf & kMaterialFlagsSome / kMaterialVolume << kBsdfGltf) != 0u;
+
+// Absorption, per scene unit, where light goes on in the direction wi that was in `current` before.
+vec3 absorption_toward(Material m, vec3 wi, vec3 current) {
+  if (!bsdf_is(m, kBsdfGltf) || gltf_is_sheet(m) || !material_has(m, kMaterialTransmissive)) return current;
+  return wi.z < 0.0 ? m.volume.xyz : vec3(0.0);
+}
+
+// Beer's law; what comes from infinitely far away does not get through.
+vec3 transmittance(vec3 absorption, float distance) {
+  MUTATE(kMutantVolumeClear, return vec3(1.0));
+  const vec3 passed = exp(-absorption * (distance / frame.distance_scale));
+  return mix(passed, vec3(1.0), equal(absorption, vec3(0.0)));
 }
 
 vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) {
@@ -155,6 +188,8 @@ vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) {
   if (bsdf_is(m, kBsdfPlastic)) value = plastic_eval(m, wo, wi);
   if (bsdf_among(m, kRoughTypes)) value = rough_evaluate(m, wo, wi).value;
   if (bsdf_is(m, kBsdfPrincipled)) value = principled_evaluate(m, wo, wi).value;
+  if (bsdf_is(m, kBsdfGltf)) value = gltf_evaluate(m, wo, wi).value;
+  if (bsdf_is(m, kBsdfPrincipledThin)) value = principledthin_evaluate(m, wo, wi).value;
   return value;
 }
 
@@ -164,6 +199,8 @@ float bsdf_pdf(Material m, vec3 wo, vec3 wi) {
   if (bsdf_is(m, kBsdfPlastic)) pdf = plastic_pdf(m, wo, wi);
   if (bsdf_among(m, kRoughTypes)) pdf = rough_evaluate(m, wo, wi).pdf;
   if (bsdf_is(m, kBsdfPrincipled)) pdf = principled_evaluate(m, wo, wi).pdf;
+  if (bsdf_is(m, kBsdfGltf)) pdf = gltf_evaluate(m, wo, wi).pdf;
+  if (bsdf_is(m, kBsdfPrincipledThin)) pdf = principledthin_evaluate(m, wo, wi).pdf;
   return pdf;
 }
 
@@ -176,6 +213,8 @@ BsdfSample bsdf_sample(Material m, vec3 wo, float u_lobe, vec2 u) {
   if (bsdf_is(m, kBsdfPlastic)) return plastic_sample(m, wo, u_lobe, u);
   if (bsdf_among(m, kRoughTypes)) return rough_sample(m, wo, u_lobe, u);
   if (bsdf_is(m, kBsdfPrincipled)) return principled_sample(m, wo, u_lobe, u);
+  if (bsdf_is(m, kBsdfGltf)) return gltf_sample(m, wo, u_lobe, u);
+  if (bsdf_is(m, kBsdfPrincipledThin)) return principledthin_sample(m, wo, u_lobe, u);
   if (bsdf_is(m, kBsdfNull)) return null_sample(wo);
   return kNoBsdfSample;
 }

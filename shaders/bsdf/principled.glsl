@@ -5,12 +5,15 @@
 #include "../mutants.h"
 #include "../warp.glsl"
 
+vec2 principled_alpha(float roughness, float anisotropic) {
+  const float squared = roughness * roughness, aspect = sqrt(1.0 - 0.9 * anisotropic);
+  return max(vec2(squared / aspect, squared * aspect), vec2(kLeastRoughness));
+}
+
 // What the stored numbers mean at a point: roughness along and across the tangent, and that of the coat.
 void resolve_principled(inout Material m) {
-  const float anisotropic = m.share, gloss = m.alpha.x, squared = m.eta.y * m.eta.y;
-  const float aspect = sqrt(1.0 - 0.9 * anisotropic);
-  m.ext_ior = mix(0.1, 0.001, gloss);
-  m.alpha = max(vec2(squared / aspect, squared * aspect), vec2(kLeastRoughness));
+  m.ext_ior = mix(0.1, 0.001, m.alpha.x);
+  m.alpha = principled_alpha(m.eta.y, m.share);
 }
 
 float principled_clear(Material m) { return (1.0 - m.specular.x) * m.specular.y; }
@@ -43,9 +46,9 @@ vec3 principled_tint(Material m) {
   return l > 0.0 ? m.albedo / l : vec3(1.0);
 }
 
-// f cos of the diffuse base and the sheen over it.
-vec3 principled_base(Material m, float cos_o, float cos_i, float cos_d) {
-  const float metallic = m.specular.x, flatness = m.eta.z;
+// f cos of the diffuse base and the sheen over it, each times its share.
+vec3 principled_base(Material m, float base_share, float sheen_share, float cos_o, float cos_i, float cos_d) {
+  const float flatness = m.eta.z;
   const float fo = fifth_power(1.0 - cos_o), fi = fifth_power(1.0 - cos_i);
   const float retro = 2.0 * m.eta.y * cos_d * cos_d;
   const float smooth_base = (1.0 - 0.5 * fi) * (1.0 - 0.5 * fo);
@@ -53,18 +56,23 @@ vec3 principled_base(Material m, float cos_o, float cos_i, float cos_d) {
   MUTATE(kMutantRetroReflectionLost, rough_base = 0.0);
   const float below = mix(1.0, 0.5 * retro, fo) * mix(1.0, 0.5 * retro, fi);
   const float flat_base = 1.25 * (below * (1.0 / (cos_o + cos_i) - 0.5) + 0.5);
-  const vec3 base = m.albedo * ((1.0 - m.specular.y) * kInvPi * mix(smooth_base + rough_base, flat_base, flatness));
-  const vec3 sheen = mix(vec3(1.0), principled_tint(m), m.k.y) * (m.k.x * fifth_power(1.0 - cos_d));
-  return (base + sheen) * ((1.0 - metallic) * cos_i);
+  const vec3 base = m.albedo * (base_share * kInvPi * mix(smooth_base + rough_base, flat_base, flatness));
+  const vec3 sheen = mix(vec3(1.0), principled_tint(m), m.k.y) * (sheen_share * m.k.x * fifth_power(1.0 - cos_d));
+  return (base + sheen) * cos_i;
+}
+
+// What a dielectric microfacet reflects that is met at wo_h, by Fresnel's equations f, in part in the tint of the base. Schlick's fit takes the cosine on the
+// side of the lesser index.
+vec3 tinted_reflectance(Material m, float tint, float wo_h, float f, float cos_t) {
+  const float root = (m.eta.x - 1.0) / (m.eta.x + 1.0);
+  return (1.0 - tint) * f + tint * schlick(principled_tint(m) * (root * root), m.eta.x < 1.0 ? cos_t : wo_h);
 }
 
 // What a microfacet reflects that is met at wo_h, where a dielectric one reflects f.
-vec3 principled_reflectance(Material m, float wo_h, float f, float side) {
+vec3 principled_reflectance(Material m, float wo_h, float f, float cos_t, float side) {
   if (side < 0.0) return vec3(principled_clear(m) * f);
-  const float metallic = m.specular.x, tint = m.specular.z;
-  const float root = (m.eta.x - 1.0) / (m.eta.x + 1.0);
-  const vec3 tinted = schlick(principled_tint(m) * (root * root), wo_h);
-  return (1.0 - metallic) * ((1.0 - tint) * f + tint * tinted) + metallic * schlick(m.albedo, wo_h);
+  const float metallic = m.specular.x;
+  return (1.0 - metallic) * tinted_reflectance(m, m.specular.z, wo_h, f, cos_t) + metallic * schlick(m.albedo, wo_h);
 }
 
 // wo is on the side z > 0; h the half vector, eta n_i/n_o of what passes.
@@ -84,14 +92,15 @@ Scattering principled_scattering(Material m, vec3 wo, vec3 wi, vec3 h, float eta
     return Scattering(sqrt(m.albedo) * (principled_clear(m) * (1.0 - f) * density * shadowing * wo_h * by_h / (eta * eta)),
                       lobes.x / total * passing * seen * wo_h * by_h);
   }
-  Scattering s = Scattering(principled_reflectance(m, wo_h, f, side) * (0.25 * density * shadowing), lobes.x / total * (1.0 - passing) * 0.25 * seen);
+  Scattering s = Scattering(principled_reflectance(m, wo_h, f, cos_t, side) * (0.25 * density * shadowing), lobes.x / total * (1.0 - passing) * 0.25 * seen);
   if (side < 0.0) return s;
-  s.value += principled_base(m, wo.z, wi.z, wi_h);
+  s.value += principled_base(m, (1.0 - m.specular.x) * (1.0 - m.specular.y), 1.0 - m.specular.x, wo.z, wi.z, wi_h);
   s.pdf += lobes.y / total * kInvPi * wi.z;
   if (m.k.z > 0.0) {
     const Facets smooth_facets = Facets(vec2(0.25), false);
     const float coat = coat_density(m.ext_ior, h.z);
-    const float g = facet_masking(smooth_facets, wo, wo_h) * facet_masking(smooth_facets, wi, wi_h);
+    float g = facet_masking(smooth_facets, wo, wo_h) * facet_masking(smooth_facets, wi, wi_h);
+    MUTATE(kMutantCoatUnmasked, g = 1.0);
     s.value += vec3(0.25 * m.k.z * schlick(vec3(0.04), wo_h).x * coat * g * wi.z);
     s.pdf += lobes.z / total * 0.25 * coat * h.z / wo_h;
   }

@@ -81,11 +81,51 @@ Shares shares(const Facets& facets, double cosine, double eta) {
   return {sum.reflected * norm, sum.passed * norm};
 }
 
+/// Microfibres: their masking [Estevez2017].
+double sheen_lambda(double cosine, double alpha) {
+  const double t = (1.0 - alpha) * (1.0 - alpha);
+  const auto blend = [t](double rough, double smooth) { return rough + t * (smooth - rough); };
+  const double a = blend(21.5473, 25.3245), b = blend(3.82987, 3.32435), c = blend(0.19823, 0.16801),
+               d = blend(-1.97760, -1.27393), e = blend(-4.32054, -4.85967);
+  const auto curve = [&](double x) { return a / (1.0 + b * std::pow(x, c)) + d * x + e; };
+  return std::exp(cosine < 0.5 ? curve(cosine) : 2.0 * curve(0.5) - curve(1.0 - cosine));
+}
+
+/// By midpoints over the hemisphere, cosines even in their roots because the lobe lies at the horizon.
+double sheen_albedo(double cosine, double alpha) {
+  constexpr int kRings = 128, kSectors = 96;
+  const double sine = std::sqrt(1.0 - cosine * cosine), masked = 1.0 + sheen_lambda(cosine, alpha);
+  double sum = 0.0;
+  for (int i = 0; i < kRings; ++i) {
+    const double root = (i + 0.5) / kRings, z = root * root, s = std::sqrt(1.0 - z * z);
+    const double visible = 2.0 * root / ((masked + sheen_lambda(z, alpha)) * 4.0 * cosine);
+    for (int j = 0; j < kSectors; ++j) {
+      const double phi = kPi * (j + 0.5) / kSectors, x = s * std::cos(phi) + sine, y = s * std::sin(phi);
+      const double across = x * x + y * y, along = cosine + z;
+      sum += visible * std::pow(across / (across + along * along), 0.5 / alpha);
+    }
+  }
+  return sum * (2.0 + 1.0 / alpha) / (kRings * kSectors);
+}
+
 }  // namespace
 
 double diffuse_reflectance_inside(double eta) {
   const double inverse = 1.0 / eta;  // the index seen from inside [dEon2011]
   return -1.4399 * inverse * inverse + 0.7099 * inverse + 0.6681 + 0.0636 * eta;
+}
+
+std::vector<float> sheen_albedos() {
+  std::vector<float> table;
+  for (gpu::uint row = 0; row < gpu::kSheenRoughnesses; ++row) {
+    const double roughness = 0.1 + 0.9 * row / (gpu::kSheenRoughnesses - 1);
+    for (gpu::uint i = 0; i < gpu::kSheenCosines; ++i) {
+      const double cosine = std::max(1e-3, static_cast<double>(i) / (gpu::kSheenCosines - 1));
+      // More than it is, so that what is interpolated is no less.
+      table.push_back(static_cast<float>(1.02 * sheen_albedo(cosine, roughness * roughness) + 0.002));
+    }
+  }
+  return table;
 }
 
 RoughCoat rough_coat(const Roughness& roughness, double eta) {

@@ -2,6 +2,7 @@
 /// What kernels know of clear coats over a diffuse base; docs/conventions.md, "Coats".
 
 #include <array>
+#include <vector>
 
 #include "gpu_types.h"
 #include "scene/bsdfs.h"
@@ -17,5 +18,9 @@ struct RoughCoat {
   double reflectance_inside = 0.0;                               ///< of diffuse light from inside
 };
 RoughCoat rough_coat(const Roughness& roughness, double eta);
+
+/// What white sheen reflects of light: at kSheenCosines cosines even over [0, 1], the first 1e-3, for each of
+/// kSheenRoughnesses roughnesses even over [0.1, 1]; docs/conventions.md, "glTF".
+std::vector<float> sheen_albedos();
 
 }  // namespace etendue

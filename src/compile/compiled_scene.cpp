@@ -14,11 +14,11 @@
 #include <fmt/core.h>
 
 #include "compile/bvh.h"
-#include "compile/coats.h"
 #include "compile/delta_lights.h"
 #include "compile/discrete.h"
 #include "compile/few_primitives.h"
 #include "compile/light_tree.h"
+#include "compile/material_records.h"
 #include "compile/normalization.h"
 #include "compile/reinsertion.h"
 #include "compile/shared_mesh.h"
@@ -41,119 +41,6 @@ constexpr double kPi = std::numbers::pi;
 
 double luminance(const glm::dvec3& rgb) {
   return glm::dot(rgb, glm::dvec3(0.212671, 0.715160, 0.072169));
-}
-
-gpu::MaterialRecord flatten(const DiffuseBsdf& bsdf) {
-  return {.params = glm::vec3(bsdf.albedo.value), .header = gpu::kBsdfDiffuse | gpu::kMaterialOneSided};
-}
-gpu::MaterialRecord flatten(const MirrorBsdf&) {
-  return {.header = gpu::kBsdfMirror | gpu::kMaterialDelta | gpu::kMaterialOneSided};
-}
-gpu::MaterialRecord flatten(const DielectricBsdf& bsdf) {
-  return {.params = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0), .header = gpu::kBsdfDielectric | gpu::kMaterialDelta};
-}
-gpu::MaterialRecord flatten(const NullBsdf&) {
-  return {.header = gpu::kBsdfNull | gpu::kMaterialDelta};
-}
-// Rows are whole numbers below 2^24, which floats hold.
-gpu::MaterialRecord flatten(const TwoSidedAdapter& adapter) {
-  return {.params = glm::vec3(adapter.front, adapter.back, 0.0f), .header = gpu::kAdapterTwoSided};
-}
-gpu::MaterialRecord flatten(const MaskAdapter& mask) {
-  return {.params = glm::vec3(static_cast<float>(mask.inner), 0.0f, mask.opacity.value), .header = gpu::kAdapterMask};
-}
-gpu::MaterialRecord flatten(const BlendAdapter& blend) {
-  return {.params = glm::vec3(static_cast<float>(blend.first), blend.second, blend.weight.value),
-          .header = gpu::kAdapterBlend};
-}
-gpu::MaterialRecord flatten(const NormalMapAdapter& map) {
-  return {.params = glm::vec3(static_cast<float>(map.inner), 0.0f, 0.0f), .header = gpu::kAdapterNormalMap};
-}
-gpu::MaterialRecord flatten(const BumpMapAdapter& map) {
-  return {.params = glm::vec3(static_cast<float>(map.inner), 0.0f, map.height.value), .header = gpu::kAdapterBumpMap};
-}
-gpu::MaterialRecord flatten(const PrincipledBsdf& bsdf) {
-  return {.params = glm::vec3(bsdf.base_color.value),
-          .header = gpu::kBsdfPrincipled | (may_refract(bsdf) ? gpu::kMaterialTransmissive : gpu::kMaterialOneSided),
-          .specular = glm::vec3(bsdf.metallic.value, bsdf.spec_trans.value, bsdf.spec_tint.value),
-          .share = static_cast<float>(bsdf.anisotropic.value),
-          .eta = glm::vec3(bsdf.eta, bsdf.roughness.value, bsdf.flatness),
-          .alpha_u = static_cast<float>(bsdf.clearcoat_gloss),
-          .k = glm::vec3(bsdf.sheen.value, bsdf.sheen_tint, bsdf.clearcoat.value)};
-}
-gpu::uint distribution_flag(Roughness::Distribution distribution) {
-  return distribution == Roughness::Distribution::beckmann ? gpu::kMaterialBeckmann : 0u;
-}
-gpu::MaterialRecord flatten(const MicrofacetBsdf& bsdf) {
-  const double share = 1.0 - std::max({bsdf.kd.value.x, bsdf.kd.value.y, bsdf.kd.value.z});
-  return {.params = glm::vec3(bsdf.kd.value),
-          .header = gpu::kBsdfMicrofacet | gpu::kMaterialOneSided | gpu::kMaterialBeckmann,
-          .specular = glm::vec3(glm::dvec3(share)),
-          .share = static_cast<float>(share),
-          .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0),
-          .alpha_u = static_cast<float>(bsdf.alpha.value),
-          .alpha_v = static_cast<float>(bsdf.alpha.value)};
-}
-gpu::MaterialRecord flatten(const ConductorBsdf& bsdf) {
-  return {.header = gpu::kBsdfConductor | gpu::kMaterialDelta | gpu::kMaterialOneSided,
-          .specular = glm::vec3(bsdf.specular_reflectance.value),
-          .eta = glm::vec3(bsdf.index.eta),
-          .k = glm::vec3(bsdf.index.k)};
-}
-gpu::MaterialRecord flatten(const RoughConductorBsdf& bsdf) {
-  return {.header = gpu::kBsdfRoughConductor | gpu::kMaterialOneSided | distribution_flag(bsdf.roughness.distribution),
-          .specular = glm::vec3(bsdf.specular_reflectance.value),
-          .share = 1.0f,
-          .eta = glm::vec3(bsdf.index.eta),
-          .alpha_u = static_cast<float>(bsdf.roughness.alpha_u.value),
-          .k = glm::vec3(bsdf.index.k),
-          .alpha_v = static_cast<float>(bsdf.roughness.alpha_v.value)};
-}
-
-gpu::MaterialRecord flatten(const RoughDielectricBsdf& bsdf) {
-  return {
-      .params = glm::vec3(bsdf.specular_transmittance.value),
-      .header = gpu::kBsdfRoughDielectric | gpu::kMaterialTransmissive | distribution_flag(bsdf.roughness.distribution),
-      .specular = glm::vec3(bsdf.specular_reflectance.value),
-      .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0),
-      .alpha_u = static_cast<float>(bsdf.roughness.alpha_u.value),
-      .alpha_v = static_cast<float>(bsdf.roughness.alpha_v.value)};
-}
-gpu::MaterialRecord flatten(const ThinDielectricBsdf& bsdf) {
-  return {.params = glm::vec3(bsdf.specular_transmittance.value),
-          .header = gpu::kBsdfThinDielectric | gpu::kMaterialDelta,
-          .specular = glm::vec3(bsdf.specular_reflectance.value),
-          .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0)};
-}
-
-// Share of samples that go to the coat, but for Fresnel's factor.
-template <typename Plastic>
-float coat_share(const Plastic& bsdf) {
-  const auto mean = [](const glm::dvec3& c) { return (c.x + c.y + c.z) / 3.0; };
-  const double coat = mean(bsdf.specular_reflectance.value), base = mean(bsdf.diffuse_reflectance.value);
-  return static_cast<float>(coat + base > 0.0 ? coat / (coat + base) : 1.0);
-}
-template <typename Plastic>
-gpu::MaterialRecord flatten_plastic(const Plastic& bsdf, double reflectance_inside) {
-  const double ratio = bsdf.ext_ior / bsdf.int_ior;
-  return {.params = glm::vec3(bsdf.diffuse_reflectance.value),
-          .header = gpu::kMaterialOneSided | (bsdf.nonlinear ? gpu::kMaterialNonlinear : 0u),
-          .specular = glm::vec3(bsdf.specular_reflectance.value),
-          .share = coat_share(bsdf),
-          .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0),
-          .k = glm::vec3(reflectance_inside, ratio * ratio, 0.0)};
-}
-gpu::MaterialRecord flatten(const PlasticBsdf& bsdf) {
-  gpu::MaterialRecord record = flatten_plastic(bsdf, diffuse_reflectance_inside(bsdf.int_ior / bsdf.ext_ior));
-  record.header |= gpu::kBsdfPlastic;
-  return record;
-}
-// Its table is added by whoever has the others.
-gpu::MaterialRecord flatten(const RoughPlasticBsdf& bsdf, const RoughCoat& coat) {
-  gpu::MaterialRecord record = flatten_plastic(bsdf, coat.reflectance_inside);
-  record.header |= gpu::kBsdfRoughPlastic | distribution_flag(bsdf.distribution);
-  record.alpha_u = record.alpha_v = static_cast<float>(bsdf.alpha);
-  return record;
 }
 
 // A shape where its instance puts it: one of these, as the shape is.
@@ -306,31 +193,15 @@ class Compiler {
 
   void flatten_materials() {
     for (const Material& material : scene_.materials)
-      out_.materials.push_back(
-          material.adapter ? std::visit([](const auto& adapter) { return flatten(adapter); }, *material.adapter)
-                           : std::visit([&](const auto& bsdf) { return flatten_material(bsdf); }, material.bsdf));
+      out_.materials.push_back(material_record(material, out_.transmittances));
     if (out_.materials.empty()) out_.materials.push_back({});
     out_.textures = compile_textures(scene_);
     if (out_.textures.features == 0) return;
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
-      out_.material_textures.push_back(material_textures(scene_.materials[i]));
+      out_.material_textures.push_back(material_textures(scene_.materials[i], out_.texture_uses));
       if (is_textured(scene_.materials[i])) out_.materials[i].header |= gpu::kMaterialTextured;
       if (is_aligned(scene_.materials[i])) out_.materials[i].header |= gpu::kMaterialAligned;
     }
-  }
-
-  template <typename T>
-  gpu::MaterialRecord flatten_material(const T& bsdf) {
-    return flatten(bsdf);
-  }
-  gpu::MaterialRecord flatten_material(const RoughPlasticBsdf& bsdf) {
-    const RoughCoat coat = rough_coat({bsdf.distribution, bsdf.alpha, bsdf.alpha}, bsdf.int_ior / bsdf.ext_ior);
-    gpu::MaterialRecord record = flatten(bsdf, coat);
-    record.k.z = static_cast<float>(out_.transmittances.size());
-    for (std::size_t i = 0; i < coat.transmittances.size(); i += 4)
-      out_.transmittances.emplace_back(coat.transmittances[i], coat.transmittances[i + 1], coat.transmittances[i + 2],
-                                       coat.transmittances[i + 3]);
-    return record;
   }
 
   void flatten_instances() {

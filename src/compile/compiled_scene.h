@@ -25,6 +25,7 @@ struct CompiledScene {
   std::vector<gpu::Place> places;  ///< of the instances of shared meshes; empty in flattened scenes
   std::vector<gpu::MaterialRecord> materials;
   std::vector<gpu::MaterialTextures> material_textures;  ///< one for each material, or empty where none has any
+  std::vector<gpu::TextureUse> texture_uses;
   CompiledTextures textures;
   std::vector<gpu::vec4> transmittances;  ///< tables of rough coats, kTransmittanceNodes floats each
   std::vector<gpu::uvec4> triangles;      ///< vertex indices of meshes with normals, xyz

@@ -79,16 +79,15 @@ class TextureCompiler {
 
   void find_needs(const Instance& instance) {
     Needs& needs = needs_[key(instance)];
-    const auto add = [&](const char* name, const auto& parameter) {
-      if (!parameter.texture) return;
-      add_need(scene_.textures[*parameter.texture], instance, needs);
-      if (is_rich(name)) out_.features |= gpu::kTexturesRich;
+    const auto add = [&](const char*, const auto& parameter) {
+      if (parameter.texture) add_need(scene_.textures[*parameter.texture], instance, needs);
     };
     each_material(scene_, instance.material, [&](const Material& material) {
       each_parameter(material, add);
       if (is_aligned(material)) add_tangents(instance, needs);
+      const bool plain = material.adapter || std::holds_alternative<DiffuseBsdf>(material.bsdf);
+      if (!plain && is_textured(material)) out_.features |= gpu::kTexturesRich;
     });
-    if (std::ranges::find(scene_.aovs, Aov::uv) != scene_.aovs.end()) add_coordinates(instance, needs);
     const AreaEmitter* emitter = scene_.emitter_of(instance);
     if (emitter == nullptr) return;
     each_parameter(*emitter, add);
@@ -100,14 +99,6 @@ class TextureCompiler {
     if (std::holds_alternative<Sphere>(shape)) return gpu::kTexturesSphere;
     if (std::holds_alternative<Disk>(shape)) return gpu::kTexturesDisk;
     return std::holds_alternative<Cylinder>(shape) ? gpu::kTexturesCylinder : 0;
-  }
-
-  /// Parameters beyond the first: kernels need not look for them elsewhere.
-  static bool is_rich(const char* name) {
-    const std::string_view word(name);
-    return word == "specular_reflectance" || word.starts_with("alpha") || word == "roughness" || word == "metallic" ||
-           word == "anisotropic" || word == "spec_trans" || word == "spec_tint" || word == "sheen" ||
-           word == "clearcoat";
   }
 
   void add_need(const Texture& texture, const Instance& instance, Needs& needs) {
@@ -128,16 +119,6 @@ class TextureCompiler {
     out_.features |= gpu::kTexturesTangents | feature_of(scene_.shape_of(instance));
     const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
     if (mesh != nullptr && !mesh->uv_sets.empty()) needs.sets = std::max(needs.sets, 1u);
-  }
-
-  /// What the AOV of texture coordinates shows, textured or not.
-  void add_coordinates(const Instance& instance, Needs& needs) {
-    const Shape& shape = scene_.shape_of(instance);
-    const auto* mesh = std::get_if<TriangleMesh>(&shape);
-    if (mesh != nullptr && mesh->uv_sets.empty()) return;
-    textured_ = needs.any = true;
-    out_.features |= mesh != nullptr ? gpu::kTexturesMesh : feature_of(shape);
-    if (mesh != nullptr) needs.sets = std::max(needs.sets, 1u);
   }
 
   gpu::TextureRecord flatten(const Texture& texture) {
@@ -290,46 +271,10 @@ class TextureCompiler {
   std::uint64_t next_place_ = 0;
 };
 
-gpu::uint texture_of(const ColorParameter& parameter) {
-  return parameter.texture.value_or(gpu::kNone);
-}
-gpu::uint texture_of(const ScalarParameter& parameter) {
-  if (!parameter.texture) return gpu::kNone;
-  return *parameter.texture | static_cast<gpu::uint>(parameter.channel) << gpu::kTextureOfChannelShift;
-}
-
 }  // namespace
 
 CompiledTextures compile_textures(const Scene& scene) {
   return TextureCompiler(scene).compile();
-}
-
-gpu::MaterialTextures material_textures(const Material& material) {
-  gpu::MaterialTextures textures{.first = gpu::uvec4(gpu::kNone), .second = gpu::uvec4(gpu::kNone)};
-  each_parameter(material, [&](const char* name, const auto& parameter) {
-    const std::string_view word(name);
-    const gpu::uint texture = texture_of(parameter);
-    if (word == "specular_reflectance" || word == "roughness") {
-      textures.first.y = texture;
-    } else if (word == "alpha_v" || word == "anisotropic") {
-      textures.first.w = texture;
-    } else if (word == "alpha_u" || word == "metallic") {
-      textures.first.z = texture;
-    } else if (word == "spec_trans") {
-      textures.second.x = texture;
-    } else if (word == "spec_tint") {
-      textures.second.y = texture;
-    } else if (word == "sheen") {
-      textures.second.z = texture;
-    } else if (word == "clearcoat") {
-      textures.second.w = texture;
-    } else if (word == "alpha") {
-      textures.first.z = textures.first.w = texture;
-    } else {
-      textures.first.x = texture;  // what a material has but one of: albedo, transmittance, an adapter's number
-    }
-  });
-  return textures;
 }
 
 }  // namespace etendue

@@ -24,7 +24,4 @@ struct CompiledTextures {
 /// Throws Error(scene) where a picture is too large to be addressed.
 CompiledTextures compile_textures(const Scene& scene);
 
-/// The textures of the parameters of a material or adapter, in the order of each_parameter; kNone for those without.
-gpu::MaterialTextures material_textures(const Material& material);
-
 }  // namespace etendue

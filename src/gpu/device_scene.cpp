@@ -60,6 +60,7 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
         {table("instances", kFirst, s.instances), table("materials", gpu::kConstantMaterialsAt, s.materials),
          table("places of instances", gpu::kConstantPlacesAt, s.places),
          table("textures of materials", gpu::kConstantMaterialTexturesAt, s.material_textures),
+         table("uses of textures", gpu::kConstantTextureUsesAt, s.texture_uses),
          table("emitters", gpu::kConstantLightInstancesAt, s.light_instances),
          table("lights without extent", gpu::kConstantDeltaLightsAt, s.delta_lights),
          table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
@@ -123,6 +124,13 @@ bool has_light_normals(const CompiledScene& scene) {
   });
 }
 
+// Of a material.
+std::uint32_t most_texture_uses(const CompiledScene& scene) {
+  std::uint32_t most = 0;
+  for (const gpu::MaterialTextures& m : scene.material_textures) most = std::max(most, m.end - m.begin);
+  return most;
+}
+
 std::uint32_t delta_light_kinds(const CompiledScene& scene) {
   std::uint32_t kinds = 0;
   for (const gpu::DeltaLight& light : scene.delta_lights) kinds |= light.header;
@@ -131,12 +139,15 @@ std::uint32_t delta_light_kinds(const CompiledScene& scene) {
 
 }  // namespace
 
-LightRounds::LightRounds(const CompiledScene& scene) {
+LoopRounds::LoopRounds(const CompiledScene& scene) {
   std::uint32_t most = 1;
   for (const gpu::LightInstance& light : scene.light_instances) most = std::max(most, light.primitive_count);
   instances = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_instances.size(), 1) - 1));
   primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
   distant = static_cast<std::uint32_t>(std::bit_width(scene.distant_lights));
+  const std::uint32_t adapters = MaterialsUsed(scene).adapter_depth, textures = most_texture_uses(scene);
+  // Adapters also of what shadow rays meet; each loop looks once more whether it ends.
+  materials = (adapters > 0 ? 2 * (adapters + 2) : 0) + (textures > 0 ? textures + 1 : 0);
   if (scene.environment.facts.kind == gpu::kEnvironmentNone) return;
   environment_rows = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.row_count - 1));
   environment_columns = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.columns - 1));
@@ -196,7 +207,7 @@ std::vector<vulkan::Specialization> table_places(const CompiledScene& scene) {
 }
 
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) {
-  const LightRounds light_rounds(scene);
+  const LoopRounds loop_rounds(scene);
   const MaterialsUsed used(scene);
   std::vector<vulkan::Specialization> constants = table_places(scene);
   constants.insert(constants.end(), {{gpu::kConstantStackSize, std::max(1u, scene.tree_depth)},
@@ -204,8 +215,8 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantInwardSpheres, scene.inward_spheres ? 1u : 0u},
                                      {gpu::kConstantFewCount, scene.few_count},
                                      {gpu::kConstantFewSpheres, scene.few_spheres},
-                                     {gpu::kConstantLightInstanceRounds, light_rounds.instances},
-                                     {gpu::kConstantLightPrimitiveRounds, light_rounds.primitives},
+                                     {gpu::kConstantLightInstanceRounds, loop_rounds.instances},
+                                     {gpu::kConstantLightPrimitiveRounds, loop_rounds.primitives},
                                      {gpu::kConstantBsdfsUsed, used.types},
                                      {gpu::kConstantMaterialFlagsSome, used.flags_some},
                                      {gpu::kConstantMaterialFlagsAll, used.flags_all},
@@ -216,6 +227,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},
                                      {gpu::kConstantInstanced, scene.places.empty() ? 0u : 1u},
                                      {gpu::kConstantTextureFeatures, scene.textures.features},
+                                     {gpu::kConstantTextureUses, most_texture_uses(scene)},
                                      {gpu::kConstantTreeRoot, scene.tree_root}});
   const EnvironmentFacts& sky = scene.environment.facts;
   constants.insert(constants.end(), {{gpu::kConstantEnvironment, sky.kind},
@@ -223,8 +235,8 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantEnvironmentColumns, sky.columns},
                                      {gpu::kConstantEnvironmentTexelRows, sky.texel_rows},
                                      {gpu::kConstantEnvironmentCellRows, sky.cell_rows},
-                                     {gpu::kConstantEnvironmentRowRounds, light_rounds.environment_rows},
-                                     {gpu::kConstantEnvironmentColumnRounds, light_rounds.environment_columns}});
+                                     {gpu::kConstantEnvironmentRowRounds, loop_rounds.environment_rows},
+                                     {gpu::kConstantEnvironmentColumnRounds, loop_rounds.environment_columns}});
   constants.insert(constants.end(),
                    {{gpu::kConstantHasDisks, scene.has_disks ? 1u : 0u},
                     {gpu::kConstantHasCylinders, scene.has_cylinders ? 1u : 0u},
@@ -247,7 +259,7 @@ DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene&
     : device_(std::move(device)),
       loads_(choose_table_loads(*device_->context, scene, wanted)),
       facts_(scene),
-      light_rounds_(scene),
+      loop_rounds_(scene),
       has_tree_(scene.tree_root != gpu::kNone),
       light_tree_depth_(scene.light_tree_depth),
       constants_(scene_constants(scene)),

@@ -15,13 +15,14 @@ namespace etendue {
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
                               std::optional<TableLoads> wanted = {});
 
-/// Rounds of the bisections that choose a light or a direction of the environment: ceil(log2) of what there is to
-/// choose from.
-struct LightRounds {
+/// Rounds of a kernel's loops, at most: of the bisections that choose a light or a direction of the environment,
+/// ceil(log2) of what there is to choose from; at a hit, through adapters and textures.
+struct LoopRounds {
   std::uint32_t instances = 0, primitives = 0;
   std::uint32_t environment_rows = 0, environment_columns = 0;
   std::uint32_t distant = 0;
-  explicit LightRounds(const CompiledScene& scene);
+  std::uint32_t materials = 0;
+  explicit LoopRounds(const CompiledScene& scene);
 };
 
 /// Where tables begin in the buffers that they share: specialization constants of every kernel.
@@ -52,7 +53,7 @@ class DeviceScene {
   const std::shared_ptr<GpuDevice>& device_pointer() const { return device_; }
   TableLoads loads() const { return loads_; }
   const SceneFacts& facts() const { return facts_; }
-  const LightRounds& light_rounds() const { return light_rounds_; }
+  const LoopRounds& loop_rounds() const { return loop_rounds_; }
   bool has_tree() const { return has_tree_; }
   std::uint32_t light_tree_depth() const { return light_tree_depth_; }
   /// See scene_constants.
@@ -71,7 +72,7 @@ class DeviceScene {
   std::shared_ptr<GpuDevice> device_;
   TableLoads loads_;
   SceneFacts facts_;
-  LightRounds light_rounds_;
+  LoopRounds loop_rounds_;
   bool has_tree_;
   std::uint32_t light_tree_depth_;
   std::vector<vulkan::Specialization> constants_;

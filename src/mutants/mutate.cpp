@@ -205,18 +205,21 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "adapters, floor o(d)"},
     {gpu::kMutantRetroReflectionLost, "retro-reflection lost",
      "a rough base reflects nothing back to where light comes from", "albedo, principled"},
-    {gpu::kMutantAovFilterIgnored, "coverage without filter",
-     "samples of coverage count alike whatever the filter says", "aov alpha"},
-    {gpu::kMutantAovSetSummed, "numbers summed",
-     "every path of a set adds the number of what it meets, not the first alone", "aov instance"},
-    {gpu::kMutantAovOtherSample, "depth of another sample", "distances are measured along the ray of the next sample",
-     "aov depth"},
-    {gpu::kMutantAovEndsAtMirror, "albedo of the mirror", "albedo ends at mirrors and glass", "aov albedo"},
-    {gpu::kMutantAovPlaceNotMoved, "position about the middle", "positions are those about the middle of the scene",
-     "aov position"},
-    {gpu::kMutantLightPartLate, "indirect light late", "light that was scattered twice is none of the indirect light",
-     "indirect light of a furnace"},
-    {gpu::kMutantBackgroundSeen, "background seen", "the camera sees a sky that is hidden", "hidden sky"},
+    {gpu::kMutantSheetRoughnessUnscaled, "sheet as rough as a mirror",
+     "a thin sheet spreads what passes as much as what it reflects", "albedo, principledthin"},
+    {gpu::kMutantSheetPassesTwice, "sheet passes twice as much",
+     "all of diff_trans passes a thin sheet in place of its half", "albedo, principledthin"},
+    {gpu::kMutantGltfCoatAdded, "coat added", "a clear coat takes no light from what lies below", "albedo, gltf"},
+    {gpu::kMutantGltfBaseUndimmed, "base not dimmed",
+     "the diffuse base of glTF's material gets what its boundary reflects, too", "albedo, gltf"},
+    {gpu::kMutantVolumeClear, "volume clear", "a coloured solid absorbs nothing", "picture of volumes"},
+    {gpu::kMutantFilmShiftForgotten, "film's phase forgotten", "light reflected within a thin film keeps its phase",
+     "albedo, film"},
+    {gpu::kMutantBumpByTexel, "bumps by the texel", "slopes of a bump map are those from texel to texel",
+     "picture of maps"},
+    {gpu::kMutantMapsShineThrough, "maps shine through", "light from below a surface reaches it by its turned normals",
+     "picture of maps"},
+    {gpu::kMutantCoatUnmasked, "coat unmasked", "the coat's microfacets do not hide each other", "albedo, coat"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -435,6 +438,63 @@ Scene room_of_twins() {
   return scene;
 }
 
+/// A picture of 8-bit codes in linear light.
+std::shared_ptr<Bitmap> raw_picture(std::uint32_t width, std::uint32_t channels, std::initializer_list<int> codes) {
+  auto picture = std::make_shared<Bitmap>();
+  picture->width = width;
+  picture->channels = channels;
+  picture->height = static_cast<std::uint32_t>(codes.size()) / (width * channels);
+  picture->format = BitmapFormat::u8;
+  for (const int code : codes) picture->texels.push_back(static_cast<std::byte>(code));
+  return picture;
+}
+
+/// The room with two boards in its middle, over a floor that is lit: the normals of one are tilted, the other is
+/// embossed.
+Scene room_of_maps() {
+  Scene scene = room();
+  scene.name = scene.file = "room of maps";
+  scene.instances.resize(scene.instances.size() - 2);  // the spheres
+  scene.bitmaps = {raw_picture(2, 3, {238, 128, 191, 128, 20, 195}),
+                   raw_picture(3, 1, {0, 255, 90, 200, 30, 255, 120, 250, 0})};
+  for (std::uint32_t i = 0; i < 2; ++i) scene.textures.push_back({.source = BitmapTexture{.bitmap = i}});
+  const auto put = [&](double x, Adapter map) {
+    TriangleMesh board{.positions = {{x, 0.0, -0.6}, {x, 0.0, 0.6}, {x + 0.8, 0.0, 0.6}, {x + 0.8, 0.0, -0.6}},
+                       .uv_sets = {{{0, 0}, {0, 1}, {1, 1}, {1, 0}}},
+                       .triangles = {{0, 1, 2}, {0, 2, 3}}};
+    Instance& instance = scene.add(std::move(board), DiffuseBsdf{glm::dvec3(0.9)});
+    std::visit(
+        [&](auto& m) {
+          if constexpr (requires { m.inner; }) m.inner = instance.material;
+        },
+        map);
+    instance.material = static_cast<std::uint32_t>(scene.materials.size());
+    scene.materials.push_back({.bsdf = DiffuseBsdf{}, .adapter = std::move(map)});
+  };
+  put(-0.9, NormalMapAdapter{.normals = ColorParameter(glm::dvec3(1.0), 0)});
+  put(0.1, BumpMapAdapter{.height = ScalarParameter(0.3, 1, TextureChannel::red)});
+  scene.camera.world_from_camera = glm::dmat4({1, 0, 0, 0}, {0, 0.8, 0.6, 0}, {0, -0.6, 0.8, 0}, {0, 0.9, -0.9, 1});
+  scene.integrator.max_depth = 4;
+  return scene;
+}
+
+/// The room with coloured solids of glTF's glass, smooth and rough, one within the other.
+Scene room_of_volumes() {
+  Scene scene = room();
+  scene.name = scene.file = "room of volumes";
+  scene.instances.resize(scene.instances.size() - 2);  // the spheres
+  GltfBsdf glass{.metallic = 0.0, .roughness = 0.3, .transmission = 1.0, .thin = false};
+  glass.attenuation_color = {0.2, 0.6, 0.4};
+  glass.attenuation_distance = 0.3;
+  scene.add(Sphere{{-0.45, -0.5, 0.2}, 0.45}, glass);
+  scene.add(Sphere{{-0.45, -0.5, 0.2}, 0.2}, DiffuseBsdf{glm::dvec3(0.8)});
+  glass.roughness = 0.6;
+  glass.diffuse_transmission = 0.5;
+  glass.transmission = 0.5;
+  scene.add(Sphere{{0.45, -0.5, -0.1}, 0.45}, glass);
+  return scene;
+}
+
 /// The room with a point, a spot that fades over all of its cone and a projector in place of the lamp.
 Scene room_under_points() {
   Scene scene = room();
@@ -532,6 +592,28 @@ const PrincipledBsdf kPrincipled{.base_color = glm::dvec3(0.2, 0.5, 0.7),
                                  .clearcoat = 1.0,
                                  .sheen_tint = 0.5,
                                  .flatness = 0.2};
+const PrincipledThinBsdf kSheet{.base_color = glm::dvec3(0.2, 0.5, 0.7),
+                                .roughness = 0.6,
+                                .anisotropic = 0.4,
+                                .spec_trans = 0.4,
+                                .sheen = 0.5,
+                                .diff_trans = 0.8,
+                                .eta = 1.3};
+const GltfBsdf kGltf{.base_color = glm::dvec3(0.2, 0.5, 0.7),
+                     .metallic = 0.2,
+                     .roughness = 0.6,
+                     .transmission = 0.3,
+                     .diffuse_transmission = 0.3,
+                     .clearcoat = 0.8,
+                     .clearcoat_roughness = 0.5,
+                     .sheen_color = glm::dvec3(0.6, 0.3, 0.3),
+                     .sheen_roughness = 0.5,
+                     .anisotropy = 0.5,
+                     .anisotropy_rotation = 0.5,
+                     .thin = false};
+const GltfBsdf kFilm{.base_color = glm::dvec3(0.9, 0.6, 0.4), .metallic = 0.7, .roughness = 0.6, .iridescence = 0.9};
+const PrincipledBsdf kLacquer{.base_color = glm::dvec3(0.0), .clearcoat = 1.0};
+const glm::dvec3 kGrazing = glm::normalize(glm::dvec3(0.8, -0.3, 0.1));
 const glm::dvec3 kSlanted = glm::normalize(glm::dvec3(0.8, -0.3, 0.4));
 
 /// The suite: every test is one that users can run by themselves (ttest, chi2, validate, selftest).
@@ -579,14 +661,6 @@ std::vector<SuiteTest> make_suite() {
       scene_test(SceneFamily::adapter, naive, "floor o(d) from the front"),
       scene_test(SceneFamily::adapter, nee, "floor u(d) from the front, veil n, deep"),
       scene_test(SceneFamily::adapter, nee, "floor m(d) from the front, veil m(d), shallow,"),
-      scene_test(SceneFamily::aov, naive, "aov alpha of a rectangle in a pixel, mitchell"),
-      scene_test(SceneFamily::aov, naive, "aov instance 3"),
-      scene_test(SceneFamily::aov, naive, "aov depth"),
-      scene_test(SceneFamily::aov, naive, "aov position"),
-      scene_test(SceneFamily::aov, naive, "aov albedo"),
-      scene_test(SceneFamily::aov, naive, "direct light of a furnace"),
-      scene_test(SceneFamily::aov, mis, "indirect light of a furnace"),
-      scene_test(SceneFamily::aov, naive, "hidden sky"),
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),
@@ -599,6 +673,12 @@ std::vector<SuiteTest> make_suite() {
       material_test("chi2, roughplastic", kRoughPlastic, kSlanted),
       material_test("chi2, principled", kPrincipled, kSlanted),
       albedo_test("albedo, principled", kPrincipled, kSlanted),
+      material_test("chi2, principledthin", kSheet, kSlanted),
+      material_test("chi2, gltf", kGltf, kSlanted),
+      albedo_test("albedo, coat", kLacquer, kGrazing),
+      albedo_test("albedo, gltf", kGltf, kSlanted),
+      albedo_test("albedo, film", kFilm, kSlanted),
+      albedo_test("albedo, principledthin", kSheet, kSlanted),
       albedo_test("albedo, roughdielectric", kFrosted, kSlanted),
       albedo_test("albedo, plastic", kPlastic, kSlanted),
       albedo_test("albedo, roughplastic", kRoughPlastic, kSlanted),
@@ -612,6 +692,10 @@ std::vector<SuiteTest> make_suite() {
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_instances(), gpu); }},
       {"picture of round shapes against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_round_shapes(), gpu); }},
+      {"picture of maps against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_maps(), gpu); }},
+      {"picture of volumes against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_volumes(), gpu); }},
       {"picture of twins against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_twins(), gpu); }},
   };

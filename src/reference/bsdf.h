@@ -22,7 +22,8 @@ enum class Lobe : std::uint32_t {
   delta_transmission = 3,
   glossy_reflection = 4,
   glossy_transmission = 5,
-  passed = 6  ///< the surface was as if it were not there
+  passed = 6,  ///< the surface was as if it were not there
+  diffuse_transmission = 7
 };
 
 inline bool is_delta(Lobe lobe) {
@@ -85,6 +86,14 @@ Vec3 eval(const PrincipledBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 double pdf(const PrincipledBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 BsdfSample sample(const PrincipledBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
 
+Vec3 eval(const PrincipledThinBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const PrincipledThinBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const PrincipledThinBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
+Vec3 eval(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+double pdf(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi);
+BsdfSample sample(const GltfBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
+
 inline Vec3 eval(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   return std::visit([&](const auto& b) { return eval(b, wo, wi); }, bsdf);
 }
@@ -137,6 +146,13 @@ constexpr BsdfTraits traits(const NullBsdf&) {
 inline BsdfTraits traits(const PrincipledBsdf& bsdf) {
   const bool refracts = may_refract(bsdf);
   return {.delta = false, .one_sided = !refracts, .transmissive = refracts};
+}
+constexpr BsdfTraits traits(const PrincipledThinBsdf&) {
+  return {.delta = false, .one_sided = false, .transmissive = true};
+}
+inline BsdfTraits traits(const GltfBsdf& bsdf) {
+  const bool passes = may_refract(bsdf);
+  return {.delta = false, .one_sided = !passes, .transmissive = passes};
 }
 inline BsdfTraits traits(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return traits(b); }, bsdf);

@@ -16,7 +16,7 @@ double pdf(const ConductorBsdf&, const Vec3&, const Vec3&) {
 BsdfSample sample(const ConductorBsdf& bsdf, const Vec3& wo, double, const Vec2&) {
   if (wo.z <= 0.0) return {};
   return {.wi = {-wo.x, -wo.y, wo.z},
-          .weight = bsdf.specular_reflectance.value * fresnel_conductor(wo.z, bsdf.index.eta, bsdf.index.k),
+          .weight = bsdf.specular_reflectance.value * fresnel_conductor(wo.z, bsdf.index.eta.value, bsdf.index.k.value),
           .pdf = 1.0,
           .lobe = Lobe::delta_reflection};
 }

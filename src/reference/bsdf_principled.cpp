@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "reference/bsdf.h"
+#include "reference/burley_base.h"
 #include "reference/fresnel.h"
 #include "reference/microfacet_distribution.h"
 #include "reference/sampling.h"
@@ -13,22 +14,8 @@
 namespace etendue::reference {
 namespace {
 
-double schlick_weight(double cosine) {
-  return std::pow(1.0 - cosine, 5);
-}
-/// From the reflectance along the normal [Schlick1994].
-Vec3 schlick(const Vec3& normal, double cosine) {
-  return normal + (1.0 - normal) * schlick_weight(cosine);
-}
 double mix(double a, double b, double t) {
   return (1.0 - t) * a + t * b;
-}
-
-Roughness roughness_of(const PrincipledBsdf& bsdf) {
-  const double squared = bsdf.roughness.value * bsdf.roughness.value;
-  const double aspect = std::sqrt(1.0 - 0.9 * bsdf.anisotropic.value);
-  return {Roughness::Distribution::ggx, std::max(kMinRoughness, squared / aspect),
-          std::max(kMinRoughness, squared * aspect)};
 }
 
 /// The coat's microfacets: generalised Trowbridge–Reitz with γ = 1 [Burley2012, appendix B].
@@ -54,13 +41,13 @@ struct Seen {
         front(o.z > 0.0),
         side(front ? 1.0 : -1.0),
         wo(o.x, o.y, side * o.z),
-        n_o(front ? 1.0 : b.eta),
-        n_i(front ? b.eta : 1.0),
+        n_o(front ? 1.0 : b.eta.value),
+        n_i(front ? b.eta.value : 1.0),
         metallic(b.metallic.value),
         clear((1.0 - metallic) * b.spec_trans.value),
         opaque((1.0 - metallic) * (1.0 - b.spec_trans.value)),
-        facets(roughness_of(b)),
-        coat(b.clearcoat_gloss) {
+        facets(burley_roughness(b.roughness.value, b.anisotropic.value)),
+        coat(b.clearcoat_gloss.value) {
     if (!front) return;
     const double mirrored = std::max(0.1, fresnel_dielectric(wo.z, n_o, n_i).reflectance);
     facet_weight = metallic + clear + opaque * mirrored;
@@ -71,10 +58,6 @@ struct Seen {
   double total() const { return facet_weight + base_weight + coat_weight; }
   /// Of a sample of the microfacets: the chance that it passes one that reflects `f`.
   double passing(double f) const { return front ? clear * (1.0 - f) / facet_weight : 1.0 - f; }
-  Vec3 tint() const {
-    const double l = luminance(bsdf.base_color.value);
-    return l > 0.0 ? bsdf.base_color.value / l : Vec3(1.0);
-  }
 
   const PrincipledBsdf& bsdf;
   bool front;
@@ -94,7 +77,10 @@ struct Meeting {
     wo_h = glm::dot(s.wo, h);
     wi_h = glm::dot(wi, h);
     possible = wi.z != 0.0 && wo_h > 0.0 && wi_h * wi.z > 0.0 && (reflected || s.clear > 0.0);
-    if (possible) fresnel = fresnel_dielectric(wo_h, s.n_o, s.n_i).reflectance;
+    if (!possible) return;
+    const Fresnel f = fresnel_dielectric(wo_h, s.n_o, s.n_i);
+    fresnel = f.reflectance;
+    outer = s.n_i < s.n_o ? f.cos_transmitted : wo_h;
   }
   double normals_by_directions(const Seen& s) const {
     if (reflected) return 1.0 / (4.0 * wo_h);
@@ -104,27 +90,24 @@ struct Meeting {
   Vec3 wi, h{0.0};
   bool reflected, possible = false;
   double wo_h = 0.0, wi_h = 0.0, fresnel = 0.0;
+  double outer = 0.0;  ///< cosine on the side of the lesser index
 };
 
 /// Reflectance of microfacets: of a metal of the base's colour, of a dielectric, and of one whose reflection is tinted.
 Vec3 facet_reflectance(const Seen& s, const Meeting& m) {
   if (!s.front) return Vec3(s.clear * m.fresnel);
-  const double tinted = s.bsdf.spec_tint.value, r0 = std::pow((s.bsdf.eta - 1.0) / (s.bsdf.eta + 1.0), 2);
-  const Vec3 dielectric = (1.0 - tinted) * Vec3(m.fresnel) + tinted * schlick(r0 * s.tint(), m.wo_h);
+  const double tinted = s.bsdf.spec_tint.value, r0 = std::pow((s.n_i - s.n_o) / (s.n_i + s.n_o), 2);
+  const Vec3 dielectric =
+      (1.0 - tinted) * Vec3(m.fresnel) + tinted * schlick(r0 * tint_of(s.bsdf.base_color.value), m.outer);
   return s.metallic * schlick(s.bsdf.base_color.value, m.wo_h) + (1.0 - s.metallic) * dielectric;
 }
 
-/// f of the base [Burley2012, §5.3; Burley2015, §4.1 for the flat one] and the sheen.
+/// f of the base and the sheen.
 Vec3 base_and_sheen(const Seen& s, const Meeting& m) {
-  const double fo = schlick_weight(s.wo.z), fi = schlick_weight(m.wi.z);
-  const double retro = 2.0 * s.bsdf.roughness.value * m.wi_h * m.wi_h;
-  const double lambert = (1.0 - 0.5 * fi) * (1.0 - 0.5 * fo);
-  const double reflected_back = retro * (fo + fi + fo * fi * (retro - 1.0));
-  const double f90 = 0.5 * retro;
-  const double flat = 1.25 * (mix(1.0, f90, fo) * mix(1.0, f90, fi) * (1.0 / (s.wo.z + m.wi.z) - 0.5) + 0.5);
-  const Vec3 base = s.opaque / kPi * mix(lambert + reflected_back, flat, s.bsdf.flatness) * s.bsdf.base_color.value;
-  const Vec3 color = (1.0 - s.bsdf.sheen_tint) * Vec3(1.0) + s.bsdf.sheen_tint * s.tint();
-  return base + (1.0 - s.metallic) * s.bsdf.sheen.value * schlick_weight(m.wi_h) * color;
+  const BurleyAngles angles{s.wo.z, m.wi.z, m.wi_h};
+  const Vec3& color = s.bsdf.base_color.value;
+  return s.opaque / kPi * burley_base(s.bsdf.roughness.value, s.bsdf.flatness.value, angles) * color +
+         (1.0 - s.metallic) * s.bsdf.sheen.value * burley_sheen(s.bsdf.sheen_tint.value, color, angles);
 }
 
 }  // namespace

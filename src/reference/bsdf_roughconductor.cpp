@@ -11,8 +11,8 @@ Vec3 eval(const RoughConductorBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   const MicrofacetDistribution facets(bsdf.roughness);
   const Vec3 h = glm::normalize(wo + wi);
   const double f = facets.density(h) * facets.masking(wo, h) * facets.masking(wi, h) / (4.0 * wo.z * wi.z);
-  return bsdf.specular_reflectance.value * fresnel_conductor(glm::dot(wo, h), bsdf.index.eta, bsdf.index.k) *
-         (f * wi.z);
+  return bsdf.specular_reflectance.value *
+         fresnel_conductor(glm::dot(wo, h), bsdf.index.eta.value, bsdf.index.k.value) * (f * wi.z);
 }
 
 double pdf(const RoughConductorBsdf& bsdf, const Vec3& wo, const Vec3& wi) {

@@ -164,13 +164,6 @@ Tangents cylinder_tangents(const Cylinder& cylinder, const Instance& instance, c
 
 }  // namespace
 
-Vec2 first_uv(const Scene& scene, const Surface& surface) {
-  const Instance& instance = scene.instances[surface.instance];
-  const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
-  if (mesh != nullptr && mesh->uv_sets.empty()) return Vec2(0.0);
-  return surface_uv(scene, 0, surface);
-}
-
 glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const Surface& surface) {
   if (const auto* attribute = std::get_if<AttributeTexture>(&texture.source)) {
     const Instance& instance = scene.instances[surface.instance];
@@ -239,17 +232,16 @@ Vec2 gradient_at(const Scene& scene, const ScalarParameter& parameter, const Sur
 
 Bsdf at_point(const Scene& scene, const Bsdf& bsdf, const Surface& surface) {
   Bsdf constant = bsdf;
-  each_parameter(constant, [&](const char* name, auto& parameter) {
-    if (!parameter.texture) return;
-    parameter = at_point(scene, parameter, surface);
-    // Diffuse albedo alone is what the texture says; all else stays in the range that constants have.
-    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ScalarParameter>) {
-      const bool alpha = std::string_view(name).starts_with("alpha");
-      parameter.value = std::clamp(parameter.value, alpha ? kMinRoughness : 0.0, 1.0);
-    } else if (!std::holds_alternative<DiffuseBsdf>(bsdf)) {
-      parameter.value = glm::clamp(parameter.value, 0.0, 1.0);
-    }
-  });
+  std::visit(
+      [&](auto& of_type) {
+        each_parameter(of_type, [&](const char* name, auto& parameter) {
+          if (!parameter.texture) return;
+          const ParameterRange range = parameter_range(of_type, name);
+          parameter = at_point(scene, parameter, surface);
+          parameter.value = glm::clamp(parameter.value, range.least, range.most);
+        });
+      },
+      constant);
   return constant;
 }
 

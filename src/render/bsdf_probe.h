@@ -24,7 +24,8 @@ enum class ProbeLobe : std::uint32_t {
   delta_transmission = 3,
   glossy_reflection = 4,
   glossy_transmission = 5,
-  passed = 6
+  passed = 6,
+  diffuse_transmission = 7
 };
 inline bool is_delta(ProbeLobe lobe) {
   return lobe == ProbeLobe::delta_reflection || lobe == ProbeLobe::delta_transmission;

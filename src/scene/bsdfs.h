@@ -4,6 +4,7 @@
 /// reflectance or a roughness is brought into the range of constants.
 
 #include <cstdint>
+#include <limits>
 
 #include <glm/glm.hpp>
 
@@ -21,10 +22,53 @@ struct PrincipledBsdf {
   ScalarParameter spec_tint{0.0};
   ScalarParameter sheen{0.0};
   ScalarParameter clearcoat{0.0};
-  double sheen_tint = 0.0;
-  double flatness = 0.0;
-  double clearcoat_gloss = 0.0;
-  double eta = 1.5;  ///< index of refraction inside over that outside
+  ScalarParameter sheen_tint{0.0};
+  ScalarParameter flatness{0.0};
+  ScalarParameter clearcoat_gloss{0.0};
+  ScalarParameter eta{1.5};  ///< index of refraction inside over that outside
+};
+
+/// Burley's material of a sheet without thickness, the same from both sides, with the parameters of Mitsuba's
+/// principledthin; numbers are in [0,1] but for those that say otherwise.
+struct PrincipledThinBsdf {
+  ColorParameter base_color{glm::dvec3(0.5)};
+  ScalarParameter roughness{0.5};
+  ScalarParameter anisotropic{0.0};
+  ScalarParameter spec_trans{0.0};  ///< share that is a rough pane in place of the diffuse base
+  ScalarParameter spec_tint{0.0};
+  ScalarParameter sheen{0.0};
+  ScalarParameter sheen_tint{0.0};
+  ScalarParameter flatness{0.0};
+  ScalarParameter diff_trans{0.0};  ///< in [0,2]: twice the share of the base that light passes
+  ScalarParameter eta{1.5};         ///< index of refraction inside over that outside
+};
+
+/// The material of glTF 2.0: metallic-roughness and the extensions of Khronos for transmission, volume, ior, specular,
+/// clearcoat, sheen, anisotropy, iridescence and diffuse transmission, with their parameters. Numbers are in [0,1] but
+/// for those that say otherwise. A reader of glTF files makes one of each of their materials; double-sided opaque ones
+/// stand in a TwoSidedAdapter, alpha in a MaskAdapter, normal maps in a NormalMapAdapter. docs/conventions.md, "glTF".
+struct GltfBsdf {
+  ColorParameter base_color{glm::dvec3(1.0)};
+  ScalarParameter metallic{1.0};
+  ScalarParameter roughness{1.0};                  ///< α of the microfacets is its square
+  ScalarParameter ior{1.5};                        ///< at least 1; of what is not metal
+  ScalarParameter specular{1.0};                   ///< factor of its reflectance
+  ColorParameter specular_color{glm::dvec3(1.0)};  ///< factor of its reflectance along the normal, in [0,100]
+  ScalarParameter transmission{0.0};               ///< share of it that is clear in place of diffuse
+  ScalarParameter diffuse_transmission{0.0};       ///< share of the diffuse rest that light passes
+  ColorParameter diffuse_transmission_color{glm::dvec3(1.0)};
+  ScalarParameter clearcoat{0.0};
+  ScalarParameter clearcoat_roughness{0.0};
+  ColorParameter sheen_color{glm::dvec3(0.0)};
+  ScalarParameter sheen_roughness{0.0};
+  ScalarParameter anisotropy{0.0};
+  double anisotropy_rotation = 0.0;  ///< from the tangent, radians
+  ScalarParameter iridescence{0.0};
+  ScalarParameter iridescence_ior{1.3};          ///< of the film, in [1,10]
+  ScalarParameter iridescence_thickness{400.0};  ///< of the film, nanometres, in [0,10000]
+  bool thin = true;                              ///< a sheet; else the surface of a solid, with a thickness in glTF
+  glm::dvec3 attenuation_color{1.0};             ///< above 0: of white light in a solid after attenuation_distance
+  double attenuation_distance = std::numeric_limits<double>::infinity();  ///< scene units, above 0
 };
 
 /// Nothing: light passes as if the surface were not there.
@@ -48,8 +92,8 @@ struct MicrofacetBsdf {
 
 /// Complex index of refraction η + ik per Rec. 709 component, of a metal in vacuum.
 struct ConductorIndex {
-  glm::dvec3 eta{0.0};
-  glm::dvec3 k{1.0};  ///< with η = 0: reflects everything
+  ColorParameter eta{glm::dvec3(0.0)};
+  ColorParameter k{glm::dvec3(1.0)};  ///< with η = 0: reflects everything
 };
 /// Smooth metal, one-sided.
 struct ConductorBsdf {

@@ -19,7 +19,4 @@ double delta_light_limit(int radiance_exponent);
 /// that positions can tell apart.
 int view_exponent(const View& view, int radiance_exponent, const Bounds& bounds);
 
-/// The same of a scene that is not compiled.
-int film_exponent(const Scene& scene, const View& view);
-
 }  // namespace etendue

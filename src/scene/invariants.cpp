@@ -17,7 +17,6 @@
 #include "scene/parameters.h"
 #include "scene/placed.h"
 #include "scene/texture_checks.h"
-#include "scene/view.h"
 
 namespace etendue {
 namespace {
@@ -169,17 +168,6 @@ class Checker {
             fmt::format("paths of at most {} segments are asked for; 1 to {} are supported",
                         scene_.integrator.max_depth, Integrator::kUnlimitedDepth));
     check_integrator(scene_.integrator);
-    check_aovs();
-  }
-
-  void check_aovs() {
-    for (const Aov aov : scene_.aovs) {
-      const std::string complaint = aov_complaint(scene_.integrator, aov);
-      if (!complaint.empty()) error(scene_.position, "aovs", complaint);
-    }
-    const bool light = scene_.integrator.aov == Aov::direct || scene_.integrator.aov == Aov::indirect;
-    if (scene_.integrator.type == Integrator::Type::aov && light)
-      error(scene_.position, "aov", "direct and indirect light are parts of what path, direct or whitted gathers");
   }
 
   void check_integrator(const Integrator& integrator) {
@@ -290,24 +278,44 @@ class Checker {
   }
   void check_bsdf(const MirrorBsdf&, const Material&) {}
   void check_bsdf(const NullBsdf&, const Material&) {}
-  void check_bsdf(const PrincipledBsdf& bsdf, const Material& material) {
+  void check_bsdf(const PrincipledBsdf& bsdf, const Material& material) { check_ranges(bsdf, material); }
+  void check_bsdf(const PrincipledThinBsdf& bsdf, const Material& material) { check_ranges(bsdf, material); }
+  void check_bsdf(const GltfBsdf& bsdf, const Material& material) {
+    check_ranges(bsdf, material);
+    if (!std::isfinite(bsdf.anisotropy_rotation))
+      error(material.position, "anisotropy_rotation",
+            fmt::format("anisotropy_rotation {} is not finite", bsdf.anisotropy_rotation));
+    const glm::dvec3& c = bsdf.attenuation_color;
+    if (!(std::min({c.x, c.y, c.z}) >= kMinAttenuation && std::max({c.x, c.y, c.z}) <= 1.0))
+      error(material.position, "attenuation_color",
+            fmt::format("attenuation_color {} {} {} is not between {} and 1", c.x, c.y, c.z, kMinAttenuation));
+    if (!(bsdf.attenuation_distance > 0.0))
+      error(material.position, "attenuation_distance",
+            fmt::format("attenuation_distance {} is not above 0", bsdf.attenuation_distance));
+  }
+  /// Of materials whose parameters all have a range, but for relative indices.
+  template <typename T>
+  void check_ranges(const T& bsdf, const Material& material) {
     each_parameter(bsdf, [&](const char* field, const auto& parameter) {
-      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>) {
-        check_reflectance(material, field, parameter);
-      } else if (parameter.texture) {
-        check_factor(material, field, glm::dvec3(parameter.value));
-      } else {
-        check_probability(material, field, parameter.value);
+      const ParameterRange range = parameter_range(bsdf, field);
+      if (parameter.texture) return check_factor(material, field, glm::dvec3(parameter.value));
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ScalarParameter>) {
+        if (std::string_view(field) == "eta") return check_relative_index(material, parameter.value);
       }
+      const glm::dvec3 v(parameter.value);
+      if (std::min({v.x, v.y, v.z}) >= range.least && std::max({v.x, v.y, v.z}) <= range.most) return;
+      constexpr bool kColor = std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>;
+      const std::string value = kColor ? fmt::format("{} {} {}", v.x, v.y, v.z) : fmt::format("{}", v.x);
+      error(material.position, field,
+            fmt::format("{} {} is not between {} and {}", field, value, range.least, range.most));
     });
-    check_probability(material, "sheen_tint", bsdf.sheen_tint);
-    check_probability(material, "flatness", bsdf.flatness);
-    check_probability(material, "clearcoat_gloss", bsdf.clearcoat_gloss);
-    check_indices(material, bsdf.eta, 1.0);
-    if (!(std::abs(bsdf.eta - 1.0) >= kMinIndexContrast))
+  }
+  void check_relative_index(const Material& material, double eta) {
+    check_indices(material, eta, 1.0);
+    if (!(std::abs(eta - 1.0) >= kMinIndexContrast))
       error(material.position, "eta",
-            fmt::format("the index of refraction {} is 1, or nearly; it must differ by {}, or nothing is bent",
-                        bsdf.eta, kMinIndexContrast));
+            fmt::format("the index of refraction {} is 1, or nearly; it must differ by {}, or nothing is bent", eta,
+                        kMinIndexContrast));
   }
   void check_bsdf(const DielectricBsdf& bsdf, const Material& material) {
     check_indices(material, bsdf.int_ior, bsdf.ext_ior);
@@ -344,12 +352,14 @@ class Checker {
     }
   }
   void check_index(const Material& material, const ConductorIndex& index) {
-    for (const glm::dvec3& part : {index.eta, index.k}) {
+    each_parameter(index, [&](const char* field, const ColorParameter& parameter) {
+      if (parameter.texture) return check_factor(material, field, parameter.value);
+      const glm::dvec3& part = parameter.value;
       if (!(std::min({part.x, part.y, part.z}) >= 0.0 && std::max({part.x, part.y, part.z}) <= kMaxConductorIndex))
-        error(material.position, "eta",
+        error(material.position, field,
               fmt::format("{} {} {} is no complex index of refraction; eta and k are between 0 and {}", part.x, part.y,
                           part.z, kMaxConductorIndex));
-    }
+    });
   }
   void check_bsdf(const MicrofacetBsdf& bsdf, const Material& material) {
     check_reflectance(material, "kd", bsdf.kd);
@@ -449,7 +459,8 @@ class Checker {
            std::holds_alternative<RoughDielectricBsdf>(inner.bsdf) ||
            std::holds_alternative<ThinDielectricBsdf>(inner.bsdf) ||
            (std::holds_alternative<PrincipledBsdf>(inner.bsdf) && may_refract(std::get<PrincipledBsdf>(inner.bsdf))) ||
-           std::holds_alternative<NullBsdf>(inner.bsdf));
+           (std::holds_alternative<GltfBsdf>(inner.bsdf) && may_refract(std::get<GltfBsdf>(inner.bsdf))) ||
+           std::holds_alternative<PrincipledThinBsdf>(inner.bsdf) || std::holds_alternative<NullBsdf>(inner.bsdf));
       if (!clear && !(inner.adapter && std::holds_alternative<MaskAdapter>(*inner.adapter))) return;
       error(two_sided.position, "twosided",
             fmt::format("{} lets light through, so that it has no back of its own; take it out of the twosided "

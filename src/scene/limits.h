@@ -27,6 +27,15 @@ inline constexpr std::uint32_t kMaxAdapterDepth = 16;
 inline constexpr double kMinIndexContrast = 1e-3;
 /// Largest relative index of the coat of a plastic.
 inline constexpr double kMaxCoatIndex = 10.0;
+/// Least colour of a volume: its logarithm is finite.
+inline constexpr double kMinAttenuation = 1e-6;
+/// Largest factor of a reflectance along the normal.
+inline constexpr double kMaxSpecularColor = 100.0;
+/// Largest index and thickness (nanometres) of an iridescent film.
+inline constexpr double kMaxFilmIndex = 10.0;
+inline constexpr double kMaxFilmThickness = 10000.0;
+/// Largest index of refraction that a texture can say.
+inline constexpr double kMaxTexturedIndex = 1000.0;
 /// Largest part of a metal's complex index of refraction.
 inline constexpr double kMaxConductorIndex = 1000.0;
 /// Triangles and vertices, of one mesh and of all meshes of a scene together.

@@ -32,6 +32,7 @@ template <typename T>
 bool is_aligned(const T& bsdf) {
   if constexpr (requires { bsdf.roughness.alpha_u; }) return is_aligned(bsdf.roughness);
   if constexpr (requires { bsdf.anisotropic; }) return bsdf.anisotropic.value != 0.0;
+  if constexpr (requires { bsdf.anisotropy; }) return bsdf.anisotropy.value != 0.0;
   return false;
 }
 inline bool is_aligned(const Material& material) {
@@ -42,6 +43,16 @@ inline bool is_aligned(const Material& material) {
 inline bool may_refract(const PrincipledBsdf& bsdf) {
   const bool metal = !bsdf.metallic.texture && bsdf.metallic.value == 1.0;
   return !metal && (bsdf.spec_trans.texture || bsdf.spec_trans.value > 0.0);
+}
+
+/// The same of a sheet, which light passes without being bent, or scattered.
+inline bool may_refract(const PrincipledThinBsdf&) {
+  return true;
+}
+inline bool may_refract(const GltfBsdf& bsdf) {
+  const auto some = [](const ScalarParameter& share) { return share.texture || share.value > 0.0; };
+  const bool metal = !bsdf.metallic.texture && bsdf.metallic.value == 1.0;
+  return !metal && (some(bsdf.transmission) || some(bsdf.diffuse_transmission));
 }
 
 /// Whether light may pass a surface of this material as if there were nothing.

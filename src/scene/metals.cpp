@@ -7,7 +7,9 @@ namespace {
 
 struct Metal {
   std::string_view name;
-  ConductorIndex index;
+  struct {
+    glm::dvec3 eta, k;
+  } index;
 };
 
 /// Spectral measurements [Palik1998] (and those collected with the optical constants of SOPRA) as Rec. 709 colours, in
@@ -95,7 +97,8 @@ constexpr Metal kMetals[] = {
 
 std::optional<ConductorIndex> metal_index(std::string_view name) {
   const auto* found = std::ranges::find(kMetals, name, &Metal::name);
-  return found == std::end(kMetals) ? std::nullopt : std::optional(found->index);
+  if (found == std::end(kMetals)) return std::nullopt;
+  return ConductorIndex{found->index.eta, found->index.k};
 }
 
 std::vector<std::string> metal_names() {

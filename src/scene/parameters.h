@@ -3,9 +3,12 @@
 /// types: hashing, invariants, evaluation at a point.
 
 #include <concepts>
+#include <limits>
+#include <string_view>
 #include <type_traits>
 #include <variant>
 
+#include "scene/limits.h"
 #include "scene/scene.h"
 
 namespace etendue {
@@ -33,12 +36,19 @@ void each_parameter(T& bsdf, F&& f) {
   f("kd", bsdf.kd);
   f("alpha", bsdf.alpha);
 }
+template <MaybeConst<ConductorIndex> T, typename F>
+void each_parameter(T& index, F&& f) {
+  f("eta", index.eta);
+  f("k", index.k);
+}
 template <MaybeConst<ConductorBsdf> T, typename F>
 void each_parameter(T& bsdf, F&& f) {
+  each_parameter(bsdf.index, f);
   f("specular_reflectance", bsdf.specular_reflectance);
 }
 template <MaybeConst<RoughConductorBsdf> T, typename F>
 void each_parameter(T& bsdf, F&& f) {
+  each_parameter(bsdf.index, f);
   f("specular_reflectance", bsdf.specular_reflectance);
   each_parameter(bsdf.roughness, f);
 }
@@ -65,6 +75,43 @@ void each_parameter(T& bsdf, F&& f) {
   f("spec_tint", bsdf.spec_tint);
   f("sheen", bsdf.sheen);
   f("clearcoat", bsdf.clearcoat);
+  f("sheen_tint", bsdf.sheen_tint);
+  f("flatness", bsdf.flatness);
+  f("clearcoat_gloss", bsdf.clearcoat_gloss);
+  f("eta", bsdf.eta);
+}
+template <MaybeConst<PrincipledThinBsdf> T, typename F>
+void each_parameter(T& bsdf, F&& f) {
+  f("base_color", bsdf.base_color);
+  f("roughness", bsdf.roughness);
+  f("anisotropic", bsdf.anisotropic);
+  f("spec_trans", bsdf.spec_trans);
+  f("spec_tint", bsdf.spec_tint);
+  f("sheen", bsdf.sheen);
+  f("sheen_tint", bsdf.sheen_tint);
+  f("flatness", bsdf.flatness);
+  f("diff_trans", bsdf.diff_trans);
+  f("eta", bsdf.eta);
+}
+template <MaybeConst<GltfBsdf> T, typename F>
+void each_parameter(T& bsdf, F&& f) {
+  f("base_color", bsdf.base_color);
+  f("metallic", bsdf.metallic);
+  f("roughness", bsdf.roughness);
+  f("ior", bsdf.ior);
+  f("specular", bsdf.specular);
+  f("specular_color", bsdf.specular_color);
+  f("transmission", bsdf.transmission);
+  f("diffuse_transmission", bsdf.diffuse_transmission);
+  f("diffuse_transmission_color", bsdf.diffuse_transmission_color);
+  f("clearcoat", bsdf.clearcoat);
+  f("clearcoat_roughness", bsdf.clearcoat_roughness);
+  f("sheen_color", bsdf.sheen_color);
+  f("sheen_roughness", bsdf.sheen_roughness);
+  f("anisotropy", bsdf.anisotropy);
+  f("iridescence", bsdf.iridescence);
+  f("iridescence_ior", bsdf.iridescence_ior);
+  f("iridescence_thickness", bsdf.iridescence_thickness);
 }
 template <MaybeConst<Bsdf> T, typename F>
 void each_parameter(T& bsdf, F&& f) {
@@ -106,6 +153,26 @@ void each_parameter(T& emitter, F&& f) {
 template <MaybeConst<DeltaLight> T, typename F>
 void each_parameter(T& light, F&& f) {
   f("intensity", light.intensity);
+}
+
+/// What values of textures are brought into: the range that constants have, or the part of it that makes sense.
+struct ParameterRange {
+  double least, most;
+};
+/// Of a parameter by its name in each_parameter(). The albedo of diffuse materials alone is what the texture says.
+template <typename T>
+constexpr ParameterRange parameter_range(const T&, std::string_view name) {
+  constexpr bool kMetal = std::is_same_v<T, ConductorBsdf> || std::is_same_v<T, RoughConductorBsdf>;
+  if (std::is_same_v<T, DiffuseBsdf>) return {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max()};
+  if (name.starts_with("alpha")) return {kMinRoughness, 1.0};
+  if (kMetal && (name == "eta" || name == "k")) return {0.0, kMaxConductorIndex};
+  if (name == "diff_trans") return {0.0, 2.0};
+  if (name == "ior") return {1.0, kMaxTexturedIndex};
+  if (name == "specular_color") return {0.0, kMaxSpecularColor};
+  if (name == "iridescence_ior") return {1.0, kMaxFilmIndex};
+  if (name == "iridescence_thickness") return {0.0, kMaxFilmThickness};
+  if (name == "eta") return {1.0 + kMinIndexContrast, kMaxTexturedIndex};
+  return {0.0, 1.0};
 }
 
 /// Whether any parameter has a texture.

@@ -78,7 +78,16 @@ void hash(Hasher& h, const ScalarParameter& parameter) {
 }
 void hash(Hasher& h, const PrincipledBsdf& bsdf) {
   each_parameter(bsdf, [&](const char*, const auto& parameter) { hash(h, parameter); });
-  for (const double value : {bsdf.sheen_tint, bsdf.flatness, bsdf.clearcoat_gloss, bsdf.eta}) h.value(value);
+}
+void hash(Hasher& h, const PrincipledThinBsdf& bsdf) {
+  each_parameter(bsdf, [&](const char*, const auto& parameter) { hash(h, parameter); });
+}
+void hash(Hasher& h, const GltfBsdf& bsdf) {
+  each_parameter(bsdf, [&](const char*, const auto& parameter) { hash(h, parameter); });
+  h.value(bsdf.anisotropy_rotation);
+  h.value(bsdf.thin);
+  h.value(bsdf.attenuation_color);
+  h.value(bsdf.attenuation_distance);
 }
 void hash(Hasher& h, const DiffuseBsdf& bsdf) {
   hash(h, bsdf.albedo);
@@ -96,8 +105,8 @@ void hash(Hasher& h, const Roughness& roughness) {
   hash(h, roughness.alpha_v);
 }
 void hash(Hasher& h, const ConductorIndex& index) {
-  h.value(index.eta);
-  h.value(index.k);
+  hash(h, index.eta);
+  hash(h, index.k);
 }
 void hash(Hasher& h, const MicrofacetBsdf& bsdf) {
   hash(h, bsdf.kd);
@@ -356,7 +365,7 @@ bool weighs_strategies(const Integrator& integrator) {
 
 bool counts_passes(const Integrator& integrator) {
   using enum Integrator::Type;
-  return integrator.type == whitted || ((integrator.type == path || integrator.type == aov) && integrator.count_passes);
+  return integrator.type == whitted || (integrator.type == path && integrator.count_passes);
 }
 
 bool uses_light_tree(const Scene& scene) {

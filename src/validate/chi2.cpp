@@ -12,6 +12,7 @@
 
 #include "core/errors.h"
 #include "core/printable.h"
+#include "reference/bsdf.h"
 #include "reference/material_probe.h"
 #include "validate/closed_form.h"
 #include "validate/facet_cells.h"
@@ -54,7 +55,7 @@ std::vector<DeltaLobe> delta_lobes(const Bsdf& bsdf, const dvec3& wo) {
     if (wo.z <= 0.0) return {};
     dvec3 weight = metal->specular_reflectance.value;
     for (int c = 0; c < 3; ++c)
-      weight[c] *= closed_form::fresnel_reflectance_of_metal(wo.z, metal->index.eta[c], metal->index.k[c]);
+      weight[c] *= closed_form::fresnel_reflectance_of_metal(wo.z, metal->index.eta.value[c], metal->index.k.value[c]);
     return {{ProbeLobe::delta_reflection, mirrored, 1.0, weight}};
   }
   if (const auto* pane = std::get_if<ThinDielectricBsdf>(&bsdf)) {
@@ -89,14 +90,16 @@ std::vector<DeltaLobe> delta_lobes(const Bsdf& bsdf, const dvec3& wo) {
 
 /// Relative index n_i/n_o of what passes the surface; 1 where nothing does.
 double relative_index(const Bsdf& bsdf, const dvec3& wo) {
-  const auto* glass = std::get_if<RoughDielectricBsdf>(&bsdf);
-  if (glass == nullptr) return 1.0;
-  return wo.z > 0.0 ? glass->int_ior / glass->ext_ior : glass->ext_ior / glass->int_ior;
+  double index = 1.0;
+  if (const auto* glass = std::get_if<RoughDielectricBsdf>(&bsdf)) index = glass->int_ior / glass->ext_ior;
+  if (const auto* principled = std::get_if<PrincipledBsdf>(&bsdf)) index = principled->eta.value;
+  if (const auto* gltf = std::get_if<GltfBsdf>(&bsdf)) index = gltf->thin ? 1.0 : std::max(1.001, gltf->ior.value);
+  return wo.z > 0.0 ? index : 1.0 / index;
 }
 
 bool has_two_sides(const Bsdf& bsdf) {
-  return std::holds_alternative<DielectricBsdf>(bsdf) || std::holds_alternative<RoughDielectricBsdf>(bsdf) ||
-         std::holds_alternative<ThinDielectricBsdf>(bsdf);
+  const reference::BsdfTraits traits = reference::traits(bsdf);
+  return !traits.one_sided;
 }
 
 /// Place of a direction in the grid of cells, even over the sphere, or over the microfacets' normals of a narrow lobe.
@@ -254,8 +257,7 @@ double rounding_of(const Bsdf& bsdf, const std::optional<Roughness>& narrow) {
   double rounding = kRounding;
   if (narrow) rounding *= std::max(1.0, kSharp / std::min(narrow->alpha_u.value, narrow->alpha_v.value));
   // Near the critical angle Fresnel's factor is steep, and what is bent by little has a half vector of little length.
-  const bool rough_glass = std::holds_alternative<RoughDielectricBsdf>(bsdf);
-  return rough_glass ? std::max(rounding, 20.0 * kRounding) : rounding;
+  return reference::traits(bsdf).transmissive ? std::max(rounding, 20.0 * kRounding) : rounding;
 }
 
 }  // namespace

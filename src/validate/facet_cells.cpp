@@ -12,6 +12,19 @@ std::optional<Roughness> if_narrow(const Roughness& roughness) {
   return std::min(roughness.alpha_u.value, roughness.alpha_v.value) < kNarrow ? std::optional(roughness) : std::nullopt;
 }
 
+Roughness isotropic(double alpha) {
+  return {Roughness::Distribution::ggx, std::max(1e-3, alpha), std::max(1e-3, alpha)};
+}
+Roughness burley(double roughness, double anisotropic) {
+  const double squared = roughness * roughness, aspect = std::sqrt(1.0 - 0.9 * anisotropic);
+  return {Roughness::Distribution::ggx, std::max(1e-3, squared / aspect), std::max(1e-3, squared * aspect)};
+}
+/// Of two kinds of facets, cells that resolve the narrower resolve the other.
+std::optional<Roughness> narrower(const Roughness& a, const Roughness& b) {
+  const auto least = [](const Roughness& r) { return std::min(r.alpha_u.value, r.alpha_v.value); };
+  return if_narrow(least(a) <= least(b) ? a : b);
+}
+
 struct RoughnessOf {
   std::optional<Roughness> operator()(const DiffuseBsdf&) const { return std::nullopt; }
   std::optional<Roughness> operator()(const MirrorBsdf&) const { return std::nullopt; }
@@ -21,10 +34,20 @@ struct RoughnessOf {
     return if_narrow({Roughness::Distribution::beckmann, bsdf.alpha, bsdf.alpha});
   }
   std::optional<Roughness> operator()(const PrincipledBsdf& bsdf) const {
-    const double squared = bsdf.roughness.value * bsdf.roughness.value;
-    const double aspect = std::sqrt(1.0 - 0.9 * bsdf.anisotropic.value);
-    return if_narrow(
-        {Roughness::Distribution::ggx, std::max(1e-3, squared / aspect), std::max(1e-3, squared * aspect)});
+    const Roughness coat = isotropic(0.1 - 0.099 * bsdf.clearcoat_gloss.value);
+    return narrower(burley(bsdf.roughness.value, bsdf.anisotropic.value),
+                    bsdf.clearcoat.value > 0.0 ? coat : isotropic(1.0));
+  }
+  std::optional<Roughness> operator()(const PrincipledThinBsdf& bsdf) const {
+    const double scaled = (0.65 * bsdf.eta.value - 0.35) * bsdf.roughness.value;
+    if (bsdf.spec_trans.value == 0.0) return std::nullopt;
+    return narrower(burley(bsdf.roughness.value, bsdf.anisotropic.value), burley(scaled, bsdf.anisotropic.value));
+  }
+  std::optional<Roughness> operator()(const GltfBsdf& bsdf) const {
+    // Light that is scattered behind a boundary that bends it also goes where no facet would send it.
+    if (!bsdf.thin && bsdf.diffuse_transmission.value > 0.0) return std::nullopt;
+    const double coat = bsdf.clearcoat.value > 0.0 ? bsdf.clearcoat_roughness.value : 1.0;
+    return narrower(isotropic(bsdf.roughness.value * bsdf.roughness.value), isotropic(coat * coat));
   }
   std::optional<Roughness> operator()(const NullBsdf&) const { return std::nullopt; }
   std::optional<Roughness> operator()(const ThinDielectricBsdf&) const { return std::nullopt; }
@@ -48,7 +71,7 @@ FacetCells::FacetCells(const Roughness& roughness, const glm::dvec3& wo, double 
 FacetCell FacetCells::cell_of(const glm::dvec3& direction) const {
   const glm::dvec3 wi(direction.x, direction.y, turned_ ? -direction.z : direction.z);
   const bool reflected = wi.z >= 0.0;
-  glm::dvec3 h = reflected ? wo_ + wi : wo_ + eta_ * wi;
+  glm::dvec3 h = reflected ? wo_ + wi : eta_ == 1.0 ? wo_ + glm::dvec3(wi.x, wi.y, -wi.z) : wo_ + eta_ * wi;
   if (h.z < 0.0) h = -h;
   const double x = h.x / (roughness_.alpha_u.value * h.z), y = h.y / (roughness_.alpha_v.value * h.z);
   const double root = std::sqrt(std::hypot(x, y)), height = std::isfinite(root) ? root / (1.0 + root) : 1.0;
@@ -66,9 +89,10 @@ FacetCells::Direction FacetCells::direction_of(const FacetCell& cell) const {
   const double wo_h = glm::dot(wo_, h);
   if (wo_h <= 0.0) return {};
   Direction out;
-  if (cell.height >= 0.0) {
+  if (cell.height >= 0.0 || eta_ == 1.0) {
     out = {2.0 * wo_h * h - wo_, of_h * 4.0 * wo_h};
     if (out.wi.z < 0.0) return {};
+    if (cell.height < 0.0) out.wi.z = -out.wi.z;
   } else {
     const double cos2 = 1.0 - (1.0 - wo_h * wo_h) / (eta_ * eta_);
     if (cos2 <= 0.0) return {};

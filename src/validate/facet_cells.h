@@ -18,7 +18,8 @@ struct FacetCell {
 
 class FacetCells {
  public:
-  /// For light from `wo`; `eta` is the relative index n_i/n_o of transmission. |height| = √ρ / (1 + √ρ), with ρ the
+  /// For light from `wo`; `eta` is the relative index n_i/n_o of transmission, 1 where what passes is a mirror image of
+  /// what is reflected. |height| = √ρ / (1 + √ρ), with ρ the
   /// slope of the normal in units of the roughness: even over the orders of magnitude, so that a diffuse base is seen
   /// besides a lobe of 10⁻³.
   FacetCells(const Roughness& roughness, const glm::dvec3& wo, double eta);

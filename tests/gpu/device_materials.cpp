@@ -23,6 +23,57 @@ struct Named {
   double narrowest = 1.0;  ///< roughness
 };
 
+std::vector<Named> sheets() {
+  return {{"paper", PrincipledThinBsdf{.base_color = {0.6, 0.3, 0.1}, .diff_trans = 0.8}},
+          {"pane", PrincipledThinBsdf{.roughness = 0.3, .spec_trans = 1.0, .spec_tint = 0.5, .eta = 1.2}, 0.01},
+          {"light pane",
+           PrincipledThinBsdf{.base_color = {0.6, 0.3, 0.1}, .spec_trans = 1.0, .spec_tint = 1.0, .eta = 0.75}, 0.01},
+          {"all of a sheet", PrincipledThinBsdf{.base_color = {0.2, 0.5, 0.7},
+                                                .roughness = 0.7,
+                                                .anisotropic = 0.4,
+                                                .spec_trans = 0.4,
+                                                .spec_tint = 0.3,
+                                                .sheen = 0.5,
+                                                .sheen_tint = 0.5,
+                                                .flatness = 0.2,
+                                                .diff_trans = 1.2,
+                                                .eta = 1.8}}};
+}
+
+GltfBsdf gltf_glass(bool thin, double roughness) {
+  return {.base_color = {0.8, 0.9, 1.0},
+          .metallic = 0.0,
+          .roughness = roughness,
+          .transmission = 0.7,
+          .diffuse_transmission = 0.4,
+          .diffuse_transmission_color = {0.9, 0.5, 0.3},
+          .clearcoat = 0.5,
+          .clearcoat_roughness = 0.5,
+          .thin = thin};
+}
+
+std::vector<Named> gltf_materials() {
+  return {
+      {"gltf metal",
+       GltfBsdf{.base_color = {0.9, 0.6, 0.2}, .roughness = 0.5, .anisotropy = 0.7, .anisotropy_rotation = 1.0}, 0.25},
+      {"gltf velvet",
+       GltfBsdf{.base_color = {0.2, 0.5, 0.7},
+                .metallic = 0.2,
+                .roughness = 0.6,
+                .specular = 0.8,
+                .specular_color = {1.0, 0.7, 0.5},
+                .clearcoat = 0.8,
+                .clearcoat_roughness = 0.3,
+                .sheen_color = {0.6, 0.3, 0.3},
+                .sheen_roughness = 0.4},
+       0.09},
+      {"gltf film", GltfBsdf{.base_color = {0.9, 0.6, 0.4}, .metallic = 0.5, .roughness = 0.6, .iridescence = 0.9},
+       0.36},
+      {"gltf pane", gltf_glass(true, 0.4), 0.16},
+      {"gltf solid", gltf_glass(false, 0.4), 0.05},
+      {"gltf smooth solid", gltf_glass(false, 0.1), 5e-3}};
+}
+
 std::vector<Named> materials() {
   const ConductorIndex gold = *metal_index("Au");
   std::vector<Named> all{{"conductor", ConductorBsdf{gold, glm::dvec3(0.9, 0.8, 0.7)}},
@@ -50,6 +101,8 @@ std::vector<Named> materials() {
       {"principled metal", PrincipledBsdf{.base_color = {0.2, 0.5, 0.9}, .roughness = 0.5, .metallic = 1.0}, 0.25});
   all.push_back(
       {"principled glass", PrincipledBsdf{.base_color = {0.2, 0.5, 0.9}, .roughness = 0.3, .spec_trans = 1.0}, 0.03});
+  for (Named& material : sheets()) all.push_back(std::move(material));
+  for (Named& material : gltf_materials()) all.push_back(std::move(material));
   for (const Distribution d : {Distribution::beckmann, Distribution::ggx}) {
     for (const auto& [inside, outside] : {std::pair{1.5046, 1.000277}, {1.0, 2.4}, {1.02, 1.0}}) {
       for (const double alpha : {1e-3, 0.05, 0.5, 1.0})

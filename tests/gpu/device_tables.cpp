@@ -48,6 +48,7 @@ CompiledScene numbered_scene() {
     scene.materials[i].header = 3 * i << 8 | i % 3;
   }
   scene.material_textures = numbered<gpu::MaterialTextures>(10);
+  scene.texture_uses = numbered<gpu::TextureUse>(20);
   scene.textures.textures = numbered<gpu::TextureRecord>(11);
   scene.textures.instances = numbered<gpu::InstanceAttributes>(12);
   scene.textures.srgb = numbered<gpu::vec4>(13);
@@ -73,6 +74,7 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   a.instance = scene.instances[i];
   a.material = scene.materials[i];
   a.material_textures = scene.material_textures[i];
+  a.texture_use = scene.texture_uses[i];
   a.light_instance = scene.light_instances[i];
   a.light_primitive = scene.light_primitives[i];
   a.light_threshold.x = scene.light_primitives[i].threshold;

@@ -100,6 +100,7 @@ TEST(GpuLayout, ThePlainKernelLacksWhatTheHostKnowsThatItLacks) {
                                            gpu::kConstantDeltaLightsAt,
                                            gpu::kConstantPlacesAt,
                                            gpu::kConstantMaterialTexturesAt,
+                                           gpu::kConstantTextureUsesAt,
                                            gpu::kConstantSrgbAt,
                                            gpu::kConstantTexelsAt,
                                            gpu::kConstantTransmittancesAt,

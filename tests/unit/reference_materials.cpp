@@ -103,7 +103,7 @@ TEST(ReferenceMicrofacets, SampledNormalsHaveTheDensity) {
 
 TEST(ReferenceMetals, NormalIncidenceAndGrazing) {
   for (int c = 0; c < 3; ++c) {
-    const double n = kGold.eta[c], k = kGold.k[c];
+    const double n = kGold.eta.value[c], k = kGold.k.value[c];
     EXPECT_NEAR(fresnel_conductor(1.0, n, k), ((n - 1) * (n - 1) + k * k) / ((n + 1) * (n + 1) + k * k), 1e-12);
     EXPECT_NEAR(fresnel_conductor(0.0, n, k), 1.0, 1e-12);
   }
@@ -112,7 +112,7 @@ TEST(ReferenceMetals, NormalIncidenceAndGrazing) {
     EXPECT_NEAR(fresnel_conductor(cosine, 1.7, 0.0), fresnel_dielectric(cosine, 1.0, 1.7).reflectance, 1e-12);
   EXPECT_EQ(fresnel_conductor(0.3, 0.0, 1.0), 1.0);
   EXPECT_FALSE(metal_index("Unobtainium"));
-  EXPECT_EQ(metal_index("none")->k, Vec3(1.0));
+  EXPECT_EQ(metal_index("none")->k.value, Vec3(1.0));
   EXPECT_EQ(metal_names().size(), 75u);
 }
 

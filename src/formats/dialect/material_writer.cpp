@@ -1,11 +1,8 @@
 #include "formats/dialect/material_writer.h"
 
-#include <type_traits>
-
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "scene/parameters.h"
 
 namespace etendue {
 
@@ -121,16 +118,12 @@ void MaterialWriter::write_bsdf(const std::string& id, const MirrorBsdf&) {
 
 void MaterialWriter::write_bsdf(const std::string& id, const PrincipledBsdf& bsdf) {
   open_bsdf(id, "principled");
-  each_parameter(bsdf, [&](const char* name, const auto& parameter) {
-    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>)
-      color(name, parameter);
-    else
-      number(name, parameter);
-  });
-  number("sheen_tint", bsdf.sheen_tint);
-  number("flatness", bsdf.flatness);
-  number("clearcoat_gloss", bsdf.clearcoat_gloss);
-  number("eta", bsdf.eta);
+  write_parameters(bsdf);
+}
+
+void MaterialWriter::write_bsdf(const std::string& id, const PrincipledThinBsdf& bsdf) {
+  open_bsdf(id, "principledthin");
+  write_parameters(bsdf);
 }
 
 void MaterialWriter::write_bsdf(const std::string& id, const NullBsdf&) {

@@ -5,9 +5,11 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <type_traits>
 
 #include "formats/dialect/scene_files.h"
 #include "formats/xml/xml_writer.h"
+#include "scene/parameters.h"
 #include "scene/scene.h"
 
 namespace etendue {
@@ -34,6 +36,17 @@ class MaterialWriter {
   void number(const char* name, double value) { xml_.number(name, value); }
   void number(const char* name, const ScalarParameter& parameter);
 
+  /// Of a material whose parameters have the names that they have in the scene.
+  template <typename T>
+  void write_parameters(const T& bsdf) {
+    each_parameter(bsdf, [&](const char* name, const auto& parameter) {
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>)
+        color(name, parameter);
+      else
+        number(name, parameter);
+    });
+  }
+
   /// All materials that instances show, in the order of their first use.
   void write_materials();
   /// The material that an instance shows.
@@ -56,6 +69,7 @@ class MaterialWriter {
                              std::optional<TextureChannel> channel) = 0;
   /// Opens the element, like write_bsdf.
   virtual void write_microfacet(const std::string& id, const MicrofacetBsdf& bsdf) = 0;
+  virtual void write_gltf(const std::string& id, const GltfBsdf& bsdf) = 0;
 
   static std::string material_id(std::uint32_t row);
   void write_material(std::uint32_t row);
@@ -68,6 +82,7 @@ class MaterialWriter {
   void write_bsdf(const std::string& id, const DiffuseBsdf& bsdf);
   void write_bsdf(const std::string& id, const MirrorBsdf& bsdf);
   void write_bsdf(const std::string& id, const PrincipledBsdf& bsdf);
+  void write_bsdf(const std::string& id, const PrincipledThinBsdf& bsdf);
   void write_bsdf(const std::string& id, const NullBsdf& bsdf);
   void write_bsdf(const std::string& id, const DielectricBsdf& bsdf);
   void write_bsdf(const std::string& id, const ConductorBsdf& bsdf);
@@ -77,6 +92,7 @@ class MaterialWriter {
   void write_bsdf(const std::string& id, const PlasticBsdf& bsdf);
   void write_bsdf(const std::string& id, const RoughPlasticBsdf& bsdf);
   void write_bsdf(const std::string& id, const MicrofacetBsdf& bsdf) { write_microfacet(id, bsdf); }
+  void write_bsdf(const std::string& id, const GltfBsdf& bsdf) { write_gltf(id, bsdf); }
   template <typename Metal>
   void write_metal(const Metal& bsdf);
   template <typename Glass>

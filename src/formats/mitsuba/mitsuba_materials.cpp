@@ -108,29 +108,28 @@ Bsdf MitsubaMaterials::read(const MitsubaObject& object) {
   if (type == "plastic") return read_plastic<PlasticBsdf>(object);
   if (type == "roughplastic") return read_rough_plastic(object);
   if (type == "null") return NullBsdf{};
-  if (type == "principled") return read_principled(object);
+  if (type == "principled") return read_principled<PrincipledBsdf>(object);
+  if (type == "principledthin") return read_principled<PrincipledThinBsdf>(object);
   throw std::logic_error(fmt::format("the reader has no material {}", type));
 }
 
+template <typename Principled>
 Bsdf MitsubaMaterials::read_principled(const MitsubaObject& object) {
-  PrincipledBsdf bsdf;
+  Principled bsdf;
   each_parameter(bsdf, [&](const char* name, auto& parameter) {
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>) {
       assign(parameter, object, name, SpectrumUse::reflectance);
     } else {
-      parameter = share_of(object, name);
+      if (std::string_view(name) != "eta") parameter = share_of(object, name);
     }
   });
-  const auto number = [&](const char* name) {
-    const XmlElement* texture = object.texture(name);
-    if (texture == nullptr) return object.real(name);
-    return textures_.constant({glm::dvec3(0.0), texture}, fmt::format("{} of principled", name).c_str()).x;
-  };
-  bsdf.sheen_tint = number("sheen_tint");
-  bsdf.flatness = number("flatness");
-  bsdf.clearcoat_gloss = number("clearcoat_gloss");
-  // The index of refraction, or the reflectance along the normal over 0.08.
-  bsdf.eta = object.given("eta") ? object.ior("eta") : 2.0 / (1.0 - std::sqrt(0.08 * object.real("specular"))) - 1.0;
+  if (const XmlElement* texture = object.texture("eta")) {
+    bsdf.eta = textures_.scalar(*texture);
+  } else if (object.given("eta")) {
+    bsdf.eta = object.ior("eta");
+  } else if constexpr (std::is_same_v<Principled, PrincipledBsdf>) {
+    bsdf.eta = 2.0 / (1.0 - std::sqrt(0.08 * object.real("specular"))) - 1.0;  // by the reflectance along the normal
+  }
   return bsdf;
 }
 

@@ -31,6 +31,7 @@ class MitsubaMaterials {
   void refuse_without_defaults(const MitsubaObject& map);
   /// A probability, or the texture that stands for it.
   ScalarParameter share_of(const MitsubaObject& object, const char* name);
+  template <typename Principled>
   Bsdf read_principled(const MitsubaObject& object);
   Bsdf read_diffuse(const MitsubaObject& object);
   Bsdf read_dielectric(const MitsubaObject& object);

@@ -81,12 +81,8 @@ std::vector<Plugin> integrator_rows() {
        {{"integrator", 1, 1}}},
       {"integrator",
        "aov",
-       "Its child is rendered, and beside it what `aovs` names. Depth is the distance from the camera itself; "
-       "Mitsuba's "
-       "begins at the near clipping plane.",
-       {{"aovs", string, nullptr, any(),
-         "pairs of a name of one's own, which is not kept, and one of `depth`, `position`, `uv`, `geo_normal`, "
-         "`sh_normal`, `prim_index`, `shape_index`, `albedo`, with commas between them: `d:depth,n:sh_normal`"}},
+       "Its child is rendered.",
+       {no_effect("aovs", string, "has no effect: only the picture is made")},
        {{"integrator", 1, 1}}},
   };
   rows.push_back({"integrator",
@@ -334,27 +330,40 @@ std::vector<Parameter> plastic() {
                   "whether light takes the base's colour at each reflection below the coat"}});
 }
 
-std::vector<Parameter> principled() {
-  std::vector<Parameter> parameters{
-      color_or_texture("base_color", "0.5 0.5 0.5", "of the diffuse base, of metal, of what is refracted"),
-      {"eta", real, "1.5", between(1e-3, 1000), "index of refraction, a number or a name"},
-      {"specular", real, "0.5", between(0, 1), "in place of eta: reflectance along the normal over 0.08"},
-      no_effect("main_specular_sampling_rate", real, "has no effect: lobes are sampled by their weights"),
-      no_effect("clearcoat_sampling_rate", real, "has no effect: lobes are sampled by their weights"),
-      no_effect("diffuse_reflectance_sampling_rate", real, "has no effect: lobes are sampled by their weights")};
-  const auto add = [&](const char* name, const char* default_text, const char* doc) {
-    parameters.push_back({name, real, default_text, between(0, 1), doc, "texture"});
+// What principled and principledthin have in common.
+std::vector<Parameter> principled_base() {
+  const auto share = [&](const char* name, const char* default_text, const char* doc) {
+    return number_or_texture(name, default_text, between(0, 1), doc);
   };
-  add("roughness", "0.5", "its square is that of the microfacets");
-  add("metallic", "0", "share of metal");
-  add("anisotropic", "0", "how much longer highlights are along the tangent");
-  add("spec_trans", "0", "share of the rest that refracts");
-  add("spec_tint", "0", "how much highlights take the base's colour");
-  add("sheen", "0", "of cloth, at grazing angles");
-  add("sheen_tint", "0", "how much the sheen takes the base's colour");
-  add("flatness", "0", "of the base");
-  add("clearcoat", "0", "weight of a second highlight");
-  add("clearcoat_gloss", "0", "of the second highlight");
+  return {color_or_texture("base_color", "0.5 0.5 0.5", "of the diffuse base, of metal, of what passes"),
+          number_or_texture("eta", "1.5", between(1e-3, 1000), "index of refraction, a number or a name"),
+          share("roughness", "0.5", "its square is that of the microfacets"),
+          share("anisotropic", "0", "how much longer highlights are along the tangent"),
+          share("spec_trans", "0", "share of the rest that refracts"),
+          share("spec_tint", "0", "how much highlights take the base's colour"),
+          share("sheen", "0", "of cloth, at grazing angles"),
+          share("sheen_tint", "0", "how much the sheen takes the base's colour"),
+          share("flatness", "0", "of the base"),
+          no_effect("diffuse_reflectance_sampling_rate", real, "has no effect: lobes are sampled by their weights")};
+}
+
+std::vector<Parameter> principled() {
+  return joined(principled_base(),
+                {{"specular", real, "0.5", between(0, 1), "in place of eta: reflectance along the normal over 0.08"},
+                 number_or_texture("metallic", "0", between(0, 1), "share of metal"),
+                 number_or_texture("clearcoat", "0", between(0, 1), "weight of a second highlight"),
+                 number_or_texture("clearcoat_gloss", "0", between(0, 1), "of the second highlight"),
+                 no_effect("main_specular_sampling_rate", real, "has no effect: lobes are sampled by their weights"),
+                 no_effect("clearcoat_sampling_rate", real, "has no effect: lobes are sampled by their weights")});
+}
+
+std::vector<Parameter> principledthin() {
+  std::vector<Parameter> parameters = joined(
+      principled_base(),
+      {number_or_texture("diff_trans", "0", between(0, 2), "twice the share of the diffuse base that light passes")});
+  for (const char* lobe : {"specular_reflectance_sampling_rate", "specular_transmittance_sampling_rate",
+                           "diffuse_transmittance_sampling_rate"})
+    parameters.push_back(no_effect(lobe, real, "has no effect: lobes are sampled by their weights"));
   return parameters;
 }
 
@@ -422,6 +431,7 @@ std::vector<Plugin> bsdf_rows() {
        map_parameters({"scale", real, "1", any(), "scene units of 1"}),
        {{"bsdf", 1, 1}, {"texture", 1, 1}}},
       {"bsdf", "principled", "Burley's material of many parts.", principled(), {}},
+      {"bsdf", "principledthin", "Burley's material of a thin sheet.", principledthin(), {}},
       {"bsdf", "null", "No material: light passes.", {}, {}},
   };
 }
@@ -553,39 +563,6 @@ std::vector<Plugin> delta_light_rows() {
   };
 }
 
-/// The parameters of Mitsuba 0.6 and 3 together.
-std::vector<Plugin> daylight_rows() {
-  const std::vector<Parameter> parameters = {
-      {"turbidity", real, "3", between(1, 10), "how hazy the air is"},
-      {"sun_direction", vector, "", any(), "toward the sun, before to_world; without it:"},
-      {"latitude", real, "35.6894", between(-90, 90), "degrees north"},
-      {"longitude", real, "139.6917", between(-180, 180), "degrees east"},
-      {"timezone", real, "9", between(-14, 14), "hours that clocks are ahead of universal time"},
-      no_effect("year", integer, "has no effect: the sun's place is that of any year, to half a degree"),
-      {"month", integer, "7", between(1, 12), ""},
-      {"day", integer, "10", between(1, 31), "of the month"},
-      {"hour", real, "15", between(0, 24), "of the clock"},
-      {"minute", real, "0", between(0, 60), ""},
-      {"second", real, "0", between(0, 60), ""},
-      {"scale", real, "1", at_least(0), "factor of all of it"},
-      {"sky_scale", real, "1", at_least(0), "factor of the sky's radiance"},
-      {"sun_scale", real, "1", at_least(0), "factor of the sun's"},
-      {"sun_aperture", real, "", between(0, 60), "angle that the sun fills, degrees"},
-      {"sun_radius_scale", real, "1", between(0, 60), "the same in those of the real sun"},
-      {"albedo", color, "", at_least(0), "has no effect: Preetham's sky knows no ground", "texture"},
-      no_effect("complex_sun", boolean, "has no effect: the sun's disk is even"),
-      no_effect("stretch", real, "has no effect"),
-      no_effect("resolution", integer, "has no effect: the picture that is made is 1024 wide"),
-      no_effect("sampling_weight", real, "has no effect"),
-      to_world()};
-  const char* doc =
-      "Daylight. Mitsuba's models are tables of coefficients that are not here: the scene is refused, or with "
-      "--approximate gets Preetham's sky of the same sun and turbidity.";
-  std::vector<Plugin> rows;
-  for (const char* type : {"sky", "sun", "sunsky"}) rows.push_back({"emitter", type, doc, parameters, {}});
-  return rows;
-}
-
 std::vector<Plugin> make_rows() {
   std::vector<Plugin> rows = scene_rows();
   append(rows, integrator_rows());
@@ -595,7 +572,6 @@ std::vector<Plugin> make_rows() {
   append(rows, emitter_rows());
   append(rows, texture_rows());
   append(rows, delta_light_rows());
-  append(rows, daylight_rows());
   return rows;
 }
 
@@ -608,9 +584,9 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"shape",
        {"heightfield", "hair", "deformable", "linearcurve", "bsplinecurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh"}},
       {"bsdf",
-       {"principledthin", "measured", "hair", "phong", "ward", "roughdiffuse", "roughcoating", "coating", "mixturebsdf",
-        "difftrans", "hk", "pplastic", "polarizer", "retarder", "circular", "measured_polarized", "irawan"}},
-      {"emitter", {"directionalarea", "collimated", "timed_sunsky", "volumelight"}},
+       {"measured", "hair", "phong", "ward", "roughdiffuse", "roughcoating", "coating", "mixturebsdf", "difftrans",
+        "hk", "pplastic", "polarizer", "retarder", "circular", "measured_polarized", "irawan"}},
+      {"emitter", {"directionalarea", "collimated", "sky", "sun", "sunsky", "timed_sunsky", "volumelight"}},
       {"texture", {"volume", "gridtexture", "wireframe", "curvature"}},
   };
 }

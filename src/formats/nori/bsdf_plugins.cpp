@@ -20,11 +20,20 @@ Parameter specular_reflectance() {
 
 /// A metal: by its name, or by its numbers.
 std::vector<Parameter> metal() {
-  return {
-      {"material", string, "", {}, "a metal by its chemical symbol, as Au, or none, which reflects everything"},
-      {"eta", color, "0 0 0", {0, kMaxConductorIndex, false, false}, "real part of the complex index of refraction"},
-      {"k", color, "1 1 1", {0, kMaxConductorIndex, false, false}, "its imaginary part, in place of a material"},
-      specular_reflectance()};
+  return {{"material", string, "", {}, "a metal by its chemical symbol, as Au, or none, which reflects everything"},
+          {"eta",
+           color,
+           "0 0 0",
+           {0, kMaxConductorIndex, false, false},
+           "real part of the complex index of refraction",
+           "texture"},
+          {"k",
+           color,
+           "1 1 1",
+           {0, kMaxConductorIndex, false, false},
+           "its imaginary part, in place of a material",
+           "texture"},
+          specular_reflectance()};
 }
 
 std::vector<Parameter> roughness() {
@@ -94,10 +103,28 @@ std::vector<Plugin> adapter_plugins() {
   };
 }
 
+Parameter textured(const char* name, const char* default_text, const char* doc, const Range& range = kUnit) {
+  return {name, real, default_text, range, doc, "texture"};
+}
+
+Plugin principledthin_plugin() {
+  return {"bsdf",
+          "principledthin",
+          "Burley's material of a thin sheet, the same from both sides, as in Mitsuba: paper, leaves, frosted panes.",
+          {factor("base_color", "0.5 0.5 0.5", "of the diffuse base and of what passes"),
+           textured("roughness", "0.5", "its square is the roughness of the microfacets"),
+           textured("anisotropic", "0", "how much longer highlights are along the tangent"),
+           textured("spec_trans", "0", "share that is a rough pane in place of the diffuse base"),
+           textured("spec_tint", "0", "how much highlights take the base's colour"),
+           textured("sheen", "0", "of cloth, at grazing angles"),
+           textured("sheen_tint", "0", "how much the sheen takes the base's colour"),
+           textured("flatness", "0", "of the base: 1 as if light had gone below the surface"),
+           textured("diff_trans", "0", "twice the share of the diffuse base that light passes", {0, 2, false, false}),
+           textured("eta", "1.5", "index of refraction inside over that outside", kIndex)},
+          {}};
+}
+
 Plugin principled_plugin() {
-  const auto textured = [](const char* name, const char* default_text, const char* doc) {
-    return Parameter{name, real, default_text, kUnit, doc, "texture"};
-  };
   return {"bsdf",
           "principled",
           "Burley's material of many parts, as in Mitsuba: metal, plastic, cloth, lacquer, rough glass.",
@@ -109,12 +136,52 @@ Plugin principled_plugin() {
            textured("spec_tint", "0", "how much highlights take the base's colour"),
            textured("sheen", "0", "of cloth, at grazing angles"),
            textured("clearcoat", "0", "weight of a second highlight"),
-           {"sheen_tint", real, "0", kUnit, "how much the sheen takes the base's colour"},
-           {"flatness", real, "0", kUnit, "of the base: 1 as if light had gone below the surface"},
-           {"clearcoat_gloss", real, "0", kUnit, "of the second highlight: 1 is sharp"},
-           {"eta", real, "1.5", kIndex, "index of refraction inside over that outside"},
+           textured("sheen_tint", "0", "how much the sheen takes the base's colour"),
+           textured("flatness", "0", "of the base: 1 as if light had gone below the surface"),
+           textured("clearcoat_gloss", "0", "of the second highlight: 1 is sharp"),
+           textured("eta", "1.5", "index of refraction inside over that outside", kIndex),
            {"specular", real, "0.5", kUnit, "in place of eta: reflectance along the normal over 0.08"}},
           {}};
+}
+
+/// A solid's colour and everything else but textures.
+std::vector<Parameter> gltf_solid() {
+  return {{"thin", boolean, "true", {}, "whether it is a sheet; else the surface of a solid, which bends light"},
+          {"attenuation_color", color, "1 1 1", {kMinAttenuation, 1, false, false}, "of white light in a solid"},
+          {"attenuation_distance", real, "0", {0, 1e30, false, false}, "after this distance; 0: there is none"},
+          {"anisotropy_rotation", real, "0", {-3600, 3600, false, false}, "of the tangent, degrees"}};
+}
+
+Plugin gltf_plugin() {
+  Plugin row{
+      "bsdf",
+      "gltf",
+      "The material of glTF 2.0 with the extensions of Khronos: metal, plastic, glass, lacquer, velvet, film.",
+      {factor("base_color", "1 1 1", "of the diffuse base, of metal, of what passes"),
+       textured("metallic", "1", "share of metal"),
+       textured("roughness", "1", "its square is the roughness of the microfacets"),
+       textured("ior", "1.5", "index of refraction", {1, kMaxTexturedIndex, false, false}),
+       textured("specular", "1", "factor of what the boundary reflects"),
+       {"specular_color",
+        color,
+        "1 1 1",
+        {0, kMaxSpecularColor, false, false},
+        "factor of what it reflects along the normal",
+        "texture"},
+       textured("transmission", "0", "share that is clear in place of diffuse"),
+       textured("diffuse_transmission", "0", "share of the diffuse rest that light passes"),
+       factor("diffuse_transmission_color", "1 1 1", "of that light"),
+       textured("clearcoat", "0", "weight of a layer of lacquer"),
+       textured("clearcoat_roughness", "0", "its square is the roughness of the lacquer"),
+       factor("sheen_color", "0 0 0", "of a layer of fibres"),
+       textured("sheen_roughness", "0", "its square is the roughness of the fibres"),
+       textured("anisotropy", "0", "how much longer highlights are along the tangent"),
+       textured("iridescence", "0", "share of a thin film"),
+       textured("iridescence_ior", "1.3", "its index of refraction", {1, kMaxFilmIndex, false, false}),
+       textured("iridescence_thickness", "400", "its thickness, nanometres", {0, kMaxFilmThickness, false, false})},
+      {}};
+  for (const Parameter& parameter : gltf_solid()) row.parameters.push_back(parameter);
+  return row;
 }
 
 std::vector<Parameter> joined(std::vector<Parameter> a, const std::vector<Parameter>& b) {
@@ -173,6 +240,8 @@ std::vector<Plugin> bsdf_plugins() {
        {}},
   };
   rows.push_back(principled_plugin());
+  rows.push_back(principledthin_plugin());
+  rows.push_back(gltf_plugin());
   for (const Plugin& row : adapter_plugins()) rows.push_back(row);
   return rows;
 }

@@ -80,7 +80,8 @@ class SceneReader {
     scene.file = path_;
     scene.position = object.position();
     scene.sky = {object.get<glm::dvec3>("sky_top"), object.get<glm::dvec3>("sky_horizon")};
-    if (const auto integrator = read_only_child(object, "integrator")) read_integrator(*integrator, object, scene);
+    if (const auto integrator = read_only_child(object, "integrator"))
+      scene.integrator = read_integrator(*integrator, object);
     if (const auto camera = read_only_child(object, "camera")) scene.camera = read_camera(*camera);
     scene.sampler = read_sampler(object);
     scene.instancing = read_instancing(object);
@@ -116,17 +117,6 @@ class SceneReader {
     const std::vector<const XmlElement*> children = parent.children(tag);
     if (children.empty()) return std::nullopt;
     return Object::read(*children.front(), context_);
-  }
-
-  void read_integrator(const Object& object, const Object& root, Scene& scene) {
-    scene.integrator = read_integrator(object, root);
-    if (object.plugin().find("hideBackground") != nullptr)
-      scene.integrator.hide_background = object.get<bool>("hideBackground");
-    try {
-      scene.aovs = parse_aovs(object.get<std::string>("aovs"));
-    } catch (const Error& error) {
-      sink_.error(object.position_of("aovs"), error.what());
-    }
   }
 
   Integrator read_integrator(const Object& object, const Object& scene) {
@@ -669,13 +659,15 @@ class SceneReader {
     }
     if (type == "null") return NullBsdf{};
     if (type == "principled") return read_principled(object, scene);
+    if (type == "gltf") return read_gltf(object, scene);
+    if (type == "principledthin") return read_parameters<PrincipledThinBsdf>(object, scene);
     if (type == "mirror") return MirrorBsdf{};
     if (type == "dielectric") return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR")};
     if (type == "microfacet") return read_microfacet(object, scene);
     if (type == "conductor")
-      return ConductorBsdf{read_metal(object), read_factor(object, "specular_reflectance", scene)};
+      return ConductorBsdf{read_metal(object, scene), read_factor(object, "specular_reflectance", scene)};
     if (type == "roughconductor")
-      return RoughConductorBsdf{read_metal(object), read_roughness(object, scene),
+      return RoughConductorBsdf{read_metal(object, scene), read_roughness(object, scene),
                                 read_factor(object, "specular_reflectance", scene)};
     if (type == "roughdielectric") {
       return RoughDielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR"),
@@ -712,8 +704,10 @@ class SceneReader {
     return DiffuseBsdf{albedo};
   }
 
-  PrincipledBsdf read_principled(const Object& object, Scene* scene) {
-    PrincipledBsdf bsdf;
+  /// Of a material whose parameters have the names that they have in the scene.
+  template <typename T>
+  T read_parameters(const Object& object, Scene* scene) {
+    T bsdf;
     each_parameter(bsdf, [&](const char* name, auto& parameter) {
       if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameter)>, ColorParameter>) {
         parameter = read_factor(object, name, scene);
@@ -721,12 +715,26 @@ class SceneReader {
         parameter = read_scalar(object, name, scene);
       }
     });
-    bsdf.sheen_tint = object.get<double>("sheen_tint");
-    bsdf.flatness = object.get<double>("flatness");
-    bsdf.clearcoat_gloss = object.get<double>("clearcoat_gloss");
-    bsdf.eta = object.given("specular") && !object.given("eta")
-                   ? 2.0 / (1.0 - std::sqrt(0.08 * object.get<double>("specular"))) - 1.0
-                   : object.get<double>("eta");
+    return bsdf;
+  }
+
+  PrincipledBsdf read_principled(const Object& object, Scene* scene) {
+    auto bsdf = read_parameters<PrincipledBsdf>(object, scene);
+    if (object.given("specular") && !object.given("eta"))
+      bsdf.eta = 2.0 / (1.0 - std::sqrt(0.08 * object.get<double>("specular"))) - 1.0;
+    return bsdf;
+  }
+
+  GltfBsdf read_gltf(const Object& object, Scene* scene) {
+    auto bsdf = read_parameters<GltfBsdf>(object, scene);
+    bsdf.anisotropy_rotation = glm::radians(object.get<double>("anisotropy_rotation"));
+    bsdf.thin = object.get<bool>("thin");
+    bsdf.attenuation_color = object.get<glm::dvec3>("attenuation_color");
+    const auto distance = object.get<double>("attenuation_distance");
+    if (distance > 0.0) bsdf.attenuation_distance = distance;
+    if (bsdf.thin && object.given("attenuation_distance"))
+      sink_.error(object.position_of("attenuation_distance"),
+                  "a thin sheet has no inside where light could travel a distance; give \"thin\" the value false");
     return bsdf;
   }
 
@@ -737,7 +745,7 @@ class SceneReader {
             .ext_ior = object.get<double>("extIOR")};
   }
 
-  ConductorIndex read_metal(const Object& object) {
+  ConductorIndex read_metal(const Object& object, Scene* scene) {
     if (object.given("eta") != object.given("k")) {
       sink_.error(object.position_of(object.given("eta") ? "eta" : "k"),
                   "a complex index of refraction has two parts; give both \"eta\" and \"k\"");
@@ -746,7 +754,7 @@ class SceneReader {
       sink_.error(object.position_of("material"),
                   "the metal has both a material and an index of refraction; remove one of them");
     }
-    if (!object.given("material")) return {object.get<glm::dvec3>("eta"), object.get<glm::dvec3>("k")};
+    if (!object.given("material")) return {read_factor(object, "eta", scene), read_factor(object, "k", scene)};
     const auto name = object.get<std::string>("material");
     const auto index = metal_index(text::trim(name));
     if (!index) {

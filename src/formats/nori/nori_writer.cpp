@@ -117,19 +117,13 @@ class NoriWriter : MaterialWriter {
       case distance:
         xml_.open("integrator", {{"type", integrator.type == depth ? "depth" : "distance"}});
         break;
-      case aov:
-        throw Error(ErrorKind::scene, fmt::format("the integrator renders nothing but the AOV {}, which no scene file "
-                                                  "asks for",
-                                                  traits(integrator.aov).name));
     }
     if (gathers_light(integrator)) {
       using enum Integrator::LightSampler;
       if (integrator.hide_emitters) xml_.boolean("hideEmitters", true);
-      if (integrator.hide_background) xml_.boolean("hideBackground", true);
       if (integrator.light_sampler != automatic)
         xml_.text("lightSampler", integrator.light_sampler == power ? "power" : "tree");
     }
-    if (!scene_.aovs.empty()) xml_.text("aovs", to_text(scene_.aovs));
     xml_.close();
   }
 
@@ -278,6 +272,17 @@ class NoriWriter : MaterialWriter {
     color("kd", bsdf.kd);
     number("alpha", bsdf.alpha);
     write_indices(bsdf);
+  }
+
+  void write_gltf(const std::string& id, const GltfBsdf& bsdf) override {
+    constexpr double kDegrees = 57.295779513082320877;
+    open_bsdf(id, "gltf");
+    write_parameters(bsdf);
+    if (bsdf.anisotropy_rotation != 0.0) number("anisotropy_rotation", bsdf.anisotropy_rotation * kDegrees);
+    xml_.boolean("thin", bsdf.thin);
+    if (!std::isfinite(bsdf.attenuation_distance)) return;
+    color("attenuation_color", bsdf.attenuation_color);
+    number("attenuation_distance", bsdf.attenuation_distance);
   }
 
   void write_instance(const Instance& instance) {

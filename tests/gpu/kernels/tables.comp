@@ -9,7 +9,7 @@ TEST_BUFFERS(uvec4, TablesAnswer)
 void main() {
   if (!lane_has_work()) return;
   const uint i = inputs[lane()].x;
-  outputs[lane()] = TablesAnswer(fetch_record(i * kPrimitiveSlots), fetch_instance(i), fetch_material(i, true), fetch_material_textures(i),
+  outputs[lane()] = TablesAnswer(fetch_record(i * kPrimitiveSlots), fetch_instance(i), fetch_material(i, kMaterialTexels), fetch_material_textures(i), fetch_texture_use(i),
                                  fetch_light_instance(i),
                                  fetch_light_primitive(i), uvec4(fetch_light_primitive_threshold(i), 0u, 0u, 0u), fetch_light_bounds(kLightPairTexels * i), fetch_light_pair(i),
                                  fetch_light_trail(i, inputs[lane()].y), uvec4(fetch_triangle(i), 0u), vec4(fetch_normal(i), 0.0),

@@ -233,6 +233,7 @@ struct TablesAnswer {
   Instance instance;
   MaterialRecord material;
   MaterialTextures material_textures;
+  TextureUse texture_use;
   LightInstance light_instance;
   LightPrimitive light_primitive;
   uvec4 light_threshold;  // x: that of the light primitive, fetched alone
@@ -258,7 +259,7 @@ struct TablesAnswer {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 912);
+static_assert(sizeof(TablesAnswer) == 976);
 static_assert(sizeof(TextureCase) == 48 && sizeof(TextureAnswer) == 16);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);

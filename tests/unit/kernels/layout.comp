@@ -28,6 +28,7 @@ layout(set = 0, binding = 21, std430) buffer TextureBuffer { TextureRecord textu
 layout(set = 0, binding = 22, std430) buffer InstanceAttributesBuffer { InstanceAttributes instance_attributes[]; };
 layout(set = 0, binding = 20, std430) buffer MaterialTexturesBuffer { MaterialTextures material_textures[]; };
 
+layout(set = 0, binding = 24, std430) buffer TextureUseBuffer { TextureUse texture_uses[]; };
 layout(set = 0, binding = 20, std430) buffer PlaceBuffer { Place places[]; };
 layout(set = 0, binding = 22, std430) buffer EnvironmentRowBuffer { EnvironmentRow environment_rows[]; };
 layout(set = 0, binding = 21, std430) buffer EnvironmentTexelBuffer { EnvironmentTexel environment_texels[]; };
@@ -41,7 +42,8 @@ void main() {
   instances[0].material = 0u;
   places[0].side = 0.0;
   materials[0].header = 0u;
-  material_textures[0].first.x = 0u;
+  material_textures[0].first = 0u;
+  texture_uses[0].floats = 0u;
   texture_records[0].header = 0u;
   instance_attributes[0].first = 0u;
   light_instances[0].threshold = 0u;
