@@ -129,7 +129,7 @@ class Studio:
             return scene
         path = SCENES / f"{scene}.xml"
         if self.quick and "meshes/generated/" in path.read_text(encoding="utf-8"):
-            return self.variant(path, f"{path.stem}-small", self.shrink_meshes)
+            return self.variant(path, f"{scene}-small", self.shrink_meshes)
         return path
 
     def shrink_meshes(self, root):
@@ -173,6 +173,12 @@ class Studio:
         image.save(path, optimize=True)
         self.made.append(path)
         return path
+
+    def keep_image(self, name, image, colors):
+        """A small PNG of at most so many colours."""
+        path = self.images / f"{name}.png"
+        image.quantize(colors, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
+        self.made.append(path)
 
     def keep_plot(self, name, figure):
         import plots  # pylint: disable=import-outside-toplevel

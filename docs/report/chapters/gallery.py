@@ -7,7 +7,7 @@ PICTURES = {
     "daylight": ((560, 315), 256),
     "still-life": ((560, 420), 400),
     "forest": ((640, 360), 256),
-    "material-gallery": ((640, 480), 128),
+    "material-gallery": ((640, 352), 128),
     "bubble": ((480, 270), 288),
     "cbox-sphere": ((640, 480), 400),
 }
