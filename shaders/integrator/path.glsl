@@ -146,7 +146,7 @@ float turned_share(Surface s, vec3 w) {
   if (!kPerturbed) return 1.0;
   const float turn = dot(s.base, s.frame.n), across = dot(s.base, w);
   const float slope2 = max(0.0, 1.0 - turn * turn) / (turn * turn), tan2 = max(0.0, 1.0 - across * across) / (across * across);
-  return 2.0 / (1.0 + sqrt(1.0 + 0.125 * slope2 * tan2));
+  return 2.0 / (1.0 + sqrt(1.0 + min(0.125 * slope2, 1.0) * tan2));
 }
 
 // Step 4: one sampled light, left pending until its shadow ray has been traced.

@@ -62,7 +62,7 @@ class Scatterer {
     if (!base_) return 1.0;
     const auto tan2 = [](double cosine) { return std::max(0.0, 1.0 / (cosine * cosine) - 1.0); };
     const double slope2 = tan2(glm::dot(*base_, frame_.normal()));
-    return 2.0 / (1.0 + std::sqrt(1.0 + 0.125 * slope2 * tan2(glm::dot(*base_, w))));
+    return 2.0 / (1.0 + std::sqrt(1.0 + std::min(0.125 * slope2, 1.0) * tan2(glm::dot(*base_, w))));
   }
 
   Bsdf bsdf_;  // its parameters are constants

@@ -120,7 +120,7 @@ double turned_irradiance(std::span<const dvec3> lamp, const dvec3& n, const dvec
       const dvec3 w = p / std::sqrt(d2);
       const double across = glm::dot(w, base), cosine = glm::dot(w, n);
       if (!(across > 0.0 && cosine > 0.0)) continue;
-      const double share = 2.0 / (1.0 + std::sqrt(1.0 + slope2 * tan2(across) / 8.0));
+      const double share = 2.0 / (1.0 + std::sqrt(1.0 + std::min(slope2 / 8.0, 1.0) * tan2(across)));
       sum += cosine * share * std::abs(glm::dot(cross, w)) / d2;
     }
   }
