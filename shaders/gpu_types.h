@@ -105,6 +105,8 @@ const uint kConstantTransmittancesAt = 60u;
 const uint kConstantAdapters = 61u;       // see adapters.glsl
 const uint kConstantAdapterDepth = 62u;
 const uint kConstantCountPasses = 63u;
+const uint kConstantLightPart = 64u;       // kLightPart…
+const uint kConstantHideBackground = 65u;
 const uint kConstantInwardSpheres = 69u;
 const uint kConstantTextureUsesAt = 64u;
 const uint kConstantTextureUses = 65u;  // of a material, at most
@@ -177,7 +179,29 @@ const uint kIntegratorSimple = 5u;
 const uint kIntegratorAmbientOcclusion = 6u;
 const uint kIntegratorVisibility = 7u;
 const uint kIntegratorDepth = 8u;
+const uint kIntegratorAov = 9u;
 const uint kIntegratorDistance = 10u;
+
+// What kIntegratorAov computes: values of etendue::Aov. Those up to kAovLastAtHit are known where the camera ray arrives.
+const uint kAovHit = 0u;
+const uint kAovAlpha = 1u;
+const uint kAovDepth = 2u;
+const uint kAovPosition = 3u;
+const uint kAovShadingNormal = 4u;
+const uint kAovGeometricNormal = 5u;
+const uint kAovUv = 6u;
+const uint kAovInstance = 7u;
+const uint kAovPrimitive = 8u;
+const uint kAovMaterial = 9u;
+const uint kAovLastAtHit = kAovMaterial;
+const uint kAovNormal = 10u;
+const uint kAovAlbedo = 11u;
+const uint kMaxAovSegments = 64u;  // how far normal and albedo look through mirrors and glass
+
+// Light that is gathered, by how often it was scattered.
+const uint kLightPartAll = 0u;
+const uint kLightPartDirect = 1u;    // at most once
+const uint kLightPartIndirect = 2u;  // more often
 
 // How a film position becomes a ray, see camera.glsl.
 const uint kCameraPinhole = 0u;
@@ -370,10 +394,11 @@ const uint kTexturesSrgb = 0x10u;
 const uint kTexturesThreeChannels = 0x20u;  // a texel may lie in two loads
 const uint kTexturesRadiance = 0x40u;       // an emitter has one
 const uint kTexturesSphere = 0x80u;         // a sphere has one
-const uint kTexturesDisk = 0x100u;          // a disk has one
-const uint kTexturesCylinder = 0x200u;      // a cylinder has one
+const uint kTexturesRich = 0x100u;          // a material has one that is not a diffuse albedo: see TextureUse
+const uint kTexturesDisk = 0x200u;          // a disk has one
+const uint kTexturesCylinder = 0x400u;      // a cylinder has one
 const uint kTexturesTangents = 0x800u;      // a material has kMaterialAligned
-const uint kTexturesRich = 0x400u;          // a material has one that is not a diffuse albedo: see TextureUse
+const uint kTexturesMesh = 0x1000u;         // coordinates of meshes are asked for, with or without textures
 
 // What the textures of an instance need of its shape; empty where the scene has no textures. Each primitive has a block of texels: for each set of
 // texture coordinates (u, v) of the three corners in two texels, then the colours of the corners, then that of the face. A sphere has the rows of the
@@ -534,13 +559,15 @@ struct Frame {
   uint bsdf_samples;
   uint distant_threshold;      // words below it that do not choose the environment choose a directional light
   float delta_light_limit;     // what a light without extent adds at a vertex, at most
-  uint pad0;
+  uint aov;                    // kAov…
   vec3 sky_x;                  // axes of the sky's own frame in the world
   uint environment_row_count;  // rows of cells; those behind have no weight
   vec3 sky_y;
   uint environment_threshold;  // words below it choose the environment, others a light
   vec3 sky_z;
   float lights_prob;           // of the latter
+  vec3 scene_center;           // in the world; normalised coordinates are those about it, times distance_scale
+  uint pad0;
 };
 
 // The work of one dispatch.
@@ -657,7 +684,7 @@ static_assert(sizeof(LightTrail) == kLightTrailTexels * kTexelBytes);
 static_assert(sizeof(DeltaLight) == kDeltaLightTexels * kTexelBytes);
 static_assert(sizeof(EnvironmentRow) == kEnvironmentRowTexels * kTexelBytes);
 static_assert(sizeof(EnvironmentTexel) == kEnvironmentTexelTexels * kTexelBytes);
-static_assert(sizeof(Frame) == 272);
+static_assert(sizeof(Frame) == 288);
 static_assert(sizeof(Pass) == 32);
 static_assert(sizeof(FilmSlot) == 128);
 static_assert(sizeof(SampleResult) == 32);

@@ -105,16 +105,23 @@ const uint kMutantMaskSidesTogether = 89u;
 const uint kMutantPassesFree = 90u;
 const uint kMutantNormalMapMirrored = 91u;
 const uint kMutantRetroReflectionLost = 92u;
-const uint kMutantSheetRoughnessUnscaled = 93u;
-const uint kMutantSheetPassesTwice = 94u;
-const uint kMutantGltfCoatAdded = 95u;
-const uint kMutantGltfBaseUndimmed = 96u;
-const uint kMutantVolumeClear = 97u;
-const uint kMutantFilmShiftForgotten = 98u;
-const uint kMutantBumpByTexel = 99u;
-const uint kMutantMapsShineThrough = 100u;
-const uint kMutantCoatUnmasked = 101u;
-const uint kMutantCount = 102u;
+const uint kMutantAovFilterIgnored = 93u;
+const uint kMutantAovSetSummed = 94u;
+const uint kMutantAovOtherSample = 95u;
+const uint kMutantAovEndsAtMirror = 96u;
+const uint kMutantAovPlaceNotMoved = 97u;
+const uint kMutantLightPartLate = 98u;
+const uint kMutantBackgroundSeen = 99u;
+const uint kMutantSheetRoughnessUnscaled = 100u;
+const uint kMutantSheetPassesTwice = 101u;
+const uint kMutantGltfCoatAdded = 102u;
+const uint kMutantGltfBaseUndimmed = 103u;
+const uint kMutantVolumeClear = 104u;
+const uint kMutantFilmShiftForgotten = 105u;
+const uint kMutantBumpByTexel = 106u;
+const uint kMutantMapsShineThrough = 107u;
+const uint kMutantCoatUnmasked = 108u;
+const uint kMutantCount = 109u;
 #endif
 
 #ifdef __cplusplus

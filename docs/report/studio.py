@@ -129,7 +129,7 @@ class Studio:
             return scene
         path = SCENES / f"{scene}.xml"
         if self.quick and "meshes/generated/" in path.read_text(encoding="utf-8"):
-            return self.variant(path, f"{scene}-small", self.shrink_meshes)
+            return self.variant(path, f"{path.stem}-small", self.shrink_meshes)
         return path
 
     def shrink_meshes(self, root):

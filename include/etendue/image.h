@@ -11,7 +11,7 @@ namespace etendue {
 
 /// The picture that a film shows, with the film's metadata.
 inline Image picture_of(const FilmFile& film) {
-  return image_from_film(film.film, film_metadata(film));
+  return image_from_film(film);
 }
 
 }  // namespace etendue

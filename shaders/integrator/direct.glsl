@@ -27,6 +27,7 @@ void next_direct_round(inout Path path) {
   path.beta = vec3(1.0);
   path.absorption = vec3(0.0);
   path.full_emission = true;
+  path.bounces = 0u;
   path.segment = 2u * round + 1u;
 }
 

@@ -16,6 +16,8 @@ FEATURE(uint, kIntegrator, kConstantIntegrator, kIntegratorPath)
 layout(constant_id = kConstantNee) const bool kNee = true;  // and there are lights
 layout(constant_id = kConstantMis) const bool kMis = true;
 FEATURE(bool, kHideEmitters, kConstantHideEmitters, false)
+FEATURE(bool, kHideBackground, kConstantHideBackground, false)
+FEATURE(uint, kLightPart, kConstantLightPart, kLightPartAll)
 const bool kGathersLight = kIntegrator == kIntegratorPath || kIntegrator == kIntegratorDirect || kIntegrator == kIntegratorWhitted;
 
 // A path under construction: the ray that is traced next and what it carries.
@@ -42,6 +44,7 @@ struct Path {
   Passed shadow_passed;
   uint shadow_segments;
   uint shadow_vertex;  // where it began
+  uint bounces;        // how often the path was scattered
 };
 
 // Decisions taken at the end of a segment; kNone where nothing was decided. Folded into signatures or written out by the kernels that
@@ -67,14 +70,22 @@ Path begin_path(uint pixel, uint sample_index) {
   float weight;
   const Ray ray = camera_ray(pixel, sample_index, weight);
   return Path(ray, vec3(1.0), vec3(0.0), 0.0, vec3(0.0), vec3(0.0), 1.0, 1u, true, pixel, sample_index, weight, true, false, ray, vec3(0.0),
-              kNothingPassed, kNothingPassed, 0u, 0u);
+              kNothingPassed, kNothingPassed, 0u, 0u, 0u);
 }
 
-// The value of a finished path's sample.
-vec3 path_value(Path path) { return path.filter_weight * path.radiance; }
-
+#include "aov.glsl"
 #include "direct.glsl"
 #include "first_hit.glsl"
+
+// The value of a finished path's sample.
+vec3 path_value(Path path) { return (kIntegrator == kIntegratorAov ? aov_weight(path) : path.filter_weight) * path.radiance; }
+
+// Whether light that was scattered so often is gathered.
+bool part_counts(uint bounces) {
+  MUTATE(kMutantLightPartLate, return kLightPart == kLightPartAll || (kLightPart == kLightPartIndirect) == (bounces > 2u));
+  if (kLightPart == kLightPartDirect) return bounces <= 1u;
+  return kLightPart == kLightPartAll || bounces > 1u;
+}
 
 // Power heuristic with exponent 2 [Veach1997], as the weight of the strategy with density `own`. A ratio, so that large densities
 // do not overflow.
@@ -90,10 +101,15 @@ float light_sample_count() {
 }
 float bsdf_sample_count() { return kIntegrator == kIntegratorDirect ? float(frame.bsdf_samples) : 1.0; }
 
-// Step 2: emission met by chance.
-vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim, SurfacePoint at) {
+vec3 surface_emission(Path path, Surface s, Instance instance, SurfacePoint at) {
   vec3 le = area_radiance(instance, s.frame.n, -path.ray.d);
   if (textures_have(kTexturesRadiance) && max_component(le) > 0.0) le *= radiance_factor(at);
+  return le;
+}
+
+// Step 2: emission met by chance.
+vec3 gather_emission(Path path, vec3 le, Surface s, Instance instance, Primitive prim) {
+  if (!part_counts(path.bounces)) return vec3(0.0);
   MUTATE(kMutantEmissionTwice, return path.beta * le);
   if (path.full_emission || instance.light_prob == 0.0) return path.beta * le;
   if (!kMis) return vec3(0.0);
@@ -105,10 +121,8 @@ vec3 gather_emission(Path path, Surface s, Instance instance, Primitive prim, Su
 }
 
 // Step 1: light from outside.
-vec3 gather_environment(Path path) {
-  if (!kHasEnvironment) return vec3(0.0);
-  float pdf_light;
-  const vec3 le = environment_radiance(path.ray.d, pdf_light);
+vec3 gather_environment(Path path, vec3 le, float pdf_light) {
+  if (!part_counts(path.bounces)) return vec3(0.0);
   MUTATE(kMutantEnvironmentTwice, return path.beta * le);
   if (path.full_emission) return path.beta * le;
   if (!kMis) return vec3(0.0);
@@ -172,6 +186,7 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   if (kVolumes) path.shadow_value *= transmittance(absorption_toward(material, wi, path.absorption), path.shadow_ray.t_max);
   // Near a point light has no bound; nearer than single precision tells places apart, this is one.
   if (kDeltaLights != 0u && light.instance == kDeltaLightSampled) path.shadow_value = min(path.shadow_value, vec3(frame.delta_light_limit));
+  if (!part_counts(path.bounces + 1u)) path.shadow_value = vec3(0.0);
   path.shadow_passed = kNothingPassed;
   path.shadow_segments = frame.max_depth - path.segment - 1u;
   path.shadow_vertex = path.segment - 1u;
@@ -232,6 +247,7 @@ void scatter(inout Path path, Surface s, Material material, vec3 wo, inout Decis
     return;
   }
   decisions.lobe = bs.lobe;
+  ++path.bounces;
   path.beta *= bs.weight * (turned_share(s, wi) / bsdf_sample_count());
   path.eta_scale *= bs.eta_scale;
   path.full_emission = is_delta(bs.lobe) || !kNee;
@@ -266,7 +282,14 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   // A ray that has passed a surface begins there.
   if (kVolumes) path.beta *= transmittance(path.absorption, (hit.instance == kNone ? kInfinity : hit.t) - path.ray.t_min);
   if (hit.instance == kNone) {
-    if (kGathersLight && !no_light_to_camera(path)) path.radiance += gather_environment(path);
+    bool hidden = no_light_to_camera(path) || (kHideBackground && path.bounces == 0u);
+    MUTATE(kMutantBackgroundSeen, hidden = no_light_to_camera(path));
+    if (kHasEnvironment && (kGathersLight || kIntegrator == kIntegratorAov) && !hidden) {
+      float pdf_light;
+      const vec3 le = environment_radiance(path.ray.d, pdf_light);
+      if (kIntegrator == kIntegratorAov) see_emission(path, le);
+      else path.radiance += gather_environment(path, le, pdf_light);
+    }
     if (kIntegrator == kIntegratorVisibility) path.radiance += vec3(1.0);
     if (kIntegrator == kIntegratorDirect && !is_camera_segment(path)) next_direct_round(path);
     if (!is_finite(path.ray.o + path.ray.d)) path.radiance = vec3(kInfinity);  // the film rejects the sample and counts it
@@ -276,7 +299,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   Surface s = make_surface(path.ray, hit, instance);
   decisions.instance = s.instance;
   decisions.primitive = s.primitive;
-  if (!kGathersLight) {
+  if (!kGathersLight && kIntegrator != kIntegratorAov) {
     shade_first_hit(path, s, hit);
     return;
   }
@@ -285,7 +308,11 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     pass_through(path, s, hit);
     return;
   }
-  if (!no_light_to_camera(path)) path.radiance += gather_emission(path, s, instance, hit.geometry, at);
+  if (!no_light_to_camera(path)) {
+    const vec3 le = surface_emission(path, s, instance, at);
+    if (kIntegrator == kIntegratorAov) see_emission(path, le);
+    else path.radiance += gather_emission(path, le, s, instance, hit.geometry);
+  }
   uint max_depth = frame.max_depth;
   MUTATE(kMutantDepthOffByOne, ++max_depth);
   Choice choice = Choice(instance.material, s.frame, s.base);
@@ -300,12 +327,21 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     next_direct_round(path);
     return;
   }
-  if (path.segment >= max_depth) return;
   s.frame = choice.frame;
   s.base = choice.base;
+  if (kIntegrator == kIntegratorAov && frame.aov <= kAovLastAtHit) {
+    path.radiance = value_at_hit(path, s, instance, at);
+    return;
+  }
+  if (kLightPart == kLightPartDirect && path.bounces > 0u) return;
+  if (path.segment >= max_depth) return;
   const Material material = evaluate_material(choice.material, at);
   if (textures_have(kTexturesTangents) && material_has(material, kMaterialAligned)) s.frame = aligned_frame(s.frame.n, at, hit.geometry);
   const vec3 wo = to_local(s.frame, -path.ray.d);
+  if (kIntegrator == kIntegratorAov && frame.aov == kAovNormal && !material_has(material, kMaterialDelta)) {
+    path.radiance = s.frame.n;
+    return;
+  }
   if ((material_has(material, kMaterialOneSided) && wo.z <= 0.0) || !sides_agree(s, -path.ray.d, wo.z)) {
     decisions.lobe = kLobeNone;
     return;
@@ -316,6 +352,9 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   if (kIntegrator == kIntegratorWhitted && !delta) return;
   if (kIntegrator != kIntegratorDirect || round < frame.bsdf_samples) scatter(path, s, material, wo, decisions);
   if (kIntegrator == kIntegratorDirect && !path.alive) next_direct_round(path);
+  bool seen = !delta;
+  MUTATE(kMutantAovEndsAtMirror, seen = true);
+  if (kIntegrator == kIntegratorAov && seen) end_at_albedo(path, decisions);
 }
 
 // One whole segment, for the kernels that look at single paths. `steps` counts traversal rounds; beyond the budget the result is void.

@@ -37,7 +37,7 @@ void write_output(const std::string& path, const FilmFile& film, bool as_film) {
     write_film(path, film);
     return;
   }
-  const Image image = image_from_film(film.film, film_metadata(film));
+  const Image image = image_from_film(film);
   if (path.ends_with(".png")) {
     write_png(path, image);
   } else {

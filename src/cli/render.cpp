@@ -19,6 +19,7 @@
 #include "render/session.h"
 #include "render/stopping.h"
 #include "scene/precision.h"
+#include "scene/view.h"
 
 namespace etendue::cli {
 namespace {
@@ -36,6 +37,8 @@ struct Options {
   std::string samples;
   std::string checkpoint, checkpoint_every, resume;
   std::string time, until_error;
+  std::string aovs;
+  bool alpha = false;
   bool film = false;
   bool quiet = false;
   bool json = false;
@@ -129,7 +132,8 @@ void check_files(const Plan& plan, const Options& options) {
 
 // Nothing when all samples are in the film.
 std::string rejected_text(const RenderJob& job) {
-  const std::uint64_t count = job.state().film.rejected();
+  std::uint64_t count = job.state().film.rejected();
+  for (const AovFilm& aov : job.state().aovs) count += aov.film.rejected();
   if (count == 0) return "";
   const std::uint32_t width = job.state().film.width();
   std::string places;
@@ -311,6 +315,19 @@ void check_outputs(const Options& options, const Plan& plan, const FilmHeader& w
   }
 }
 
+// Those of the command beside those of the scene.
+void add_aovs(const Options& options, Scene& scene) {
+  for (const Aov aov : parse_aovs(options.aovs)) {
+    const std::string complaint = aov_complaint(scene.integrator, aov);
+    if (!complaint.empty()) throw Error(ErrorKind::usage, fmt::format("'--aov {}': {}.", options.aovs, complaint));
+    scene.aovs.push_back(aov);
+  }
+  if (options.alpha) {
+    scene.aovs.push_back(Aov::alpha);
+    scene.integrator.hide_background = true;
+  }
+}
+
 Ending render(const Options& options) {
   Plan plan = make_plan(options, Clock::now());
   SignalWatch signals(options.quiet);
@@ -320,6 +337,7 @@ Ending render(const Options& options) {
     scene.camera.width = size.width;
     scene.camera.height = size.height;
   }
+  add_aovs(options, scene);
   plan.outputs = output_paths(options, scene);
   plan.session.set_size = scene.sampler.set_size();
   const SampleRange wanted = wanted_samples(options, scene);
@@ -339,7 +357,7 @@ Ending render(const Options& options) {
     open.push_back(
         [factory, shared, settings = RenderSettings{.seed = options.seed}] { return factory(shared, settings); });
   }
-  DeviceTeam team(std::move(open));
+  DeviceTeam team(std::move(open), aov_plan(scene, options.seed, identity));
   if (!options.quiet && uses_gpu(options)) {
     for (const Renderer* renderer : team.renderers()) log::info(gpu_device_choice(*renderer));
   }
@@ -386,6 +404,13 @@ void add_render_command(Command& app, Action& action) {
       ->check(in_range(1u, 0xffffffffu));
   command->add_option("--seed", options->seed, "seed of the random numbers")->capture_default_str();
   command->add_option("--size", options->size, "film size instead of the scene's, WxH");
+  command
+      ->add_option("--aov", options->aovs,
+                   "channels beside the picture in .exr files: depth, position, normal, albedo …; several with commas "
+                   "between them")
+      ->type_name("NAMES");
+  command->add_flag("--alpha", options->alpha,
+                    "write coverage as the channel A and leave the background out: pictures are transparent there");
   add_job_options(*command, *options);
   options->scene.add_to(*command);
   options->device.add_to(*command);

@@ -63,16 +63,27 @@ gpu::uint integrator_id(Integrator::Type type) {
       return gpu::kIntegratorDepth;
     case Integrator::Type::distance:
       return gpu::kIntegratorDistance;
+    case Integrator::Type::aov:
+      return gpu::kIntegratorAov;
   }
   throw std::logic_error("an integrator without a kernel");
 }
+
+static_assert(static_cast<gpu::uint>(Aov::hit) == gpu::kAovHit);
+static_assert(static_cast<gpu::uint>(Aov::material) == gpu::kAovLastAtHit);
+static_assert(static_cast<gpu::uint>(Aov::albedo) == gpu::kAovAlbedo);
+static_assert(static_cast<gpu::uint>(Integrator::LightPart::direct) == gpu::kLightPartDirect);
+static_assert(static_cast<gpu::uint>(Integrator::LightPart::indirect) == gpu::kLightPartIndirect);
 
 void set_integrator(const SceneFacts& scene, const Integrator& integrator, CompiledView& out) {
   const Normalization& n = scene.normalization;
   gpu::Frame& f = out.frame;
   out.integrator = integrator_id(integrator.type);
   const bool path = integrator.type == Integrator::Type::path, whitted = integrator.type == Integrator::Type::whitted;
-  f.max_depth = path ? integrator.max_depth : Integrator::kUnlimitedDepth;
+  const bool aov = integrator.type == Integrator::Type::aov;
+  f.max_depth = path ? integrator.max_depth : aov ? gpu::kMaxAovSegments : Integrator::kUnlimitedDepth;
+  f.aov = static_cast<gpu::uint>(integrator.aov);
+  out.light_part = static_cast<gpu::uint>(integrator.light_part);
   // Whitted's paths may end behind every mirror, those of direct nowhere.
   f.rr_depth = path && integrator.rr_depth > 0 ? integrator.rr_depth : whitted ? 1 : gpu::kNone;
   if (integrator.type != Integrator::Type::distance) f.ray_length = static_cast<float>(integrator.length * n.scale);
@@ -176,6 +187,7 @@ CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32
   f.distant_threshold = scene.environment.distant_threshold;
   f.delta_light_limit = static_cast<float>(delta_light_limit(scene.radiance_exponent));
   f.distance_scale = static_cast<float>(n.scale);
+  f.scene_center = glm::vec3(n.center);
   f.width = camera.width;
   f.height = camera.height;
   f.tiles_x = (camera.width + gpu::kTileSize - 1) / gpu::kTileSize;

@@ -31,6 +31,7 @@ struct CompiledView {
   std::uint32_t camera = gpu::kCameraPinhole;       ///< kCamera*
   bool window = false;                              ///< see kConstantCameraWindow
   std::uint32_t integrator = gpu::kIntegratorPath;  ///< kIntegrator*
+  std::uint32_t light_part = gpu::kLightPartAll;    ///< kLightPart*
   std::vector<float> filter_knots;                  ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
 };
 

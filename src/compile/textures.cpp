@@ -88,6 +88,7 @@ class TextureCompiler {
       const bool plain = material.adapter || std::holds_alternative<DiffuseBsdf>(material.bsdf);
       if (!plain && is_textured(material)) out_.features |= gpu::kTexturesRich;
     });
+    if (std::ranges::find(scene_.aovs, Aov::uv) != scene_.aovs.end()) add_coordinates(instance, needs);
     const AreaEmitter* emitter = scene_.emitter_of(instance);
     if (emitter == nullptr) return;
     each_parameter(*emitter, add);
@@ -119,6 +120,16 @@ class TextureCompiler {
     out_.features |= gpu::kTexturesTangents | feature_of(scene_.shape_of(instance));
     const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
     if (mesh != nullptr && !mesh->uv_sets.empty()) needs.sets = std::max(needs.sets, 1u);
+  }
+
+  /// What the AOV of texture coordinates shows, textured or not.
+  void add_coordinates(const Instance& instance, Needs& needs) {
+    const Shape& shape = scene_.shape_of(instance);
+    const auto* mesh = std::get_if<TriangleMesh>(&shape);
+    if (mesh != nullptr && mesh->uv_sets.empty()) return;
+    textured_ = needs.any = true;
+    out_.features |= mesh != nullptr ? gpu::kTexturesMesh : feature_of(shape);
+    if (mesh != nullptr) needs.sets = std::max(needs.sets, 1u);
   }
 
   gpu::TextureRecord flatten(const Texture& texture) {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <chrono>
 #include <cstring>
+#include <list>
 
 #include <fmt/core.h>
 
@@ -161,7 +162,14 @@ class GpuRenderer final : public Renderer {
                 std::uint32_t sample_end);
   void run_groups(const Work& work, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples);
   gpu::ReportHead take_report();
-  void prepare_sizer();
+  // A kernel for certain constants, and how fast it is. AOVs take turns with the picture, so some are kept.
+  struct RenderKernel {
+    std::vector<vulkan::Specialization> constants;
+    PassSizer sizer;
+    vulkan::Kernel kernel{};
+    bool dispatched = false;
+  };
+  RenderKernel& present_kernel();
 
   GpuOptions options_;
   std::shared_ptr<const DeviceScene> scene_;
@@ -169,15 +177,14 @@ class GpuRenderer final : public Renderer {
   DeviceView view_;
   vulkan::Buffer report_, unused_;
   std::vector<vulkan::Specialization> constants_;
-  vulkan::Kernel render_kernel_, path_kernel_;  // made when first needed
-  std::unique_ptr<SampleTracer> tracer_;        // likewise
-  std::optional<DeviceFilm> film_;              // of the last render
-  std::vector<vulkan::BindingSet> film_sets_;   // of its bands
-  std::uint32_t set_bits_ = 0;                  // of the sampler; what this class calls samples are sets of paths
+  std::list<RenderKernel> render_kernels_;  // the last ones; made when first needed, like the next two
+  vulkan::Kernel path_kernel_;
+  std::unique_ptr<SampleTracer> tracer_;
+  std::optional<DeviceFilm> film_;             // of the last render
+  std::vector<vulkan::BindingSet> film_sets_;  // of its bands
+  std::uint32_t set_bits_ = 0;                 // of the sampler; what this class calls samples are sets of paths
   gpu::Frame frame_{};
   std::uint32_t step_budget_ = 0;
-  bool first_dispatch_done_ = false;  // of the present render kernel
-  std::unique_ptr<PassSizer> sizer_;
   std::vector<RejectedSample> rejected_;
   GpuTimings timings_;
 };
@@ -233,10 +240,8 @@ void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
     constants.insert(constants.end(), more.begin(), more.end());
   if (constants == constants_) return;
   constants_ = std::move(constants);
-  render_kernel_ = {};
   path_kernel_ = {};
   tracer_.reset();
-  first_dispatch_done_ = false;
 }
 
 std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view, const RenderSettings& settings,
@@ -250,13 +255,17 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
   const std::uint32_t steps = !scene_->has_tree() ? 1 : shadow_rays ? kStepsNee : kStepsNaive;
   const std::uint32_t tree_depth = samples_lights(view.integrator) ? scene_->light_tree_depth() : 0;
   const LoopRounds& rounds = scene_->loop_rounds();
+  const bool light = gathers_light(view.integrator);
+  const bool follows_light = light || view.integrator.type == Integrator::Type::aov;
   return {{gpu::kConstantFilterKind, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
           {gpu::kConstantCamera, compiled.camera},
           {gpu::kConstantCameraWindow, compiled.window ? 1u : 0u},
           {gpu::kConstantIntegrator, compiled.integrator},
           {gpu::kConstantNee, nee ? 1u : 0u},
           {gpu::kConstantMis, weighs_strategies(view.integrator) ? 1u : 0u},
-          {gpu::kConstantHideEmitters, gathers_light(view.integrator) && view.integrator.hide_emitters ? 1u : 0u},
+          {gpu::kConstantHideEmitters, follows_light && view.integrator.hide_emitters ? 1u : 0u},
+          {gpu::kConstantHideBackground, follows_light && view.integrator.hide_background ? 1u : 0u},
+          {gpu::kConstantLightPart, light ? compiled.light_part : gpu::kLightPartAll},
           {gpu::kConstantCountPasses, counts_passes(view.integrator) ? 1u : 0u},
           {gpu::kConstantLuminance, settings.quantity == FilmQuantity::luminance ? 1u : 0u},
           {gpu::kConstantStepsPerTurn, steps},
@@ -306,14 +315,15 @@ void GpuRenderer::run_groups(const Work& work, gpu::Pass pass, std::uint32_t gro
   for (;;) {
     const double seconds = dispatch(work, pass, groups);
     const gpu::ReportHead head = take_report();
-    if (first_dispatch_done_) {
+    RenderKernel& kernel = present_kernel();
+    if (kernel.dispatched) {
       ++timings_.dispatches;
       timings_.longest = std::max(timings_.longest, seconds);
       timings_.render += seconds;
-      sizer_->measured(static_cast<double>(samples) * groups * gpu::kWorkgroupSize, seconds);
+      kernel.sizer.measured(static_cast<double>(samples) * groups * gpu::kWorkgroupSize, seconds);
     } else {
       timings_.pipeline += seconds;  // dominated by the driver's lazy compilation
-      first_dispatch_done_ = true;
+      kernel.dispatched = true;
     }
     if (head.unfinished == 0) return;
     if (head.stuck > 0) {
@@ -335,18 +345,22 @@ void GpuRenderer::run_pass(const Work& work, const FilmBand& band, const SlotLay
   pass.lanes_per_pixel = slots.layers;
   pass.packed_pixels = slots.packed() ? slots.pixels() : 0;
   for (std::uint32_t done = 0; done < band.group_count();) {
-    const std::uint32_t groups =
-        std::min({sizer_->groups(band.group_count() - done, samples), context().limits().maxComputeWorkGroupCount[0]});
+    const std::uint32_t groups = std::min({present_kernel().sizer.groups(band.group_count() - done, samples),
+                                           context().limits().maxComputeWorkGroupCount[0]});
     pass.first_group = band.first_group() + done;
     run_groups(work, pass, groups, samples);
     done += groups;
   }
 }
 
-void GpuRenderer::prepare_sizer() {
-  if (sizer_) return;
-  sizer_ = std::make_unique<PassSizer>(context().is_cpu() ? kCpuPassSeconds : options_.pass_seconds,
-                                       options_.fixed_samples, options_.fixed_groups);
+GpuRenderer::RenderKernel& GpuRenderer::present_kernel() {
+  constexpr std::size_t kKept = 4;  // of the picture, of what is seen where rays arrive, of direct and indirect light
+  const auto found = std::ranges::find(render_kernels_, constants_, &RenderKernel::constants);
+  if (found != render_kernels_.end()) return *found;
+  if (render_kernels_.size() == kKept) render_kernels_.pop_front();
+  const PassSizer sizer(context().is_cpu() ? kCpuPassSeconds : options_.pass_seconds, options_.fixed_samples,
+                        options_.fixed_groups);
+  return render_kernels_.emplace_back(RenderKernel{.constants = constants_, .sizer = sizer});
 }
 
 // A slot's counts become its pixel's.
@@ -374,7 +388,6 @@ RenderProfile GpuRenderer::profile(std::uint32_t samples) {
   const bool ballots = context().info().subgroup_ballot;
   const vulkan::Kernel kernel =
       make_kernel(layout, ballots ? kernels_.profile_subgroups : kernels_.profile, "render_profile");
-  prepare_sizer();
   const SlotLayout slots(frame_.width, frame_.height, samples, 1);  // one slot a pixel
   RenderProfile out{.width = frame_.width, .height = frame_.height, .samples = samples << set_bits_};
   out.visits.resize(slots.pixels());
@@ -407,10 +420,10 @@ RenderProfile GpuRenderer::profile(std::uint32_t samples) {
 std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress& progress,
                                   std::vector<RejectedSample>& rejected) {
   check_film(film);
-  if (!render_kernel_.get())
-    render_kernel_ =
+  RenderKernel& present = present_kernel();
+  if (!present.kernel.get())
+    present.kernel =
         make_kernel(scene_->film_kernels(), is_plain(constants_) ? kernels_.render_plain : kernels_.render, "render");
-  prepare_sizer();
   rejected_.clear();
   const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context()));
   prepare_film(slots, range);
@@ -421,10 +434,10 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
     const std::uint64_t left = range.end - done;
     const std::uint64_t left_a_slot = (left + slots.layers - 1) / slots.layers;
     const auto samples = static_cast<std::uint32_t>(
-        std::min<std::uint64_t>(sizer_->samples(slots.groups() * gpu::kWorkgroupSize), left_a_slot));
+        std::min<std::uint64_t>(present.sizer.samples(slots.groups() * gpu::kWorkgroupSize), left_a_slot));
     const std::uint32_t end = done + static_cast<std::uint32_t>(std::min(std::uint64_t{samples} * slots.layers, left));
     for (std::size_t i = 0; i < film_sets_.size(); ++i)
-      run_pass({scene_->film_kernels(), render_kernel_, film_sets_[i]}, film_->bands()[i], slots, samples, end);
+      run_pass({scene_->film_kernels(), present.kernel, film_sets_[i]}, film_->bands()[i], slots, samples, end);
     ++timings_.passes;
     done = end;
     if (progress) go_on = progress((done - range.begin) * pixels, range.count() * pixels);

@@ -60,6 +60,8 @@ constexpr PlainConstant kPlain[] = {
     {gpu::kConstantIntegrator, gpu::kIntegratorPath},
     {gpu::kConstantHideEmitters, 0},
     {gpu::kConstantInwardSpheres, 0},
+    {gpu::kConstantHideBackground, 0},
+    {gpu::kConstantLightPart, gpu::kLightPartAll},
     {gpu::kConstantHasDisks, 0},
     {gpu::kConstantHasCylinders, 0},
     {gpu::kConstantFewDisks, 0},
@@ -69,7 +71,7 @@ constexpr PlainConstant kPlain[] = {
     {gpu::kConstantAdapterDepth, 0},
     {gpu::kConstantBsdfsUsed, 1u << gpu::kBsdfDiffuse | 1u << gpu::kBsdfMirror | 1u << gpu::kBsdfDielectric},
 };
-static_assert(gpu::kCameraPinhole == 0 && gpu::kIntegratorPath == 0);
+static_assert(gpu::kCameraPinhole == 0 && gpu::kIntegratorPath == 0 && gpu::kLightPartAll == 0);
 
 bool asks_nothing(const vulkan::Specialization& c) {
   if (c.id == gpu::kConstantEnvironment) return c.value != gpu::kEnvironmentPicture;

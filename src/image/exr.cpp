@@ -76,6 +76,7 @@ void write_exr(const std::string& path, const Image& image) {
   Imf::FrameBuffer buffer;
   add_color_slices(buffer, kColor, image.pixels, header.dataWindow());
   add_statistics(buffer, image, header.dataWindow());
+  add_channels(buffer, image.channels, header.dataWindow());
   write_file_atomically(path, encode_exr(header, buffer, path));
 }
 

@@ -235,7 +235,9 @@ Metadata exr_metadata(const Imf::Header& header) {
   Metadata metadata;
   for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
     if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute())) {
-      if (attribute.name() != std::string(kChecksumAttribute)) metadata[metadata_key(attribute.name())] = text->value();
+      const std::string_view name = attribute.name();
+      if (name != kChecksumAttribute && name != kAovsAttribute)
+        metadata[metadata_key(attribute.name())] = text->value();
     }
   }
   return metadata;
@@ -245,6 +247,16 @@ void add_slice(Imf::FrameBuffer& buffer, const std::string& name, Imf::PixelType
                std::size_t stride, const Imath::Box2i& window) {
   const std::size_t width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
   buffer.insert(name, Imf::Slice::Make(type, base, window, stride, stride * width));
+}
+
+void add_channels(Imf::FrameBuffer& buffer, const std::vector<ImageChannel>& channels, const Imath::Box2i& window) {
+  for (const ImageChannel& channel : channels) {
+    if (channel.numbers.empty()) {
+      add_slice(buffer, channel.name, Imf::FLOAT, channel.values.data(), sizeof(float), window);
+    } else {
+      add_slice(buffer, channel.name, Imf::UINT, channel.numbers.data(), sizeof(std::uint32_t), window);
+    }
+  }
 }
 
 std::vector<std::byte> encode_exr(Imf::Header header, const Imf::FrameBuffer& buffer, const std::string& path) {

@@ -19,6 +19,8 @@ namespace etendue {
 
 /// Text attribute that only film files have; never part of the metadata.
 inline constexpr const char* kChecksumAttribute = "filmChecksum";
+/// "depth:7 normal:0": text attribute of film files with AOVs, their films' exponents; never part of the metadata.
+inline constexpr const char* kAovsAttribute = "filmAovs";
 /// Integer attribute that only film files have: the version of their layout.
 inline constexpr const char* kFormatAttribute = "filmFormat";
 
@@ -83,6 +85,9 @@ Metadata exr_metadata(const Imf::Header& header);
 /// Channel `name` of the whole data window, from or to `base`: rows without gaps, `stride` bytes from pixel to pixel.
 void add_slice(Imf::FrameBuffer& buffer, const std::string& name, Imf::PixelType type, const void* base,
                std::size_t stride, const Imath::Box2i& window);
+
+/// Channels beside the colour. `channels` must outlive the buffer.
+void add_channels(Imf::FrameBuffer& buffer, const std::vector<ImageChannel>& channels, const Imath::Box2i& window);
 
 /// Encodes the channels of `buffer`; throws Error(file) naming the path.
 std::vector<std::byte> encode_exr(Imf::Header header, const Imf::FrameBuffer& buffer, const std::string& path);

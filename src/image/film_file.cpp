@@ -3,6 +3,7 @@
 #include "image/film_file.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <map>
 #include <new>
@@ -24,9 +25,11 @@
 namespace etendue {
 namespace {
 
-constexpr int kFilmFormat = 1;
+// Films without AOVs are of the first format.
+constexpr int kFilmFormat = 1, kFilmFormatWithAovs = 2;
 constexpr const char* kExponentAttribute = "filmExponent";
 constexpr std::size_t kChecksumDigits = 32;
+constexpr const char* kSampleCount = "SampleCount";
 constexpr std::array<char, 3> kColors = {'R', 'G', 'B'};
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
@@ -39,19 +42,21 @@ struct Limb {
   std::size_t offset = 0;  ///< bytes from the start of FilmPixel
 };
 
-std::vector<Limb> limbs() {
+/// Those of the picture's film, or of an AOV's: "Aov.depth.Sum.R.0".
+std::vector<Limb> limbs(const char* aov = nullptr) {
+  const std::string prefix = aov != nullptr ? fmt::format("Aov.{}.", aov) : "";
   std::vector<Limb> all;
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t k = 0; k < 4; ++k) {
-      all.push_back({fmt::format("Sum.{}.{}", kColors[c], k), offsetof(FilmPixel, sum) + 16 * c + 4 * k});
+      all.push_back({fmt::format("{}Sum.{}.{}", prefix, kColors[c], k), offsetof(FilmPixel, sum) + 16 * c + 4 * k});
     }
     for (std::size_t k = 0; k < 6; ++k) {
-      all.push_back(
-          {fmt::format("SumSquares.{}.{}", kColors[c], k), offsetof(FilmPixel, sum_squares) + 24 * c + 4 * k});
+      all.push_back({fmt::format("{}SumSquares.{}.{}", prefix, kColors[c], k),
+                     offsetof(FilmPixel, sum_squares) + 24 * c + 4 * k});
     }
   }
-  all.push_back({"SampleCount", offsetof(FilmPixel, count)});
-  all.push_back({"Rejected", offsetof(FilmPixel, rejected)});
+  all.push_back({prefix + kSampleCount, offsetof(FilmPixel, count)});
+  all.push_back({prefix + "Rejected", offsetof(FilmPixel, rejected)});
   return all;
 }
 
@@ -70,6 +75,23 @@ const void* limb_base(const Film& film, const Limb& limb) {
   return reinterpret_cast<const std::byte*>(film.pixels().data()) + limb.offset;
 }
 
+/// Channels of sums; those without a bit set are not stored, but for the counts.
+void add_sums(Imf::FrameBuffer& buffer, const Film& film, const char* aov, const Imath::Box2i& window) {
+  const auto used = used_bits(film);
+  for (const Limb& limb : limbs(aov)) {
+    if (used[limb.offset / 4] == 0 && !limb.channel.ends_with(kSampleCount)) continue;
+    add_slice(buffer, limb.channel, Imf::UINT, limb_base(film, limb), sizeof(FilmPixel), window);
+  }
+}
+
+/// Where the sums that the file has are to go.
+void add_stored_sums(Imf::FrameBuffer& buffer, const Imf::Header& header, const Film& film, const char* aov) {
+  for (const Limb& limb : limbs(aov)) {
+    if (header.channels().findChannel(limb.channel) == nullptr) continue;
+    add_slice(buffer, limb.channel, Imf::UINT, limb_base(film, limb), sizeof(FilmPixel), header.dataWindow());
+  }
+}
+
 void add_picture(Imf::FrameBuffer& buffer, const Image& image, const Imath::Box2i& window) {
   for (int c = 0; c < 3; ++c) {
     const char color = kColors[static_cast<std::size_t>(c)];
@@ -77,6 +99,7 @@ void add_picture(Imf::FrameBuffer& buffer, const Image& image, const Imath::Box2
     add_slice(buffer, fmt::format("StdErr.{}", color), Imf::FLOAT, &image.standard_error[0][c], sizeof(glm::vec3),
               window);
   }
+  add_channels(buffer, image.channels, window);
 }
 
 std::optional<ExrAttribute> find_checksum(std::span<const std::byte> bytes, const std::string& path) {
@@ -109,14 +132,52 @@ void check_counts(const FilmFile& file, const std::string& path) {
          fmt::format("its sample ranges {} are not sorted, disjoint and joined", text::quoted(to_text(file.samples))));
   }
   const std::uint64_t expected = sample_count(file.samples);
-  const auto& pixels = file.film.pixels();
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const std::uint64_t seen = std::uint64_t{pixels[i].count} + pixels[i].rejected;
-    if (seen != expected) {
-      fail(path, fmt::format("pixel ({}, {}) has {} samples, but the sample ranges {} hold {}", i % file.film.width(),
-                             i / file.film.width(), seen, text::quoted(to_text(file.samples)), expected));
+  const auto check = [&](const Film& film, std::uint64_t wanted, const std::string& what) {
+    const auto& pixels = film.pixels();
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const std::uint64_t seen = std::uint64_t{pixels[i].count} + pixels[i].rejected;
+      if (seen == wanted) continue;
+      fail(path, fmt::format("pixel ({}, {}) has {} samples{}, but the sample ranges {} hold {}", i % film.width(),
+                             i / film.width(), seen, what, text::quoted(to_text(file.samples)), wanted));
     }
+  };
+  check(file.film, expected, "");
+  for (const AovFilm& aov : file.aovs) {
+    const AovTraits& row = traits(aov.aov);
+    const bool first = row.mean == AovMean::first;
+    check(aov.film, first ? std::min<std::uint64_t>(expected, 1) : expected, fmt::format(" of {}", row.name));
   }
+}
+
+bool is_exponent(int exponent) {
+  return exponent >= -149 && exponent <= 128;  // of the smallest and the largest float32
+}
+
+std::string to_text(const std::vector<AovHeader>& aovs) {
+  std::string list;
+  for (const AovHeader& aov : aovs)
+    list += fmt::format("{}{}:{}", list.empty() ? "" : " ", traits(aov.aov).name, aov.exponent);
+  return list;
+}
+
+/// Nothing unless `list` is what to_text() makes of a complete list.
+std::optional<std::vector<AovHeader>> parse_aov_headers(const std::string& list) {
+  std::vector<AovHeader> headers;
+  std::vector<Aov> aovs;
+  for (std::size_t start = 0; start < list.size();) {
+    const std::size_t end = std::min(list.find(' ', start), list.size());
+    const std::size_t colon = std::min(list.find(':', start), end);
+    const std::optional<Aov> aov = aov_named(list.substr(start, colon - start));
+    AovHeader header{aov.value_or(Aov::hit), 0};
+    const char *number = list.data() + std::min(colon + 1, end), *number_end = list.data() + end;
+    const auto [last, error] = std::from_chars(number, number_end, header.exponent);
+    if (!aov || error != std::errc() || last != number_end || !is_exponent(header.exponent)) return {};
+    headers.push_back(header);
+    aovs.push_back(*aov);
+    start = end + 1;
+  }
+  if (headers.empty() || aovs != complete(aovs) || to_text(headers) != list) return {};
+  return headers;
 }
 
 int film_integer(const Imf::Header& header, const char* name, const std::string& path) {
@@ -127,16 +188,24 @@ int film_integer(const Imf::Header& header, const char* name, const std::string&
 
 FilmHeader film_header(const Imf::Header& header, const std::string& path) {
   const int format = film_integer(header, kFormatAttribute, path);
-  if (format != kFilmFormat) {
-    fail(path, fmt::format("holds a film of format {}; this program reads format {}", format, kFilmFormat));
+  if (format != kFilmFormat && format != kFilmFormatWithAovs) {
+    fail(path, fmt::format("holds a film of format {}; this program reads the formats {} and {}", format, kFilmFormat,
+                           kFilmFormatWithAovs));
   }
   FilmHeader film;
   film.exponent = film_integer(header, kExponentAttribute, path);
-  // Exponents of the smallest and the largest float32.
-  if (film.exponent < -149 || film.exponent > 128) {
+  if (!is_exponent(film.exponent)) {
     fail(path, fmt::format("has the film exponent {}; -149 to 128 are possible", film.exponent));
   }
   film.metadata = exr_metadata(header);
+  if (format == kFilmFormatWithAovs) {
+    const auto* list = header.findTypedAttribute<Imf::StringAttribute>(kAovsAttribute);
+    const auto aovs = list != nullptr ? parse_aov_headers(list->value()) : std::nullopt;
+    if (!aovs)
+      fail(path, fmt::format("has {} as its list of AOVs; expected one like \"depth:7 normal:0\"",
+                             list != nullptr ? text::quoted(list->value()) : "nothing"));
+    film.aovs = *aovs;
+  }
   const auto samples = film.metadata.find("samples");
   if (samples == film.metadata.end()) fail(path, "holds no film: its header has no text \"samples\"");
   const std::optional<SampleRanges> ranges = parse_sample_ranges(samples->second);
@@ -152,9 +221,14 @@ FilmHeader film_header(const Imf::Header& header, const std::string& path) {
 }
 
 /// Throws unless the channels are the picture's and a selection of the limbs, all at full resolution.
-void check_channels(const Imf::ChannelList& channels, const std::string& path) {
+void check_channels(const Imf::ChannelList& channels, const std::vector<AovHeader>& aovs, const std::string& path) {
   std::map<std::string, Imf::PixelType> known;
   for (const Limb& limb : limbs()) known[limb.channel] = Imf::UINT;
+  for (const AovHeader& aov : aovs) {
+    for (const Limb& limb : limbs(traits(aov.aov).name)) known[limb.channel] = Imf::UINT;
+    for (const std::string& name : channel_names(aov.aov))
+      known[name] = traits(aov.aov).mean == AovMean::first ? Imf::UINT : Imf::FLOAT;
+  }
   for (const char color : kColors) {
     known[std::string(1, color)] = known[fmt::format("StdErr.{}", color)] = Imf::FLOAT;
     if (channels.findChannel(std::string(1, color)) == nullptr ||
@@ -172,26 +246,26 @@ void check_channels(const Imf::ChannelList& channels, const std::string& path) {
   }
 }
 
-std::vector<std::byte> encode_film(const Film& film, const Metadata& metadata, const std::string& path) {
+std::vector<std::byte> encode_film(const FilmFile& file, const std::string& path) {
+  const Film& film = file.film;
+  const Metadata metadata = film_metadata(file);
   Imf::Header header = make_exr_header(film.width(), film.height(), metadata, path);
-  for (const char* name : {kFormatAttribute, kExponentAttribute, kChecksumAttribute}) {
+  for (const char* name : {kFormatAttribute, kExponentAttribute, kChecksumAttribute, kAovsAttribute}) {
     if (metadata.contains(name)) fail(path, fmt::format("{} cannot be metadata of a film", text::quoted(name)));
   }
-  header.insert(kFormatAttribute, Imf::IntAttribute(kFilmFormat));
+  header.insert(kFormatAttribute, Imf::IntAttribute(file.aovs.empty() ? kFilmFormat : kFilmFormatWithAovs));
+  if (!file.aovs.empty()) header.insert(kAovsAttribute, Imf::StringAttribute(to_text(header_of(file).aovs)));
   header.insert(kExponentAttribute, Imf::IntAttribute(film.exponent()));
   header.insert(kChecksumAttribute, Imf::StringAttribute(std::string(kChecksumDigits, '0')));
   // The limbs are mostly noise or zero: deflate saves 8 % more but takes two to three times as long, and checkpoints
   // are frequent.
   header.compression() = Imf::RLE_COMPRESSION;
 
-  const Image image = image_from_film(film, {});
+  const Image image = image_from_film(file);
   Imf::FrameBuffer buffer;
   add_picture(buffer, image, header.dataWindow());
-  const auto used = used_bits(film);
-  for (const Limb& limb : limbs()) {
-    if (used[limb.offset / 4] == 0 && limb.channel != "SampleCount") continue;
-    add_slice(buffer, limb.channel, Imf::UINT, limb_base(film, limb), sizeof(FilmPixel), header.dataWindow());
-  }
+  add_sums(buffer, film, nullptr, header.dataWindow());
+  for (const AovFilm& aov : file.aovs) add_sums(buffer, aov.film, traits(aov.aov).name, header.dataWindow());
   std::vector<std::byte> bytes = encode_exr(header, buffer, path);
   const std::optional<ExrAttribute> attribute = find_checksum(bytes, path);
   if (!attribute) fail(path, "cannot be encoded: the checksum has no place in the header");
@@ -203,7 +277,15 @@ std::vector<std::byte> encode_film(const Film& film, const Metadata& metadata, c
 }  // namespace
 
 FilmHeader header_of(const FilmFile& file) {
-  return {file.film.width(), file.film.height(), file.film.exponent(), file.samples, file.metadata};
+  FilmHeader header{file.film.width(), file.film.height(), file.film.exponent(), file.samples, file.metadata, {}};
+  for (const AovFilm& aov : file.aovs) header.aovs.push_back({aov.aov, aov.film.exponent()});
+  return header;
+}
+
+std::vector<AovFilm> empty_aovs(const FilmHeader& header) {
+  std::vector<AovFilm> aovs;
+  for (const AovHeader& aov : header.aovs) aovs.push_back({aov.aov, Film(header.width, header.height, aov.exponent)});
+  return aovs;
 }
 
 Metadata film_metadata(const FilmFile& file) {
@@ -216,7 +298,7 @@ Metadata film_metadata(const FilmFile& file) {
 void write_film(const std::string& path, const FilmFile& file) {
   if (file.film.pixels().empty()) fail(path, "cannot write a film without pixels");
   check_counts(file, path);
-  write_file_atomically(path, encode_film(file.film, film_metadata(file), path));
+  write_file_atomically(path, encode_film(file, path));
 }
 
 FilmHeader read_film_header(const std::string& path) {
@@ -251,16 +333,14 @@ FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, 
   if (verify) verify_checksum(bytes, checksum, path);
   const Imf::Header header = read_exr_header(bytes, path);
   FilmHeader described = film_header(header, path);
-  check_channels(header.channels(), path);
+  check_channels(header.channels(), described.aovs, path);
   check_exr_size(header, bytes.size(), path);
 
   FilmFile file{Film(described.width, described.height, described.exponent), std::move(described.metadata),
-                std::move(described.samples)};
+                std::move(described.samples), empty_aovs(described)};
   Imf::FrameBuffer buffer;
-  for (const Limb& limb : limbs()) {
-    if (header.channels().findChannel(limb.channel) == nullptr) continue;
-    add_slice(buffer, limb.channel, Imf::UINT, limb_base(file.film, limb), sizeof(FilmPixel), header.dataWindow());
-  }
+  add_stored_sums(buffer, header, file.film, nullptr);
+  for (const AovFilm& aov : file.aovs) add_stored_sums(buffer, header, aov.film, traits(aov.aov).name);
   decode_exr(bytes, buffer, path);
   check_counts(file, path);
   return file;

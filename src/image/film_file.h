@@ -15,6 +15,7 @@ struct FilmHeader {
   int exponent = 0;
   SampleRanges samples;
   Metadata metadata;
+  std::vector<AovHeader> aovs;
   bool operator==(const FilmHeader&) const = default;
 };
 
@@ -22,6 +23,9 @@ struct FilmHeader {
 /// Error(file).
 FilmHeader read_film_header(const std::string& path);
 FilmHeader header_of(const FilmFile& file);
+
+/// Films of these sizes and exponents, without samples.
+std::vector<AovFilm> empty_aovs(const FilmHeader& header);
 
 /// The file's metadata with what follows from the film, "samples" and "rejected". write_film writes these.
 Metadata film_metadata(const FilmFile& file);

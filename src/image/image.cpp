@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "image/decode.h"
 #include "image/files.h"
+#include "image/film_file.h"
 
 namespace etendue {
 
@@ -27,6 +28,12 @@ Image image_from_film(const Film& film, Metadata metadata) {
       image.sample_count[i] = film.pixels()[i].count;
     }
   });
+  return image;
+}
+
+Image image_from_film(const FilmFile& file) {
+  Image image = image_from_film(file.film, film_metadata(file));
+  image.channels = channels_of(file.aovs);
   return image;
 }
 

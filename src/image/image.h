@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include "image/aov.h"
 #include "image/film.h"
 
 namespace etendue {
@@ -23,6 +24,7 @@ struct Image {
   std::vector<glm::vec3> pixels;            ///< size width · height
   std::vector<glm::vec3> standard_error;    ///< as long as pixels, or empty when unknown
   std::vector<std::uint32_t> sample_count;  ///< as long as pixels, or empty when unknown
+  std::vector<ImageChannel> channels;       ///< beside the colour, each as long as pixels; written, never read
   Metadata metadata;
 
   bool has_statistics() const { return !standard_error.empty() && !sample_count.empty(); }
@@ -30,16 +32,20 @@ struct Image {
 
 /// The picture a film shows.
 Image image_from_film(const Film& film, Metadata metadata);
+struct FilmFile;
+/// The same with everything that was rendered beside it.
+Image image_from_film(const FilmFile& file);
 
 /// Reads EXR (float or half R,G,B or Y; StdErr.* and SampleCount when present) or PNG (sRGB decoded to linear), by
 /// content. Throws Error(file) with the path and the reason; never returns a partly read image, nor the picture
 /// of a film file that does not match its checksum.
 Image read_image(const std::string& path);
 
-/// Float32 EXR with R G B, StdErr.R/G/B and SampleCount (when known) and the metadata as string attributes. Written
-/// beside the target, fsynced and renamed: the target appears whole or stays as it was. Throws Error(file).
+/// Float32 EXR with R G B, StdErr.R/G/B and SampleCount (when known), the other channels and the metadata as string
+/// attributes. Written beside the target, fsynced and renamed: the target appears whole or stays as it was. Throws
+/// Error(file).
 void write_exr(const std::string& path, const Image& image);
-/// 8-bit sRGB PNG, clamped to [0,1]. Atomic like write_exr.
+/// 8-bit sRGB PNG, clamped to [0,1]; transparent by the channel A where there is one. Atomic like write_exr.
 void write_png(const std::string& path, const Image& image);
 
 /// A film with everything needed to go on with it: shards and checkpoints are this file. It is an EXR that any viewer
@@ -49,7 +55,8 @@ struct FilmFile {
   Film film;
   Metadata metadata;
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
-      samples;  ///< disjoint, sorted, half-open ranges of sample indices inside
+      samples;                ///< disjoint, sorted, half-open ranges of sample indices inside
+  std::vector<AovFilm> aovs;  ///< beside the picture, in the order of Aov
 };
 void write_film(const std::string& path, const FilmFile& file);
 /// Throws Error(file) that says what is wrong: no film in it, truncated, checksum, impossible size, other

@@ -44,6 +44,12 @@ std::string value_of(const Metadata& metadata, const std::string& key) {
                                            b_name, a_name, what, b_value, a_value));
 }
 
+std::string aov_names(const FilmHeader& header) {
+  std::string list;
+  for (const AovHeader& aov : header.aovs) list += fmt::format("{}{}", list.empty() ? "" : ",", traits(aov.aov).name);
+  return list.empty() ? "none" : list;
+}
+
 /// One value of a listed key and the samples it stands for.
 using Listed = std::map<std::string, SampleRanges>;
 
@@ -172,6 +178,7 @@ void check_same_render(const FilmHeader& a, const std::string& a_name, const Fil
   if (a.exponent != b.exponent) {
     refuse(a_name, b_name, "film exponents", std::to_string(a.exponent), std::to_string(b.exponent));
   }
+  if (a.aovs != b.aovs) refuse(a_name, b_name, "AOVs (--aov)", aov_names(a), aov_names(b));
 }
 
 bool same_samples(const Metadata& a, const Metadata& b) {
@@ -199,12 +206,16 @@ FilmFile merge_films(const std::vector<std::string>& paths) {
   result.metadata = merge_metadata(shards);
   const FilmHeader& first = shards.front().header;
   result.film = Film(first.width, first.height, first.exponent);
+  result.aovs = empty_aovs(first);
+  std::uint32_t lowest = lowest_sample({});
   for (const Shard& shard : shards) {
     const FilmFile file = read_film(shard.path);
     if (header_of(file) != shard.header) {
       throw Error(ErrorKind::file, fmt::format("{}: was changed while it was being merged; start again", shard.path));
     }
     result.film.merge(file.film);
+    merge_aovs(result.aovs, lowest, file.aovs, lowest_sample(file.samples));
+    lowest = std::min(lowest, lowest_sample(file.samples));
   }
   result.metadata = film_metadata(result);
   return result;

@@ -78,13 +78,13 @@ bool is_png_keyword(const std::string& key) {
 }
 
 /// Returns false when libpng gave up; state.message says why.
-bool encode(png_structp png, png_infop info, PngState& state, std::uint32_t width, std::uint32_t height,
-            png_bytepp rows, png_textp texts, int text_count) {
+bool encode(png_structp png, png_infop info, PngState& state, const Image& image, png_bytepp rows, bool alpha,
+            png_textp texts, int text_count) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_write_fn(png, &state, write_png_bytes, flush_png);
   png_set_user_limits(png, kMaxImageSide, kMaxImageSide);
-  png_set_IHDR(png, info, width, height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, image.width, image.height, 8, alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
   if (text_count > 0) png_set_text(png, info, texts, text_count);
   png_write_info(png, info);
@@ -274,6 +274,12 @@ void check_png_size(png_structp png, png_infop info, std::size_t file_size, cons
   }
 }
 
+/// The channel A, or null.
+const std::vector<float>* alpha_of(const Image& image) {
+  const auto found = std::ranges::find(image.channels, "A", &ImageChannel::name);
+  return found != image.channels.end() ? &found->values : nullptr;
+}
+
 }  // namespace
 
 void write_png(const std::string& path, const Image& image) {
@@ -282,10 +288,16 @@ void write_png(const std::string& path, const Image& image) {
     throw Error(ErrorKind::file, fmt::format("{}: cannot write an image of {}x{} pixels that holds {}", path,
                                              image.width, image.height, image.pixels.size()));
   }
-  std::vector<png_byte> encoded(3 * count);
+  const std::vector<float>* alpha = alpha_of(image);
+  const std::size_t stride = alpha != nullptr ? 4 : 3;
+  std::vector<png_byte> encoded(stride * count);
   parallel_for(count, 8192, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
-      for (int c = 0; c < 3; ++c) encoded[3 * i + c] = encode_srgb(image.pixels[i][c]);
+      // Colours of a PNG are not multiplied by alpha, those of renders are.
+      const float a = alpha != nullptr ? (*alpha)[i] : 1.0f;
+      const glm::vec3 color = a > 0.0f ? image.pixels[i] / a : glm::vec3(0.0f);
+      for (int c = 0; c < 3; ++c) encoded[stride * i + c] = encode_srgb(color[c]);
+      if (alpha != nullptr) encoded[stride * i + 3] = static_cast<png_byte>(std::lround(255.0f * a));
     }
   });
   std::vector<png_bytep> rows = row_pointers(encoded, image.height);
@@ -302,8 +314,8 @@ void write_png(const std::string& path, const Image& image) {
   PngState state;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, on_png_error, on_png_warning);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
-  const bool encodable = info != nullptr && encode(png, info, state, image.width, image.height, rows.data(),
-                                                   texts.data(), static_cast<int>(texts.size()));
+  const bool encodable = info != nullptr && encode(png, info, state, image, rows.data(), alpha != nullptr, texts.data(),
+                                                   static_cast<int>(texts.size()));
   png_destroy_write_struct(&png, &info);
   if (!encodable)
     throw Error(ErrorKind::file, fmt::format("{}: cannot be encoded as PNG: {}", path, state.message.data()));

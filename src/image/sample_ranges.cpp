@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -58,6 +59,10 @@ std::uint64_t sample_count(const SampleRanges& ranges) {
   std::uint64_t count = 0;
   for (const auto& [begin, end] : ranges) count += end - begin;
   return count;
+}
+
+std::uint32_t lowest_sample(const SampleRanges& ranges) {
+  return ranges.empty() ? std::numeric_limits<std::uint32_t>::max() : ranges.front().first;
 }
 
 }  // namespace etendue

@@ -23,5 +23,7 @@ bool is_canonical(const SampleRanges& ranges);
 SampleRanges canonical(SampleRanges ranges);
 /// How many indices the ranges hold.
 std::uint64_t sample_count(const SampleRanges& ranges);
+/// The least index; 2^32 - 1, which is none, where there are no samples.
+std::uint32_t lowest_sample(const SampleRanges& ranges);
 
 }  // namespace etendue

@@ -9,7 +9,8 @@ FilmFile render(const SharedScene& shared, const RenderRequest& request) {
   require_invariants(scene);
   const std::uint32_t paths = request.samples > 0 ? request.samples : scene.sampler.sample_count;
   const SampleRange wanted = whole_sets(paths, scene.sampler);
-  RenderJob job(film_identity(scene, request.seed), {{wanted.begin, wanted.end}});
+  const FilmHeader identity = film_identity(scene, request.seed);
+  RenderJob job(identity, {{wanted.begin, wanted.end}});
   if (request.start) job.resume(*request.start, "the film to go on from");
   Checkpoint checkpoint(request.checkpoint, job);
 
@@ -17,7 +18,7 @@ FilmFile render(const SharedScene& shared, const RenderRequest& request) {
   for (const RendererFactory& factory : renderer_factories(request.devices))
     open.push_back(
         [factory, shared, settings = RenderSettings{.seed = request.seed}] { return factory(shared, settings); });
-  DeviceTeam team(std::move(open));
+  DeviceTeam team(std::move(open), aov_plan(scene, request.seed, identity));
   SessionOptions options = request.session;
   options.set_size = scene.sampler.set_size();
   Session(job, checkpoint, options, request.hooks).run(team);

@@ -52,4 +52,10 @@ Vec3 direct_radiance(const World& world, const Ray& camera_ray, const SampleRand
 /// docs/conventions.md, "Integrators".
 Vec3 first_hit_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
 
+/// What a camera ray says of one AOV: docs/conventions.md, "AOVs".
+Vec3 aov_value(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
+
+/// What a sample of an AOV counts for, `weight` being that of a sample of the picture.
+double aov_weight(const Scene& scene, double weight, std::uint32_t sample);
+
 }  // namespace etendue::reference

@@ -58,6 +58,7 @@ Vec3 shade(const World& world, const Surface& surface, const Ray& ray, const Sam
     case Integrator::Type::path:
     case Integrator::Type::direct:
     case Integrator::Type::whitted:
+    case Integrator::Type::aov:
       break;
   }
   return Vec3(0.0);

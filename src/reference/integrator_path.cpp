@@ -2,9 +2,10 @@
 #include <cmath>
 
 #include "reference/adapters.h"
-#include "reference/frame.h"
 #include "reference/integrator.h"
+#include "reference/scatterer.h"
 #include "reference/texture.h"
+#include "reference/walk.h"
 
 namespace etendue::reference {
 namespace {
@@ -14,63 +15,6 @@ double power_heuristic(double own, double other) {
   const double ratio = other / own;
   return 1.0 / (1.0 + ratio * ratio);
 }
-
-/// A material at a point of the surface, in world space. The shading normal alone decides which side a direction is on.
-class Scatterer {
- public:
-  Scatterer(Bsdf bsdf, const ChosenMaterial& chosen, const Vec3& wo)
-      : bsdf_(std::move(bsdf)),
-        frame_(chosen.frame),
-        base_(chosen.base),
-        wo_(frame_.to_local(wo)),
-        unseen_(base_ && !agrees(wo)) {}
-
-  /// The normal by which lights are chosen; 0 where light from both sides counts.
-  Vec3 light_normal() const { return traits(bsdf_).transmissive ? Vec3(0.0) : frame_.normal(); }
-  /// Absorption, per scene unit, of what light enters in the direction `wi` that has come through `current`.
-  Vec3 absorption_toward(const Vec3& wi, const Vec3& current) const {
-    const auto* solid = std::get_if<GltfBsdf>(&bsdf_);
-    if (solid == nullptr || solid->thin || !traits(bsdf_).transmissive) return current;
-    if (glm::dot(wi, frame_.normal()) >= 0.0) return Vec3(0.0);
-    return -glm::log(solid->attenuation_color) / solid->attenuation_distance;
-  }
-  /// Nothing but delta lobes scatter.
-  bool delta() const { return reference::is_delta(bsdf_); }
-  /// Nothing scatters toward `wo`.
-  bool black() const { return unseen_ || (is_one_sided(bsdf_) && wo_.z <= 0.0); }
-
-  Vec3 eval(const Vec3& wi) const {
-    return agrees(wi) ? share(wi) * reference::eval(bsdf_, wo_, frame_.to_local(wi)) : Vec3(0.0);
-  }
-  double pdf(const Vec3& wi) const { return reference::pdf(bsdf_, wo_, frame_.to_local(wi)); }
-  /// Like that of bsdf.h, with `wi` in world space; lobe `none` unless its weight is positive somewhere.
-  BsdfSample sample(const SampleRandom::Material& random) const {
-    BsdfSample sample = reference::sample(bsdf_, wo_, random.lobe, {random.u, random.v});
-    if (sample.lobe == Lobe::none || is_zero(sample.weight)) return {};
-    sample.wi = frame_.to_world(sample.wi);
-    if (!agrees(sample.wi)) return {};
-    sample.weight *= share(sample.wi);
-    return sample;
-  }
-
- private:
-  /// A direction on one side of the normal and, where a map has turned it, of the normal before: others carry no light.
-  bool agrees(const Vec3& w) const { return !base_ || glm::dot(*base_, w) * glm::dot(frame_.normal(), w) > 0.0; }
-
-  /// What microfacets as steep as the turned normal leave of light from `w` [Conty2019].
-  double share(const Vec3& w) const {
-    if (!base_) return 1.0;
-    const auto tan2 = [](double cosine) { return std::max(0.0, 1.0 / (cosine * cosine) - 1.0); };
-    const double slope2 = tan2(glm::dot(*base_, frame_.normal()));
-    return 2.0 / (1.0 + std::sqrt(1.0 + std::min(0.125 * slope2, 1.0) * tan2(glm::dot(*base_, w))));
-  }
-
-  Bsdf bsdf_;  // its parameters are constants
-  Frame frame_;
-  std::optional<Vec3> base_;
-  Vec3 wo_;
-  bool unseen_;
-};
 
 /// What is left of light after a way through something that absorbs; of infinitely long ways nothing.
 Vec3 transmittance(const Vec3& absorption, double distance) {
@@ -118,6 +62,7 @@ class Path {
       beta_ = Vec3(1.0);
       absorption_ = Vec3(0.0);
       previous_.reset();
+      bounces_ = 0;
       std::optional<Surface> hit;
       Step step = Step::passes;
       while (step == Step::passes) {
@@ -138,16 +83,24 @@ class Path {
   enum class Step { ends, scatters, passes };
 
   Step leave(const Ray& ray, bool seen_by_camera) {
-    if (!(seen_by_camera && integrator_.hide_emitters)) radiance_ += beta_ * from_outside(ray.direction);
+    const bool hidden = (seen_by_camera && integrator_.hide_emitters) || (bounces_ == 0 && integrator_.hide_background);
+    if (!hidden) gather(bounces_, beta_ * from_outside(ray.direction));
     return Step::ends;
   }
 
   std::optional<Surface> next_surface(Ray& ray, bool from_camera) {
-    if (from_camera) return first_visible(ray);
+    if (from_camera) return first_visible(world_, ray, radiance_, log_);
     const std::optional<Surface> hit = world_.closest_hit(ray);
     log_.segment(hit);
     beta_ *= transmittance(absorption_, (hit ? hit->t : INFINITY) - ray.t_min);
     return hit;
+  }
+
+  /// Light that was scattered so often, if that is what is asked for.
+  void gather(std::uint32_t bounces, const Vec3& light) {
+    using enum Integrator::LightPart;
+    const bool direct_light = bounces <= 1;
+    if (integrator_.light_part == all || direct_light == (integrator_.light_part == direct)) radiance_ += light;
   }
 
   /// The second segment of a round: what it meets by chance.
@@ -155,7 +108,7 @@ class Path {
     for (;;) {
       const std::optional<Surface> end = next_surface(ray, false);
       if (end) {
-        radiance_ += beta_ * emission(*end, -ray.direction);
+        gather(bounces_, beta_ * emission(*end, -ray.direction));
       } else {
         leave(ray, false);
       }
@@ -173,13 +126,6 @@ class Path {
     return Scatterer(at_point(world_.scene(), world_.scene().materials[chosen->row].bsdf, surface), *chosen, -w);
   }
 
-  /// The same ray, from the surface on.
-  static void go_behind(const Surface& surface, Ray& ray) {
-    ray.t_min = surface.t;
-    // By the distance that the next surface lies behind the point where a ray begins, see offset_toward().
-    const double cosine = std::max(0.01, std::abs(glm::dot(ray.direction, surface.ng)));
-    ray.passed = {surface.instance, surface.t + glm::distance(surface.offset_toward(surface.ng), surface.p) / cosine};
-  }
   Step pass(const Surface& surface, Ray& ray) {
     log_.lobe(Lobe::passed);
     go_behind(surface, ray);
@@ -197,23 +143,9 @@ class Path {
     return false;
   }
 
-  /// The first surface along a camera ray that is not hidden from it; `ray` then is the part that reaches it.
-  std::optional<Surface> first_visible(Ray& ray) {
-    for (;;) {
-      const std::optional<Surface> hit = world_.closest_hit(ray);
-      log_.segment(hit);
-      if (!hit || !integrator_.hide_emitters) return hit;
-      const AreaEmitter* emitter = world_.scene().emitter_of(world_.scene().instances[hit->instance]);
-      if (emitter == nullptr || is_zero(emitter->radiance.value)) return hit;
-      log_.radiance(radiance_);
-      const double passed = glm::dot(hit->p - ray.origin, ray.direction);
-      ray = {.origin = hit->offset_toward(ray.direction), .direction = ray.direction, .t_max = ray.t_max - passed};
-    }
-  }
-
   /// The first segment of a round; when it scatters, `ray` has become that of a material sample.
   Step direct_round(const Surface& surface, std::uint32_t round, Ray& ray) {
-    if (round == 0) radiance_ += beta_ * emission(surface, -ray.direction);
+    if (round == 0) gather(bounces_, beta_ * emission(surface, -ray.direction));
     // Numbers are counted by segments, of which a round has two.
     const std::uint32_t k = 2 * round;
     const std::optional<Scatterer> chosen = scatterer_at(surface, ray.direction, k);
@@ -230,6 +162,7 @@ class Path {
     const BsdfSample bounce = scatterer.sample(random_.material(k));
     log_.lobe(bounce.lobe);
     if (bounce.lobe == Lobe::none) return Step::ends;
+    ++bounces_;
     beta_ *= bounce.weight / static_cast<double>(integrator_.bsdf_samples);
     absorption_ = scatterer.absorption_toward(bounce.wi, absorption_);
     previous_ = Previous{
@@ -254,11 +187,11 @@ class Path {
   Step scatter(const Surface& surface, std::uint32_t depth, Ray& ray) {
     const bool last = depth == max_depth_;
     const std::uint32_t k = depth - 1;
-    radiance_ += beta_ * emission(surface, -ray.direction);
+    gather(bounces_, beta_ * emission(surface, -ray.direction));
     if (last && counts_passes_) return Step::ends;
     const std::optional<Scatterer> chosen = scatterer_at(surface, ray.direction, k);
     if (!chosen) return pass(surface, ray);
-    if (last) return Step::ends;
+    if (last || (integrator_.light_part == Integrator::LightPart::direct && bounces_ > 0)) return Step::ends;
     const Scatterer& scatterer = *chosen;
     if (scatterer.black()) {
       log_.lobe(Lobe::none);
@@ -271,6 +204,7 @@ class Path {
     const BsdfSample bounce = scatterer.sample(random);
     log_.lobe(bounce.lobe);
     if (bounce.lobe == Lobe::none) return Step::ends;
+    ++bounces_;
     beta_ *= bounce.weight;
     absorption_ = scatterer.absorption_toward(bounce.wi, absorption_);
     eta_scale_ *= bounce.eta * bounce.eta;
@@ -297,7 +231,7 @@ class Path {
   void add_sampled_light(const Surface& surface, const Scatterer& scatterer, std::uint32_t k) {
     bool delta = false;
     const Vec3 added = beta_ * sampled_light(surface, scatterer, k, delta);
-    radiance_ += delta ? glm::min(added, Vec3(world_.delta_light_limit())) : added;
+    gather(bounces_ + 1, delta ? glm::min(added, Vec3(world_.delta_light_limit())) : added);
   }
 
   /// Next-event estimation at vertex `k`: reflected radiance due to a direction of the environment or a point of a
@@ -391,6 +325,7 @@ class Path {
   bool black_ = false;  ///< the surface that the rounds of `direct` look at reflects nothing
   const SampleRandom& random_;
   DecisionLog& log_;
+  std::uint32_t bounces_ = 0;
   Vec3 beta_{1.0};
   Vec3 absorption_{0.0};  ///< of what the ray goes through, per scene unit
   Vec3 radiance_{0.0};

@@ -146,6 +146,8 @@ Vec3 ReferenceRenderer::radiance(const Ray& ray, const SampleRandom& random, Dec
       return path_radiance(world_, ray, random, log);
     case Integrator::Type::direct:
       return direct_radiance(world_, ray, random, log);
+    case Integrator::Type::aov:
+      return aov_value(world_, ray, random, log);
     case Integrator::Type::normals:
     case Integrator::Type::absolute_normals:
     case Integrator::Type::simple:
@@ -161,7 +163,10 @@ Vec3 ReferenceRenderer::radiance(const Ray& ray, const SampleRandom& random, Dec
 glm::vec3 ReferenceRenderer::sample_value(SampleId id, DecisionLog& log) const {
   const SampleRandom random(settings_.seed, id.pixel, id.sample, world_.scene().sampler.set_bits);
   const CameraSample camera = camera_sample(id, random);
-  const Vec3 rgb = camera.weight * radiance(camera.ray, random, log);
+  const Integrator& integrator = world_.scene().integrator;
+  const bool aov = integrator.type == Integrator::Type::aov;
+  const double weight = aov ? aov_weight(world_.scene(), camera.weight, id.sample) : camera.weight;
+  const Vec3 rgb = weight * radiance(camera.ray, random, log);
   return settings_.quantity == FilmQuantity::luminance ? glm::vec3(Vec3(luminance(rgb))) : glm::vec3(rgb);
 }
 

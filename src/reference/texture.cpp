@@ -164,6 +164,13 @@ Tangents cylinder_tangents(const Cylinder& cylinder, const Instance& instance, c
 
 }  // namespace
 
+Vec2 first_uv(const Scene& scene, const Surface& surface) {
+  const Instance& instance = scene.instances[surface.instance];
+  const auto* mesh = std::get_if<TriangleMesh>(&scene.shape_of(instance));
+  if (mesh != nullptr && mesh->uv_sets.empty()) return Vec2(0.0);
+  return surface_uv(scene, 0, surface);
+}
+
 glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const Surface& surface) {
   if (const auto* attribute = std::get_if<AttributeTexture>(&texture.source)) {
     const Instance& instance = scene.instances[surface.instance];

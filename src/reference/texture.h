@@ -12,6 +12,9 @@ glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const Surfa
 /// Of a picture or a checkerboard at texture coordinates of what it lies on.
 glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const glm::dvec2& uv);
 
+/// Of the first set; 0 where a mesh has none.
+Vec2 first_uv(const Scene& scene, const Surface& surface);
+
 /// A parameter at a point.
 Vec3 at_point(const Scene& scene, const ColorParameter& parameter, const Surface& surface);
 double at_point(const Scene& scene, const ScalarParameter& parameter, const Surface& surface);

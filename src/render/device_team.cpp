@@ -50,7 +50,7 @@ struct DeviceTeam::Run {
   }
 };
 
-DeviceTeam::DeviceTeam(std::vector<OpenRenderer> open) {
+DeviceTeam::DeviceTeam(std::vector<OpenRenderer> open, AovPlan aovs) : plan_(std::move(aovs)) {
   for (OpenRenderer& function : open) {
     Member& member = members_.emplace_back();
     member.open = std::move(function);
@@ -90,10 +90,11 @@ void DeviceTeam::open_afresh(Member& member, std::string reason) {
 }
 
 std::uint32_t DeviceTeam::chunk_size(const Member& member, const SampleQueue& queue) const {
-  if (members_.size() == 1) return ~0u;
+  if (members_.size() == 1 && plan_.aovs.empty()) return ~0u;
   if (member.samples_per_second == 0) return kFirstChunk;
   // Not more than a share of what is left, so that all devices finish together.
   const double share = static_cast<double>(queue.left()) / (2.0 * static_cast<double>(members_.size()));
+  // One device with AOVs takes chunks, too: while it renders them, nobody can stop it.
   return static_cast<std::uint32_t>(std::clamp(std::min(member.samples_per_second * kChunkSeconds, share), 1.0, 1e9));
 }
 
@@ -111,14 +112,29 @@ SampleRange DeviceTeam::render_chunk(Member& member, Run& run, SampleRange chunk
     return !run.stopped;
   };
   const SampleRange finished{chunk.begin, member.renderer->render(chunk, member.film, after_pass, rejected)};
+  if (finished.count() > 0) render_aovs(member, finished);
   member.failures = 0;
   member.samples_per_second = finished.count() / std::max(seconds_since(start), 1e-6);
   const std::lock_guard lock(run.mutex);
   member.in_flight = 0;
   if (finished.count() == 0) return finished;
   run.delivered += std::uint64_t{finished.count()} * member.film.pixels().size();
-  run.deliver({finished, &member.film, member.renderer.get(), &rejected});
+  run.deliver({finished, &member.film, &member.aovs, member.renderer.get(), &rejected});
   return finished;
+}
+
+// The renderer looks at the picture again afterwards.
+void DeviceTeam::render_aovs(Member& member, SampleRange samples) {
+  if (plan_.aovs.empty()) return;
+  for (AovFilm& aov : member.aovs) {
+    std::ranges::fill(aov.film.pixels(), FilmPixel{});
+    const bool first = traits(aov.aov).mean == AovMean::first;
+    const SampleRange range{samples.begin, first ? samples.begin + 1 : samples.end};
+    std::vector<RejectedSample> rejected;  // counted by the film
+    member.renderer->set_view(aov_view(plan_.view, aov.aov), plan_.settings);
+    member.renderer->render(range, aov.film, {}, rejected);
+  }
+  member.renderer->set_view(plan_.view, plan_.settings);
 }
 
 void DeviceTeam::work(Member& member, Run& run) {
@@ -159,7 +175,10 @@ void DeviceTeam::render(SampleQueue& queue, std::uint32_t width, std::uint32_t h
   for (Member& member : members_) {
     if (!member.renderer) continue;
     member.in_flight = 0;
-    if (member.film.pixels().empty()) member.film = Film(width, height, film_exponent);
+    if (member.film.pixels().empty()) {
+      member.film = Film(width, height, film_exponent);
+      member.aovs = empty_aovs({.width = width, .height = height, .aovs = plan_.aovs});
+    }
     present.push_back(&member);
   }
   if (!present.empty()) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "image/film_file.h"
 #include "render/renderer.h"
 #include "render/sample_queue.h"
 
@@ -15,10 +16,18 @@ namespace etendue {
 /// Opens a renderer of the job's scene on one device; called again when that device was lost.
 using OpenRenderer = std::function<std::unique_ptr<Renderer>()>;
 
+/// What is rendered beside the picture, of the same samples.
+struct AovPlan {
+  View view;  ///< the picture's
+  RenderSettings settings;
+  std::vector<AovHeader> aovs;
+};
+
 /// Samples that one device has finished.
 struct FinishedSamples {
   SampleRange range;
-  const Film* film = nullptr;  ///< exactly these samples of every pixel
+  const Film* film = nullptr;                  ///< exactly these samples of every pixel
+  const std::vector<AovFilm>* aovs = nullptr;  ///< of what is not averaged the first of them
   const Renderer* renderer = nullptr;
   const std::vector<RejectedSample>* rejected = nullptr;
 };
@@ -30,7 +39,7 @@ class DeviceTeam {
   static constexpr int kRetries = 3;
 
   /// Opens every device.
-  explicit DeviceTeam(std::vector<OpenRenderer> open);
+  explicit DeviceTeam(std::vector<OpenRenderer> open, AovPlan aovs = {});
 
   /// Renders the queue empty, or until `go_on` returns false; what was taken and not rendered is back in the queue
   /// then. Both functions are called under one lock: `deliver` for samples that are finished, `go_on` after every pass
@@ -51,6 +60,7 @@ class DeviceTeam {
     OpenRenderer open;
     std::unique_ptr<Renderer> renderer;  ///< null: lost for good
     Film film;                           ///< what it renders into; delivered and cleared
+    std::vector<AovFilm> aovs;           ///< likewise
     double samples_per_second = 0;       ///< sample indices, 0 before the first measurement
     int failures = 0;                    ///< since samples were finished last
     std::uint64_t in_flight = 0;         ///< pixel samples done and not delivered
@@ -60,9 +70,11 @@ class DeviceTeam {
   void open_afresh(Member& member, std::string reason);
   void work(Member& member, Run& run);
   SampleRange render_chunk(Member& member, Run& run, SampleRange chunk);
+  void render_aovs(Member& member, SampleRange samples);
   std::uint32_t chunk_size(const Member& member, const SampleQueue& queue) const;
 
   std::vector<Member> members_;
+  AovPlan plan_;
 };
 
 }  // namespace etendue

@@ -8,12 +8,14 @@
 #include "core/errors.h"
 #include "core/printable.h"
 #include "core/version.h"
+#include "scene/film_unit.h"
 
 namespace etendue {
 
 std::string integrator_text(const Scene& scene) {
   const Integrator& integrator = scene.integrator;
-  const std::string hidden = integrator.hide_emitters ? " hideEmitters" : "";
+  const std::string hidden = std::string(integrator.hide_emitters ? " hideEmitters" : "") +
+                             (integrator.hide_background ? " hideBackground" : "");
   const std::string tree = uses_light_tree(scene) ? " lightSampler=tree" : "";
   const glm::dvec3 &p = integrator.light.position, &e = integrator.light.energy;
   switch (integrator.type) {
@@ -38,6 +40,8 @@ std::string integrator_text(const Scene& scene) {
       return "depth";
     case Integrator::Type::distance:
       return "distance";
+    case Integrator::Type::aov:
+      return fmt::format("aov {}", traits(integrator.aov).name);
   }
   const std::string passes = integrator.count_passes ? "" : " countPasses=false";
   return fmt::format("path maxDepth={} nee={} mis={} rrDepth={}{}{}{}", integrator.max_depth, integrator.nee,
@@ -54,6 +58,8 @@ FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
                                  {"sceneHash", fmt::format("{:016x}", scene_hash(scene))},
                                  {"seed", std::to_string(seed)},
                                  {"integrator", integrator_text(scene)}}};
+  for (const Aov aov : complete(scene.aovs))
+    header.aovs.push_back({aov, film_exponent(scene, aov_view(view_of(scene), aov))});
   if (!scene.approximations.empty()) {
     constexpr std::size_t kMost = 20;
     std::string list;
@@ -65,6 +71,10 @@ FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
   if (scene.sampler.type == Sampler::Type::sobol)
     header.metadata["sampler"] = fmt::format("sobol setSize={}", scene.sampler.set_size());
   return header;
+}
+
+AovPlan aov_plan(const Scene& scene, std::uint32_t seed, const FilmHeader& identity) {
+  return {view_of(scene), RenderSettings{.seed = seed}, identity.aovs};
 }
 
 SampleRange whole_sets(std::uint32_t paths, const Sampler& sampler) {

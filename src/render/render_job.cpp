@@ -12,7 +12,7 @@ namespace etendue {
 RenderJob::RenderJob(const FilmHeader& identity, SampleRanges wanted)
     : identity_(identity),
       wanted_(canonical(std::move(wanted))),
-      state_{Film(identity.width, identity.height, identity.exponent), identity.metadata, {}} {
+      state_{Film(identity.width, identity.height, identity.exponent), identity.metadata, {}, empty_aovs(identity)} {
   identity_.samples.clear();
 }
 
@@ -41,6 +41,7 @@ void RenderJob::add(const FinishedSamples& finished) {
   added.metadata["driver"] = finished.renderer->driver_name();
   FilmHeader both = merge_headers(header_of(state_), added);
   state_.film.merge(*finished.film);
+  merge_aovs(state_.aovs, lowest_sample(state_.samples), *finished.aovs, finished.range.begin);
   state_.samples = std::move(both.samples);
   state_.metadata = std::move(both.metadata);
   for (const RejectedSample& sample : *finished.rejected) {

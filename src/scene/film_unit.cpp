@@ -61,6 +61,17 @@ int distance_exponent(const Camera& camera) {
   return exponent_above(camera.far_clip * glm::length(glm::dvec3(camera.world_from_camera[2])));
 }
 
+/// Of lengths and places: all that is met lies within the bounds.
+int aov_exponent(const View& view, const Bounds& bounds) {
+  if (bounds.empty()) return 0;
+  glm::dvec3 largest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
+  if (view.integrator.aov == Aov::position) return exponent_above(largest_component(largest));
+  if (view.integrator.aov != Aov::depth) return 0;
+  const glm::dvec3 camera(view.camera.world_from_camera[3]);
+  largest = glm::max(glm::abs(bounds.min - camera), glm::abs(bounds.max - camera));
+  return exponent_above(glm::length(largest));
+}
+
 }  // namespace
 
 int radiance_exponent(const Scene& scene) {
@@ -93,12 +104,19 @@ int view_exponent(const View& view, int radiance_exponent, const Bounds& bounds)
   if (view.integrator.type == Integrator::Type::simple) return simple_exponent(view.integrator.light, bounds);
   if (view.integrator.type == Integrator::Type::depth) return depth_exponent(view.camera);
   if (view.integrator.type == Integrator::Type::distance) return distance_exponent(view.camera);
+  if (view.integrator.type == Integrator::Type::aov) return aov_exponent(view, bounds);
   return 0;
 }
 
+int film_exponent(const Scene& scene, const View& view) {
+  using enum Integrator::Type;
+  const bool placed = view.integrator.type == simple || view.integrator.type == aov;
+  return view_exponent(view, gathers_light(view.integrator) ? radiance_exponent(scene) : 0,
+                       placed ? bounds_of(scene) : Bounds{});
+}
+
 int film_exponent(const Scene& scene) {
-  const bool light = gathers_light(scene.integrator), bounded = scene.integrator.type != Integrator::Type::simple;
-  return view_exponent(view_of(scene), light ? radiance_exponent(scene) : 0, bounded ? Bounds{} : bounds_of(scene));
+  return film_exponent(scene, view_of(scene));
 }
 
 }  // namespace etendue

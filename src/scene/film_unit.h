@@ -19,4 +19,7 @@ double delta_light_limit(int radiance_exponent);
 /// that positions can tell apart.
 int view_exponent(const View& view, int radiance_exponent, const Bounds& bounds);
 
+/// The same of a scene that is not compiled.
+int film_exponent(const Scene& scene, const View& view);
+
 }  // namespace etendue

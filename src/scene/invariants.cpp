@@ -17,6 +17,7 @@
 #include "scene/parameters.h"
 #include "scene/placed.h"
 #include "scene/texture_checks.h"
+#include "scene/view.h"
 
 namespace etendue {
 namespace {
@@ -168,6 +169,17 @@ class Checker {
             fmt::format("paths of at most {} segments are asked for; 1 to {} are supported",
                         scene_.integrator.max_depth, Integrator::kUnlimitedDepth));
     check_integrator(scene_.integrator);
+    check_aovs();
+  }
+
+  void check_aovs() {
+    for (const Aov aov : scene_.aovs) {
+      const std::string complaint = aov_complaint(scene_.integrator, aov);
+      if (!complaint.empty()) error(scene_.position, "aovs", complaint);
+    }
+    const bool light = scene_.integrator.aov == Aov::direct || scene_.integrator.aov == Aov::indirect;
+    if (scene_.integrator.type == Integrator::Type::aov && light)
+      error(scene_.position, "aov", "direct and indirect light are parts of what path, direct or whitted gathers");
   }
 
   void check_integrator(const Integrator& integrator) {

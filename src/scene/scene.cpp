@@ -365,7 +365,7 @@ bool weighs_strategies(const Integrator& integrator) {
 
 bool counts_passes(const Integrator& integrator) {
   using enum Integrator::Type;
-  return integrator.type == whitted || (integrator.type == path && integrator.count_passes);
+  return integrator.type == whitted || ((integrator.type == path || integrator.type == aov) && integrator.count_passes);
 }
 
 bool uses_light_tree(const Scene& scene) {

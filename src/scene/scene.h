@@ -12,6 +12,7 @@
 
 #include <glm/glm.hpp>
 
+#include "image/aov.h"
 #include "image/bitmap.h"
 #include "scene/adapters.h"
 #include "scene/bsdfs.h"
@@ -215,7 +216,10 @@ struct Integrator {
     visibility,         ///< the same of the hemisphere, each direction counting alike
     depth,              ///< 1 over the distance
     distance,           ///< how far the first hit lies beyond the near clipping distance
+    aov,                ///< a number beside the picture
   };
+  /// Light by how often it was scattered: at most once, or more often.
+  enum class LightPart : std::uint32_t { all, direct, indirect };
   /// How a light is chosen: `power` by its power alone, `tree` by what it can contribute to the point; `automatic` is
   /// `tree` for many lights.
   enum class LightSampler : std::uint32_t { automatic, power, tree };
@@ -226,12 +230,15 @@ struct Integrator {
   bool mis = true;             ///< meaningless without nee
   std::uint32_t rr_depth = 5;  ///< Russian roulette from this segment on; 0 = off
   LightSampler light_sampler = LightSampler::automatic;
-  std::uint32_t emitter_samples = 1;  ///< direct: light samples of a camera ray, 0 … kMaxDirectSamples
-  std::uint32_t bsdf_samples = 1;     ///< direct: material samples
-  bool hide_emitters = false;         ///< path, direct, whitted: camera rays pass emitters and find no sky
-  bool count_passes = true;           ///< path: a segment ends where it passes a mask or null
+  std::uint32_t emitter_samples = 1;      ///< direct: light samples of a camera ray, 0 … kMaxDirectSamples
+  std::uint32_t bsdf_samples = 1;         ///< direct: material samples
+  bool hide_emitters = false;             ///< path, direct, whitted, aov: camera rays pass emitters and find no sky
+  bool hide_background = false;           ///< path, direct, whitted: camera rays find no sky
+  LightPart light_part = LightPart::all;  ///< path, direct, whitted
+  bool count_passes = true;               ///< path: a segment ends where it passes a mask or null
   double length = std::numeric_limits<double>::infinity();  ///< ambient_occlusion, visibility: scene units
   SimpleLight light;                                        ///< simple
+  Aov aov = Aov::hit;                                       ///< aov: none of direct and indirect
 };
 
 /// Whether an integrator gathers what emitters and the sky send: path, direct and whitted do.
@@ -254,6 +261,7 @@ struct Scene {
   Camera camera;
   Sampler sampler;
   Integrator integrator;
+  std::vector<Aov> aovs;  ///< to be rendered beside the picture
   Sky sky;
   std::vector<Shape> shapes;
   std::vector<Material> materials;

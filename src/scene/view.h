@@ -1,6 +1,8 @@
 #pragma once
 /// How a scene is looked at: what may change without anything being compiled again.
 
+#include <string>
+
 #include "scene/scene.h"
 
 namespace etendue {
@@ -15,5 +17,11 @@ struct View {
 inline View view_of(const Scene& scene) {
   return {scene.camera, scene.sampler, scene.integrator};
 }
+
+/// What renders an AOV beside the picture of `view`: the same samples, looked at by another integrator.
+View aov_view(const View& view, Aov aov);
+
+/// Why the AOV cannot be rendered beside what the integrator computes; "" where it can.
+std::string aov_complaint(const Integrator& integrator, Aov aov);
 
 }  // namespace etendue

@@ -37,12 +37,13 @@ enum class SceneFamily {
   texture,      ///< a textured floor under a textured lamp
   delta,        ///< lights without extent over a floor, on a sphere, beside lamps and under a sky
   adapter,      ///< a floor and a veil of diffuse materials in random stacks of adapters
+  aov,          ///< what is rendered beside a picture, parts of its light, pictures without a background
 };
-inline constexpr std::array<SceneFamily, 14> kSceneFamilies{
+inline constexpr std::array<SceneFamily, 15> kSceneFamilies{
     SceneFamily::direct, SceneFamily::furnace,    SceneFamily::interior,    SceneFamily::sky,
     SceneFamily::sheet,  SceneFamily::glass,      SceneFamily::coverage,    SceneFamily::crowd,
     SceneFamily::camera, SceneFamily::integrator, SceneFamily::environment, SceneFamily::texture,
-    SceneFamily::delta,  SceneFamily::adapter};
+    SceneFamily::delta,  SceneFamily::adapter,    SceneFamily::aov};
 const char* scene_family_name(SceneFamily family);
 
 /// How light is found: naive (by chance), nee (sampled) or mis (both, weighted).

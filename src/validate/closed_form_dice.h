@@ -127,9 +127,13 @@ ClosedFormScene camera_scene(Dice& dice);
 ClosedFormScene integrator_scene(Dice& dice, LightStrategy strategy);
 /// Of the family direct, for others to look at differently.
 ClosedFormScene direct_light_scene(Dice& dice, LightStrategy strategy);
+/// Of the families furnace and coverage, likewise.
+ClosedFormScene furnace_scene(Dice& dice, LightStrategy strategy);
+ClosedFormScene coverage_scene(Dice& dice);
 ClosedFormScene environment_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene texture_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene delta_scene(Dice& dice, LightStrategy strategy);
 ClosedFormScene adapter_scene(Dice& dice, LightStrategy strategy);
+ClosedFormScene aov_scene(Dice& dice, LightStrategy strategy);
 
 }  // namespace etendue::closed_form

@@ -177,29 +177,6 @@ ClosedFormScene crowd_scene(Dice& dice, LightStrategy strategy) {
 
 // --- furnace and interior
 
-ClosedFormScene furnace_scene(Dice& dice, LightStrategy strategy) {
-  // Sampling the light alone has unbounded variance near the edges of a box that emits all over.
-  if (strategy == LightStrategy::nee) strategy = LightStrategy::mis;
-  ClosedFormScene result;
-  Scene& scene = result.scene;
-  const dvec3 half = dice.color(0.3, 1.0), albedo = dice.color(0.3, 0.9), radiance = dice.color(0.2, 2.0);
-  add_shape(scene, inward_box(half), DiffuseBsdf{albedo}, radiance);
-  scene.integrator.max_depth = static_cast<std::uint32_t>(dice.between_int(1, 10));
-  scene.integrator.rr_depth = static_cast<std::uint32_t>(dice.chance(0.25) ? 0 : dice.between_int(2, 4));
-  set_strategy(scene, strategy);
-  scene.camera = look_along(half * dice.color(-0.8, 0.8), dice.direction(), 90.0);
-  move_scene(scene, dice, true);
-  dvec3 sum(0.0), power(1.0);
-  for (std::uint32_t i = 0; i < scene.integrator.max_depth; ++i) {
-    sum += power;
-    power *= albedo;
-  }
-  result.expected = luminance(sum * radiance);
-  result.name = fmt::format("furnace, depth {}, roulette {}, {}", scene.integrator.max_depth, scene.integrator.rr_depth,
-                            light_strategy_name(strategy));
-  return result;
-}
-
 DielectricBsdf random_dielectric(Dice& dice) {
   const double ext_ior = dice.between(1.0, 1.3);
   DielectricBsdf glass{ext_ior * dice.between(1.25, 2.0), ext_ior};
@@ -351,7 +328,32 @@ ClosedFormScene glass_scene(Dice& dice) {
 
 // --- coverage
 
-ClosedFormScene coverage_scene(Dice& dice) {
+}  // namespace
+
+ClosedFormScene closed_form::furnace_scene(Dice& dice, LightStrategy strategy) {
+  // Sampling the light alone has unbounded variance near the edges of a box that emits all over.
+  if (strategy == LightStrategy::nee) strategy = LightStrategy::mis;
+  ClosedFormScene result;
+  Scene& scene = result.scene;
+  const dvec3 half = dice.color(0.3, 1.0), albedo = dice.color(0.3, 0.9), radiance = dice.color(0.2, 2.0);
+  add_shape(scene, inward_box(half), DiffuseBsdf{albedo}, radiance);
+  scene.integrator.max_depth = static_cast<std::uint32_t>(dice.between_int(1, 10));
+  scene.integrator.rr_depth = static_cast<std::uint32_t>(dice.chance(0.25) ? 0 : dice.between_int(2, 4));
+  set_strategy(scene, strategy);
+  scene.camera = look_along(half * dice.color(-0.8, 0.8), dice.direction(), 90.0);
+  move_scene(scene, dice, true);
+  dvec3 sum(0.0), power(1.0);
+  for (std::uint32_t i = 0; i < scene.integrator.max_depth; ++i) {
+    sum += power;
+    power *= albedo;
+  }
+  result.expected = luminance(sum * radiance);
+  result.name = fmt::format("furnace, depth {}, roulette {}, {}", scene.integrator.max_depth, scene.integrator.rr_depth,
+                            light_strategy_name(strategy));
+  return result;
+}
+
+ClosedFormScene closed_form::coverage_scene(Dice& dice) {
   ClosedFormScene result;
   Scene& scene = result.scene;
   Camera& camera = scene.camera;
@@ -388,16 +390,14 @@ ClosedFormScene coverage_scene(Dice& dice) {
   return result;
 }
 
-}  // namespace
-
 ClosedFormScene closed_form::direct_light_scene(Dice& dice, LightStrategy strategy) {
   return direct_scene(dice, strategy, kFewLights);
 }
 
 const char* scene_family_name(SceneFamily family) {
   constexpr std::array<const char*, kSceneFamilies.size()> kNames{
-      "direct", "furnace", "interior",   "sky",         "sheet",   "glass", "coverage",
-      "crowd",  "camera",  "integrator", "environment", "texture", "delta", "adapter"};
+      "direct", "furnace",    "interior",    "sky",     "sheet", "glass",   "coverage", "crowd",
+      "camera", "integrator", "environment", "texture", "delta", "adapter", "aov"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -431,6 +431,8 @@ ClosedFormScene make_closed_form(SceneFamily family, std::uint64_t seed, LightSt
         return texture_scene(dice, strategy);
       case SceneFamily::adapter:
         return adapter_scene(dice, strategy);
+      case SceneFamily::aov:
+        return aov_scene(dice, strategy);
       case SceneFamily::camera:
         return camera_scene(dice);
       case SceneFamily::integrator:

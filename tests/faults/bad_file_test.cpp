@@ -167,7 +167,7 @@ TEST_F(BadFile, HeadersThatLie) {
   expect_bad_picture("attribute of 2 GiB", std::string(exr_).replace(size_at, 4, little_endian(most)), "bad.exr");
   expect_bad_picture("attribute of -1 byte", std::string(exr_).replace(size_at, 4, little_endian(minus)), "bad.exr");
   expect_bad_film("exponent", with_attribute(film_, "filmExponent", "int", little_endian(most)));
-  expect_bad_film("format", with_attribute(film_, "filmFormat", "int", little_endian(2)));
+  expect_bad_film("format", with_attribute(film_, "filmFormat", "int", little_endian(3)));
 }
 
 TEST_F(BadFile, EveryTenthByteOfAFilmGuarded) {

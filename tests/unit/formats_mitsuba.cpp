@@ -524,6 +524,60 @@ TEST(MitsubaIntegrators, DepthsAndNames) {
   EXPECT_EQ(integrator("<integrator type=\"ptracer\"/>").type, Integrator::Type::path);
 }
 
+/// "shape_index" is our instance, names of channels are not kept; what we do not have is one of the missing things.
+TEST(MitsubaIntegrators, AovsAreThoseBesideThePicture) {
+  const auto text = [](const char* list) {
+    return around(fmt::format(R"(<integrator type="aov"><string name="aovs" value="{}"/><integrator type="path"/>
+      </integrator><shape type="sphere"/>)",
+                              list));
+  };
+  const Read result = read(text("dd.y:depth,nn:sh_normal,i:shape_index,gn:geo_normal,a:albedo,uv:uv,pp:position"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  EXPECT_EQ(result.scene->aovs, (std::vector{Aov::depth, Aov::shading_normal, Aov::instance, Aov::geometric_normal,
+                                             Aov::albedo, Aov::uv, Aov::position}));
+  EXPECT_FALSE(read(text("t:dp_du")).scene.has_value());
+  const Read approximated = read(text("t:dp_du,d:depth"), {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(approximated.scene.has_value()) << approximated.messages();
+  EXPECT_EQ(approximated.scene->aovs, std::vector{Aov::depth});
+  EXPECT_NE(approximated.messages().find("aov t:dp_du is approximated: left out"), std::string::npos);
+}
+
+/// The brightest direction of the sky, in the world.
+glm::dvec3 brightest(const Sky& sky) {
+  const Bitmap& picture = *sky.picture->bitmap;
+  float most = 0.0f;
+  glm::dvec3 found(0.0);
+  for (std::uint32_t y = 0; y < picture.height; ++y) {
+    for (std::uint32_t x = 0; x < picture.width; ++x) {
+      if (picture.stored(x, y, 1) <= most) continue;
+      most = picture.stored(x, y, 1);
+      const double phi = 2.0 * std::numbers::pi * (x + 0.5) / picture.width;
+      const double theta = std::numbers::pi * (y + 0.5) / picture.height;
+      found = {std::sin(phi) * std::sin(theta), std::cos(theta), -std::cos(phi) * std::sin(theta)};
+    }
+  }
+  return sky.world_from_sky * found;
+}
+
+/// Mitsuba 3 counts heights along z; directions by its own sun, found as the brightest of its sky.
+TEST(MitsubaLights, SkiesAreApproximatedWithTheSunInItsPlace) {
+  const std::string by_direction =
+      around(R"(<emitter type="sunsky"><vector name="sun_direction" x="0.5" y="0" z="0.866"/>
+    </emitter><shape type="sphere"/>)");
+  const Read refused = read(by_direction);
+  EXPECT_FALSE(refused.scene.has_value());
+  EXPECT_NE(refused.first_error().find("emitter sunsky"), std::string::npos) << refused.first_error();
+  const Read there = read(by_direction, {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(there.scene.has_value()) << there.messages();
+  EXPECT_GT(glm::dot(brightest(there.scene->sky), glm::normalize(glm::dvec3(0.5, 0.0, 0.866))), 0.99995);
+  ASSERT_EQ(there.scene->approximations.size(), 1u);
+  const Read by_time = read(around(R"(<emitter type="sunsky"><float name="hour" value="12"/></emitter>
+    <shape type="sphere"/>)"),
+                            {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(by_time.scene.has_value()) << by_time.messages();
+  EXPECT_GT(glm::dot(brightest(by_time.scene->sky), glm::normalize(glm::dvec3(0.2359, 0.0588, 0.97))), 0.9995);
+}
+
 constexpr const char* kPicture = "<string name=\"filename\" value=\"p.png\"/>";
 
 /// Row 0 is where Mitsuba's v is 0: there, texture coordinates of a Scene have v = 1.

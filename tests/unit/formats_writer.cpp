@@ -89,6 +89,8 @@ Scene everything() {
   scene.sampler = {Sampler::Type::sobol, 64, 3};
   scene.integrator.max_depth = 5;
   scene.integrator.hide_emitters = true;
+  scene.integrator.hide_background = true;
+  scene.aovs = {Aov::depth, Aov::albedo};
   scene.sky.picture = {.bitmap = bitmap(BitmapFormat::f32, 3, ColorSpace::linear),
                        .scale = 1.0 / 3.0,
                        .rows = SkyPicture::Rows::circles};
@@ -119,6 +121,8 @@ TEST(SceneWriter, WhatIsReadAgainIsTheSameScene) {
   EXPECT_EQ(read.instances.size(), scene.instances.size());
   EXPECT_EQ(read.integrator.max_depth, 5u);
   EXPECT_TRUE(read.integrator.hide_emitters);
+  EXPECT_TRUE(read.integrator.hide_background);
+  EXPECT_EQ(read.aovs, scene.aovs);
   EXPECT_EQ(read.sampler.set_bits, 3u);
   EXPECT_EQ(read.camera.window.origin, scene.camera.window.origin);
   EXPECT_EQ(read.camera.window.size, scene.camera.window.size);
@@ -327,13 +331,16 @@ TEST(SceneWriter, MitsubaIsToldWhatItCanSay) {
     if (std::holds_alternative<MicrofacetBsdf>(material.bsdf)) material.bsdf = DiffuseBsdf{};
   }
   scene.camera.world_from_camera = glm::dmat4(1.0);
+  scene.aovs.push_back(Aov::material);
   const std::vector<std::string> differences = write_mitsuba_scene(path, scene);
-  EXPECT_EQ(differences.size(), 2u);  // the polygonal aperture, and how the spot fades
+  // The polygonal aperture, how the spot fades, the hidden background, numbers of materials.
+  EXPECT_EQ(differences.size(), 4u);
   Diagnostics diagnostics;
   const auto file = read_scene_file(path, {.overrides = {}, .strict = true}, diagnostics);
   ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
   const Scene& read = std::get<Scene>(*file);
   ASSERT_EQ(read.instances.size(), scene.instances.size());
+  EXPECT_EQ(read.aovs, (std::vector{Aov::depth, Aov::albedo}));
   EXPECT_EQ(read.camera.aperture.radius, 0.1);
   EXPECT_EQ(read.camera.filter.b, scene.camera.filter.b);
   for (std::size_t i = 0; i < 5; ++i) {

@@ -182,7 +182,7 @@ TEST(FilmFile, RefusesOtherFormatsAndContradictions) {
     return error_of([&] { decode_film(bytes_of(bytes), "film.exr", false); });
   };
   const std::string integer = std::string("\0int\0\4\0\0\0", 9);
-  expect_mentions(with("filmFormat" + integer, 0, std::string("\2\0\0\0", 4)), "format 2");
+  expect_mentions(with("filmFormat" + integer, 0, std::string("\3\0\0\0", 4)), "format 3");
   expect_mentions(with("filmExponent" + integer, 0, std::string("\xe8\3\0\0", 4)), "1000");
   const std::string samples = std::string("samples\0string\0\3\0\0\0", 19);
   expect_mentions(with(samples, 0, "0:3"), "2 samples");
@@ -200,6 +200,9 @@ TEST(FilmFile, RefusesToWriteWhatItCouldNotRead) {
   file.samples = {{0, 2}};
   file.metadata["filmFormat"] = "1";
   expect_mentions(error_of([&] { write_film(folder / "a.exr", file); }), "filmFormat");
+  file.metadata.erase("filmFormat");
+  file.metadata["filmAovs"] = "depth:0";
+  expect_mentions(error_of([&] { write_film(folder / "a.exr", file); }), "filmAovs");
   error_of([&] { write_film(folder / "a.exr", FilmFile{}); });
   EXPECT_EQ(folder.files(), 0u);
 }

@@ -138,8 +138,21 @@ def against_both(studio):
     studio.keep_data("time_mis", {"cost_over_naive": costs["mis"] / costs["naive"], "cost_over_nee": costs["mis"] / costs["nee"]})
 
 
+def plates(studio):
+    """The same on four plates of different roughness under four lamps of different size, after [Veach1997]: pictures at equal samples, and the noise of each
+    strategy as a share of the picture's brightness."""
+    size, spp, rows = studio.pick((300, 200), (48, 32)), studio.pick(16, 4), []
+    for name, define in {"naive": NAIVE, "nee": NEE, "mis": MIS}.items():
+        render = studio.render("lights/veach-mis", f"veach-{name}", spp=spp, size=size, define=define)
+        studio.keep_picture(f"veach-{name}", render.png())
+        picture, error = render.rgb()
+        rows.append({"name": name, "noise": float(np.sqrt(np.mean(error**2)) / np.mean(picture))})
+    studio.keep_data("veach", {"spp": spp, "naive": rows[0]["noise"], "nee": rows[1]["noise"], "mis": rows[2]["noise"]})
+
+
 def run(studio):
     next_event(studio)
     many_emitters(studio)
     many_lamps(studio)
     against_both(studio)
+    plates(studio)

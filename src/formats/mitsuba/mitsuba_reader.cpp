@@ -5,11 +5,14 @@
 #include <filesystem>
 #include <numbers>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/printable.h"
 #include "core/text.h"
+#include "formats/mitsuba/mitsuba_daylight.h"
 #include "formats/mitsuba/mitsuba_lights.h"
 #include "formats/mitsuba/mitsuba_shapes.h"
 #include "formats/mitsuba/plugins.h"
@@ -25,6 +28,15 @@ namespace fs = std::filesystem;
 constexpr std::uint32_t kSetBits = 4;
 /// Meters of Mitsuba see everything; on a surface a ray must not meet the surface itself. In units of the camera.
 constexpr double kMeterNearClip = 1e-5, kMeterFarClip = 1e10;
+
+std::optional<Aov> mitsuba_aov(std::string_view word) {
+  if (word == "sh_normal") return Aov::shading_normal;
+  if (word == "geo_normal") return Aov::geometric_normal;
+  if (word == "prim_index") return Aov::primitive;
+  if (word == "shape_index") return Aov::instance;
+  if (word == "depth" || word == "position" || word == "uv" || word == "albedo") return aov_named(word);
+  return std::nullopt;
+}
 
 /// Turns the objects of a document into a Scene. Every function reports what is wrong and goes on with something
 /// usable, so that one pass finds all problems.
@@ -69,6 +81,7 @@ class MitsubaReader {
         context_.sink.error(object->position(), fmt::format("integrators lie {} deep within each other", depth));
         return;
       }
+      if (object->type() == "aov") read_aovs(*object);
       object = only_child(*object, "integrator", "path");
     }
     if (!object) object = MitsubaObject::defaulted("integrator", "path", root.position(), context_);
@@ -81,6 +94,23 @@ class MitsubaReader {
                                                          object->type()));
     direct ? read_direct(*object) : read_path(*object);
     scene_.integrator.hide_emitters = object->boolean("hide_emitters");
+  }
+
+  /// "a name:what it is,…"; names of channels are our own.
+  void read_aovs(const MitsubaObject& object) {
+    const std::string list = object.text("aovs");
+    for (std::size_t start = 0; start < list.size();) {
+      const std::size_t end = std::min(list.find(',', start), list.size());
+      const std::size_t colon = std::min(list.find(':', start), end);
+      const std::string word = colon < end ? list.substr(colon + 1, end - colon - 1) : "";
+      if (const std::optional<Aov> aov = mitsuba_aov(word)) {
+        scene_.aovs.push_back(*aov);
+      } else {
+        context_.missing.add(fmt::format("aov {}", text::printable(list.substr(start, end - start), 40)),
+                             object.position_of("aovs"), "left out");
+      }
+      start = end + 1;
+    }
   }
 
   void read_path(const MitsubaObject& object) {
@@ -320,6 +350,10 @@ class MitsubaReader {
     if (std::exchange(has_sky_, true))
       return context_.sink.error(emitter->position(),
                                  "the scene has more than one emitter of the surroundings; keep one");
+    if (is_mitsuba_daylight(kind)) {
+      if (const auto sky = read_mitsuba_daylight(*emitter, context_)) scene_.sky = *sky;
+      return;
+    }
     kind == "envmap" ? read_environment(*emitter) : read_constant(*emitter);
   }
 

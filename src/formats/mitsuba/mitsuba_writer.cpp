@@ -53,7 +53,7 @@ class MitsubaWriter : MaterialWriter {
 
   void write(ExistingFiles existing) {
     xml_.open("scene", {{"version", "3.0.0"}});
-    write_integrator(scene_.integrator);
+    write_integrators();
     write_sensor(scene_.camera);
     write_sky();
     for (const DeltaLight& light : scene_.delta_lights) write_delta_light(light);
@@ -94,6 +94,43 @@ class MitsubaWriter : MaterialWriter {
     xml_.close();
   }
 
+  /// In Mitsuba's words; null where it has none.
+  static const char* mitsuba_word(Aov aov) {
+    switch (aov) {
+      case Aov::depth:
+      case Aov::position:
+      case Aov::uv:
+      case Aov::albedo:
+        return traits(aov).name;
+      case Aov::shading_normal:
+        return "sh_normal";
+      case Aov::geometric_normal:
+        return "geo_normal";
+      case Aov::instance:
+        return "shape_index";
+      case Aov::primitive:
+        return "prim_index";
+      default:
+        return nullptr;
+    }
+  }
+
+  /// Mitsuba's wrapper around the integrator, where there is something for it.
+  void write_integrators() {
+    std::string list;
+    for (const Aov aov : scene_.aovs) {
+      const char* word = mitsuba_word(aov);
+      if (word == nullptr) differs(fmt::format("Mitsuba has no AOV {}", traits(aov).name));
+      if (word != nullptr) list += fmt::format("{}{}:{}", list.empty() ? "" : ",", traits(aov).name, word);
+    }
+    if (!list.empty()) {
+      xml_.open("integrator", {{"type", "aov"}});
+      xml_.text("aovs", list);
+    }
+    write_integrator(scene_.integrator);
+    if (!list.empty()) xml_.close();
+  }
+
   void write_integrator(const Integrator& integrator) {
     using enum Integrator::Type;
     if (integrator.type == direct) {
@@ -114,6 +151,7 @@ class MitsubaWriter : MaterialWriter {
       refuse("the integrator is neither path nor direct nor distance");
     }
     if (integrator.hide_emitters) xml_.boolean("hide_emitters", true);
+    if (integrator.hide_background) differs("Mitsuba hides emitters and background together or neither");
     xml_.close();
   }
 

@@ -81,8 +81,12 @@ std::vector<Plugin> integrator_rows() {
        {{"integrator", 1, 1}}},
       {"integrator",
        "aov",
-       "Its child is rendered.",
-       {no_effect("aovs", string, "has no effect: only the picture is made")},
+       "Its child is rendered, and beside it what `aovs` names. Depth is the distance from the camera itself; "
+       "Mitsuba's "
+       "begins at the near clipping plane.",
+       {{"aovs", string, nullptr, any(),
+         "pairs of a name of one's own, which is not kept, and one of `depth`, `position`, `uv`, `geo_normal`, "
+         "`sh_normal`, `prim_index`, `shape_index`, `albedo`, with commas between them: `d:depth,n:sh_normal`"}},
        {{"integrator", 1, 1}}},
   };
   rows.push_back({"integrator",
@@ -563,6 +567,39 @@ std::vector<Plugin> delta_light_rows() {
   };
 }
 
+/// The parameters of Mitsuba 0.6 and 3 together.
+std::vector<Plugin> daylight_rows() {
+  const std::vector<Parameter> parameters = {
+      {"turbidity", real, "3", between(1, 10), "how hazy the air is"},
+      {"sun_direction", vector, "", any(), "toward the sun, before to_world; without it:"},
+      {"latitude", real, "35.6894", between(-90, 90), "degrees north"},
+      {"longitude", real, "139.6917", between(-180, 180), "degrees east"},
+      {"timezone", real, "9", between(-14, 14), "hours that clocks are ahead of universal time"},
+      no_effect("year", integer, "has no effect: the sun's place is that of any year, to half a degree"),
+      {"month", integer, "7", between(1, 12), ""},
+      {"day", integer, "10", between(1, 31), "of the month"},
+      {"hour", real, "15", between(0, 24), "of the clock"},
+      {"minute", real, "0", between(0, 60), ""},
+      {"second", real, "0", between(0, 60), ""},
+      {"scale", real, "1", at_least(0), "factor of all of it"},
+      {"sky_scale", real, "1", at_least(0), "factor of the sky's radiance"},
+      {"sun_scale", real, "1", at_least(0), "factor of the sun's"},
+      {"sun_aperture", real, "", between(0, 60), "angle that the sun fills, degrees"},
+      {"sun_radius_scale", real, "1", between(0, 60), "the same in those of the real sun"},
+      {"albedo", color, "", at_least(0), "has no effect: Preetham's sky knows no ground", "texture"},
+      no_effect("complex_sun", boolean, "has no effect: the sun's disk is even"),
+      no_effect("stretch", real, "has no effect"),
+      no_effect("resolution", integer, "has no effect: the picture that is made is 1024 wide"),
+      no_effect("sampling_weight", real, "has no effect"),
+      to_world()};
+  const char* doc =
+      "Daylight. Mitsuba's models are tables of coefficients that are not here: the scene is refused, or with "
+      "--approximate gets Preetham's sky of the same sun and turbidity.";
+  std::vector<Plugin> rows;
+  for (const char* type : {"sky", "sun", "sunsky"}) rows.push_back({"emitter", type, doc, parameters, {}});
+  return rows;
+}
+
 std::vector<Plugin> make_rows() {
   std::vector<Plugin> rows = scene_rows();
   append(rows, integrator_rows());
@@ -572,6 +609,7 @@ std::vector<Plugin> make_rows() {
   append(rows, emitter_rows());
   append(rows, texture_rows());
   append(rows, delta_light_rows());
+  append(rows, daylight_rows());
   return rows;
 }
 
@@ -586,7 +624,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"bsdf",
        {"measured", "hair", "phong", "ward", "roughdiffuse", "roughcoating", "coating", "mixturebsdf", "difftrans",
         "hk", "pplastic", "polarizer", "retarder", "circular", "measured_polarized", "irawan"}},
-      {"emitter", {"directionalarea", "collimated", "sky", "sun", "sunsky", "timed_sunsky", "volumelight"}},
+      {"emitter", {"directionalarea", "collimated", "timed_sunsky", "volumelight"}},
       {"texture", {"volume", "gridtexture", "wireframe", "curvature"}},
   };
 }

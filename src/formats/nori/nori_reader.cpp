@@ -80,8 +80,7 @@ class SceneReader {
     scene.file = path_;
     scene.position = object.position();
     scene.sky = {object.get<glm::dvec3>("sky_top"), object.get<glm::dvec3>("sky_horizon")};
-    if (const auto integrator = read_only_child(object, "integrator"))
-      scene.integrator = read_integrator(*integrator, object);
+    if (const auto integrator = read_only_child(object, "integrator")) read_integrator(*integrator, object, scene);
     if (const auto camera = read_only_child(object, "camera")) scene.camera = read_camera(*camera);
     scene.sampler = read_sampler(object);
     scene.instancing = read_instancing(object);
@@ -117,6 +116,17 @@ class SceneReader {
     const std::vector<const XmlElement*> children = parent.children(tag);
     if (children.empty()) return std::nullopt;
     return Object::read(*children.front(), context_);
+  }
+
+  void read_integrator(const Object& object, const Object& root, Scene& scene) {
+    scene.integrator = read_integrator(object, root);
+    if (object.plugin().find("hideBackground") != nullptr)
+      scene.integrator.hide_background = object.get<bool>("hideBackground");
+    try {
+      scene.aovs = parse_aovs(object.get<std::string>("aovs"));
+    } catch (const Error& error) {
+      sink_.error(object.position_of("aovs"), error.what());
+    }
   }
 
   Integrator read_integrator(const Object& object, const Object& scene) {

@@ -117,13 +117,19 @@ class NoriWriter : MaterialWriter {
       case distance:
         xml_.open("integrator", {{"type", integrator.type == depth ? "depth" : "distance"}});
         break;
+      case aov:
+        throw Error(ErrorKind::scene, fmt::format("the integrator renders nothing but the AOV {}, which no scene file "
+                                                  "asks for",
+                                                  traits(integrator.aov).name));
     }
     if (gathers_light(integrator)) {
       using enum Integrator::LightSampler;
       if (integrator.hide_emitters) xml_.boolean("hideEmitters", true);
+      if (integrator.hide_background) xml_.boolean("hideBackground", true);
       if (integrator.light_sampler != automatic)
         xml_.text("lightSampler", integrator.light_sampler == power ? "power" : "tree");
     }
+    if (!scene_.aovs.empty()) xml_.text("aovs", to_text(scene_.aovs));
     xml_.close();
   }
 

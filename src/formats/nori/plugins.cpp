@@ -1,5 +1,7 @@
 #include "formats/nori/plugins.h"
 
+#include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "formats/mesh_formats.h"
@@ -164,6 +166,15 @@ std::vector<Plugin> integrator_plugins() {
        {}}};
   for (const auto& more : {path_aliases(), direct_plugins(), first_hit_plugins()})
     rows.insert(rows.end(), more.begin(), more.end());
+  for (Plugin& row : rows) {
+    const bool light =
+        std::ranges::find(row.parameters, std::string_view("hideEmitters"), &Parameter::name) != row.parameters.end();
+    if (light)
+      row.parameters.push_back({"hideBackground", boolean, "false", any(),
+                                "camera rays that meet nothing find no sky; `render --alpha` sets it"});
+    row.parameters.push_back(
+        {"aovs", string, "", any(), "channels beside the picture: depth, normal, albedo …, with commas between them"});
+  }
   return rows;
 }
 
