@@ -108,8 +108,8 @@ const uint kConstantCountPasses = 63u;
 const uint kConstantLightPart = 64u;       // kLightPart…
 const uint kConstantHideBackground = 65u;
 const uint kConstantInwardSpheres = 69u;
-const uint kConstantTextureUsesAt = 64u;
-const uint kConstantTextureUses = 65u;  // of a material, at most
+const uint kConstantTextureUsesAt = 66u;
+const uint kConstantTextureUses = 67u;  // of a material, at most
 const uint kConstantFew = 70u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -55,10 +56,12 @@ const std::map<std::string, Layout>& host_layouts() {
       {"MaterialRecord",
        {{MEMBER(MaterialRecord, params), MEMBER(MaterialRecord, header), MEMBER(MaterialRecord, specular),
          MEMBER(MaterialRecord, share), MEMBER(MaterialRecord, eta), MEMBER(MaterialRecord, alpha_u),
-         MEMBER(MaterialRecord, k), MEMBER(MaterialRecord, alpha_v)},
+         MEMBER(MaterialRecord, k), MEMBER(MaterialRecord, alpha_v), MEMBER(MaterialRecord, sheen),
+         MEMBER(MaterialRecord, scattered), MEMBER(MaterialRecord, film), MEMBER(MaterialRecord, volume)},
         sizeof(MaterialRecord)}},
       {"MaterialTextures",
-       {{MEMBER(MaterialTextures, first), MEMBER(MaterialTextures, begin), MEMBER(MaterialTextures, end)},
+       {{MEMBER(MaterialTextures, first), MEMBER(MaterialTextures, begin), MEMBER(MaterialTextures, end),
+         MEMBER(MaterialTextures, pad0)},
         sizeof(MaterialTextures)}},
       {"TextureUse",
        {{MEMBER(TextureUse, texture_of), MEMBER(TextureUse, floats), MEMBER(TextureUse, least),
@@ -131,13 +134,15 @@ const std::map<std::string, Layout>& host_layouts() {
          MEMBER(Frame, bsdf_samples),
          MEMBER(Frame, distant_threshold),
          MEMBER(Frame, delta_light_limit),
-         MEMBER(Frame, pad0),
+         MEMBER(Frame, aov),
          MEMBER(Frame, sky_x),
          MEMBER(Frame, environment_row_count),
          MEMBER(Frame, sky_y),
          MEMBER(Frame, environment_threshold),
          MEMBER(Frame, sky_z),
-         MEMBER(Frame, lights_prob)},
+         MEMBER(Frame, lights_prob),
+         MEMBER(Frame, scene_center),
+         MEMBER(Frame, pad0)},
         sizeof(Frame)}},
       {"DeltaLight",
        {{MEMBER(DeltaLight, p), MEMBER(DeltaLight, prob), MEMBER(DeltaLight, intensity), MEMBER(DeltaLight, header),
@@ -304,14 +309,19 @@ TEST(CompileLayout, EveryStructHasTheSameOffsetsInSpirvAndHere) {
   }
 }
 
+std::vector<std::filesystem::path> binaries_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> out;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".spv") out.push_back(entry.path());
+  return out;
+}
+
 TEST(CompileLayout, TheRenderersKernelsAgree) {
-  std::size_t binaries = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(KERNEL_DIR)) {
-    if (entry.path().extension() != ".spv") continue;
-    ++binaries;
-    EXPECT_TRUE(check_binary(entry.path()).contains("Frame")) << entry.path();
+  for (const char* folder : {KERNEL_DIR, MUTANT_DIR}) {
+    const std::vector<std::filesystem::path> kernels = binaries_in(folder);
+    EXPECT_GE(kernels.size(), 3u) << "in " << folder;
+    for (const std::filesystem::path& kernel : kernels) EXPECT_TRUE(check_binary(kernel).contains("Frame")) << kernel;
   }
-  EXPECT_GE(binaries, 3u) << "in " << KERNEL_DIR;
 }
 
 std::string read_header() {
@@ -344,10 +354,11 @@ TEST(CompileLayout, SpecializationConstantsHaveTheIdsOfTheirNames) {
   std::map<std::string, std::uint32_t> unseen = header_constants();
   const std::map<std::string, std::uint32_t> ids = unseen;
   const std::regex few(R"(kFew(\d+)_(\d+))");
-  for (const auto& entry : std::filesystem::directory_iterator(KERNEL_DIR)) {
-    if (entry.path().extension() != ".spv") continue;
-    for (const auto& [name, found] : parse_constants(read_words(entry.path()))) {
-      SCOPED_TRACE(entry.path().string() + ": " + name);
+  std::vector<std::filesystem::path> kernels = binaries_in(KERNEL_DIR);
+  std::ranges::copy(binaries_in(MUTANT_DIR), std::back_inserter(kernels));
+  for (const std::filesystem::path& kernel : kernels) {
+    for (const auto& [name, found] : parse_constants(read_words(kernel))) {
+      SCOPED_TRACE(kernel.string() + ": " + name);
       ASSERT_EQ(found.size(), 1u) << "a constant without a name, or two of one name";
       std::smatch match;
       if (std::regex_match(name, match, few)) {

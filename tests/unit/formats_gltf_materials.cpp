@@ -1,6 +1,7 @@
 /// Materials and textures of glTF assets.
 
 #include "formats/gltf/gltf_textures.h"
+#include "formats/mitsuba/mitsuba_writer.h"
 #include "gltf_files.h"
 #include "image/bitmap_file.h"
 #include "image/decode.h"
@@ -69,7 +70,7 @@ TEST(GltfMaterials, MetallicRoughness) {
   const Stack stack = stack_of(*read.scene);
   ASSERT_EQ(stack.adapters.size(), 1u);
   EXPECT_TRUE(std::holds_alternative<TwoSidedAdapter>(stack.adapters[0]));
-  const auto& bsdf = std::get<PrincipledBsdf>(stack.bsdf);
+  const auto& bsdf = std::get<GltfBsdf>(stack.bsdf);
   EXPECT_EQ(bsdf.base_color.value, glm::dvec3(0.1, 0.2, 0.3));
   EXPECT_EQ(bsdf.metallic.value, 0.75);
   EXPECT_EQ(bsdf.metallic.channel, TextureChannel::blue);
@@ -80,6 +81,85 @@ TEST(GltfMaterials, MetallicRoughness) {
   EXPECT_EQ(std::get<BitmapTexture>(texture.source).color_space, ColorSpace::linear);
   EXPECT_EQ(read.mesh().uv_sets.size(), 2u);
   EXPECT_EQ(read.mesh().uv_sets[0].at(2), glm::vec2(0, 0));  // v upward
+}
+
+TEST(GltfMaterials, LayersOfExtensions) {
+  const GltfRead read = with_material(R"("extensions":{
+      "KHR_materials_clearcoat":{"clearcoatFactor":0.5,"clearcoatRoughnessFactor":0.25,"clearcoatRoughnessTexture":{"index":0}},
+      "KHR_materials_sheen":{"sheenColorFactor":[0.1,0.2,0.3],"sheenRoughnessFactor":0.5,"sheenRoughnessTexture":{"index":0}},
+      "KHR_materials_specular":{"specularFactor":0.5,"specularColorFactor":[2,1,1],"specularTexture":{"index":0}},
+      "KHR_materials_anisotropy":{"anisotropyStrength":0.75,"anisotropyRotation":1},
+      "KHR_materials_iridescence":{"iridescenceFactor":1,"iridescenceThicknessMinimum":100,"iridescenceThicknessMaximum":400,"iridescenceThicknessTexture":{"index":0}},
+      "KHR_materials_ior":{"ior":1.25}})");
+  ASSERT_TRUE(read.scene.has_value()) << read.messages();
+  const auto b = std::get<GltfBsdf>(stack_of(*read.scene).bsdf);
+  EXPECT_EQ(b.clearcoat.value, 0.5);
+  EXPECT_EQ(b.clearcoat_roughness.channel, TextureChannel::green);
+  EXPECT_EQ(b.sheen_color.value, glm::dvec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(b.sheen_roughness.channel, TextureChannel::alpha);
+  EXPECT_EQ(b.specular.channel, TextureChannel::alpha);
+  EXPECT_EQ(b.specular_color.value, glm::dvec3(2, 1, 1));
+  EXPECT_EQ(b.anisotropy.value, 0.75);
+  EXPECT_EQ(b.anisotropy_rotation, -1.0);  // coordinates are mirrored
+  EXPECT_EQ(b.ior.value, 1.25);
+  EXPECT_EQ(b.iridescence_thickness.value, 400.0);
+  const Texture& film = read.scene->textures.at(*b.iridescence_thickness.texture);
+  const Bitmap& thickness = *read.scene->bitmaps.at(std::get<BitmapTexture>(film.source).bitmap);
+  EXPECT_NEAR(thickness.stored(0, 0, 0), 0.25, 0.002);  // green is 0
+  EXPECT_NEAR(thickness.stored(1, 0, 0), 0.25 + 0.75 * 128.0 / 255.0, 0.002);
+}
+
+TEST(GltfMaterials, SheetsAndSolidsLetLightPass) {
+  const std::string transmission =
+      R"("pbrMetallicRoughness":{"metallicFactor":0},"extensions":{"KHR_materials_transmission":{"transmissionFactor":0.75})";
+  const GltfRead sheet = with_material(transmission + "}");
+  ASSERT_TRUE(sheet.scene.has_value()) << sheet.messages();
+  const Stack thin = stack_of(*sheet.scene);
+  EXPECT_TRUE(thin.adapters.empty());  // not two-sided
+  EXPECT_TRUE(std::get<GltfBsdf>(thin.bsdf).thin);
+  const GltfRead solid = with_material(
+      transmission +
+      R"(,"KHR_materials_volume":{"thicknessFactor":1,"attenuationDistance":2,"attenuationColor":[0,0.5,1]}})");
+  ASSERT_TRUE(solid.scene.has_value()) << solid.messages();
+  const auto b = std::get<GltfBsdf>(stack_of(*solid.scene).bsdf);
+  EXPECT_FALSE(b.thin);
+  EXPECT_EQ(b.transmission.value, 0.75);
+  EXPECT_EQ(b.attenuation_distance, 2.0);
+  EXPECT_EQ(b.attenuation_color.y, 0.5);
+  EXPECT_GT(b.attenuation_color.x, 0.0);
+}
+
+TEST(GltfMaterials, MitsubaGetsItsNearestMaterial) {
+  const TemporaryFolder folder;
+  for (const char* material : {R"("pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":0}})",
+                               R"("pbrMetallicRoughness":{"metallicFactor":0},"extensions":{
+                                  "KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":0.25}})"}) {
+    const GltfRead read = with_material(material);
+    ASSERT_TRUE(read.scene.has_value()) << read.messages();
+    const auto differences = write_mitsuba_scene(folder.path("s.xml"), *read.scene, ExistingFiles::replace);
+    EXPECT_NE(fmt::format("{}", fmt::join(differences, " ")).find("materials of glTF are written as principled"),
+              std::string::npos);
+    Diagnostics diagnostics;
+    const auto file = read_scene_file(folder.path("s.xml"), {.strict = true}, diagnostics);
+    ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+    const Bsdf bsdf = stack_of(std::get<Scene>(*file)).bsdf;
+    if (const auto* sheet = std::get_if<PrincipledThinBsdf>(&bsdf)) {
+      EXPECT_EQ(sheet->diff_trans.value, 0.5);
+    } else {
+      EXPECT_TRUE(std::get<PrincipledBsdf>(bsdf).roughness.texture.has_value());
+    }
+  }
+}
+
+TEST(GltfMaterials, SpecularGlossiness) {
+  const GltfRead read = with_material(
+      R"("extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[1,1,1,1],"specularFactor":[0.5,0.25,0.25],"glossinessFactor":0.75}})");
+  ASSERT_TRUE(read.scene.has_value()) << read.messages();
+  const auto b = std::get<GltfBsdf>(stack_of(*read.scene).bsdf);
+  EXPECT_EQ(b.base_color.value, glm::dvec3(0.5));
+  EXPECT_EQ(b.roughness.value, 0.25);
+  EXPECT_EQ(b.metallic.value, 0.0);
+  EXPECT_NEAR(b.specular_color.value.x * 0.04, 0.5, 1e-12);
 }
 
 TEST(GltfMaterials, ColoursAreSrgbAndEmissionIsStrong) {
@@ -118,7 +198,7 @@ TEST(GltfMaterials, TexturesAreTurnedAndWrapped) {
           R"(,"extensions":{"KHR_texture_transform":{"offset":[0.25,0.5],"rotation":1.5707963267948966,"scale":[2,4],"texCoord":1}})"),
       "", R"("source":0,"sampler":0}],"samplers":[{"wrapS":33071,"wrapT":33648,"magFilter":9728)");
   ASSERT_TRUE(read.scene.has_value()) << read.messages();
-  const auto bsdf = std::get<PrincipledBsdf>(stack_of(*read.scene).bsdf);
+  const auto bsdf = std::get<GltfBsdf>(stack_of(*read.scene).bsdf);
   const Texture& texture = read.scene->textures.at(*bsdf.base_color.texture);
   EXPECT_EQ(texture.uv_set, 1u);
   const auto& source = std::get<BitmapTexture>(texture.source);
@@ -166,7 +246,7 @@ TEST(GltfMaterials, ColoursOfVertices) {
   const GltfRead read = with_material(R"("pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1]})", R"(,"COLOR_0":3)");
   ASSERT_TRUE(read.scene.has_value()) << read.messages();
   EXPECT_EQ(read.mesh().vertex_colors.at(1), glm::vec3(0.0f, 0.2f, 0.0f));
-  const auto bsdf = std::get<PrincipledBsdf>(stack_of(*read.scene).bsdf);
+  const auto bsdf = std::get<GltfBsdf>(stack_of(*read.scene).bsdf);
   EXPECT_EQ(bsdf.base_color.value, glm::dvec3(0.5, 1, 1));
   EXPECT_TRUE(std::holds_alternative<AttributeTexture>(read.scene->textures.at(*bsdf.base_color.texture).source));
   const GltfRead both = with_material(textured(), R"(,"COLOR_0":3)");

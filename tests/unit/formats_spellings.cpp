@@ -68,10 +68,10 @@ TEST(Spellings, DisneysMaterialIsPrincipled) {
   const auto& bsdf = std::get<PrincipledBsdf>(scene.materials.at(0).bsdf);
   EXPECT_EQ(bsdf.base_color.value, glm::dvec3(0.5, 0.2, 0.1));
   EXPECT_EQ(bsdf.spec_tint.value, 0.2);
-  EXPECT_EQ(bsdf.clearcoat_gloss, 0.4);
-  EXPECT_EQ(bsdf.sheen_tint, 0.6);
-  EXPECT_EQ(bsdf.flatness, 0.7);
-  EXPECT_NEAR(bsdf.eta, 1.5, 1e-12);  // ((1.5 − 1)/(1.5 + 1))² = 0.08 · 0.5
+  EXPECT_EQ(bsdf.clearcoat_gloss.value, 0.4);
+  EXPECT_EQ(bsdf.sheen_tint.value, 0.6);
+  EXPECT_EQ(bsdf.flatness.value, 0.7);
+  EXPECT_NEAR(bsdf.eta.value, 1.5, 1e-12);  // ((1.5 − 1)/(1.5 + 1))² = 0.08 · 0.5
 }
 
 TEST(Spellings, OtherIntegratorsOfTheSameLight) {

@@ -246,7 +246,8 @@ TEST(ChiSquare, SamplesWhereThereCanBeNoneAreAnError) {
 TEST(ChiSquare, FalseAlarmsComeAtTheStatedRateAndALeaningDieIsFound) {
   std::mt19937_64 rng(3);
   std::vector<double> weights(40);
-  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = std::exp(-0.2 * i);  // the tail has to be pooled
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    weights[i] = std::exp(-0.2 * static_cast<double>(i));  // the tail has to be pooled
   double sum = 0;
   for (double w : weights) sum += w;
   std::discrete_distribution<int> fair(weights.begin(), weights.end());

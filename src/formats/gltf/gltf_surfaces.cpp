@@ -19,14 +19,25 @@ bool has_opacity(const GltfMaterial& m) {
   return m.alpha != GltfMaterial::Alpha::opaque;
 }
 
-bool is_white(const glm::dvec3& c) {
-  return c == glm::dvec3(1.0);
-}
-
 /// The textures that become parameters of the scene.
 std::vector<const MaybeTexture*> textures_of(const GltfMaterial& m) {
-  return {&m.base_color_texture, &m.metallic_roughness_texture, &m.specular_glossiness_texture, &m.normal_texture,
-          &m.emission_texture,   &m.clearcoat_texture,          &m.transmission_texture};
+  return {&m.base_color_texture,
+          &m.metallic_roughness_texture,
+          &m.specular_glossiness_texture,
+          &m.normal_texture,
+          &m.emission_texture,
+          &m.clearcoat_texture,
+          &m.clearcoat_roughness_texture,
+          &m.sheen_color_texture,
+          &m.sheen_roughness_texture,
+          &m.specular_texture,
+          &m.specular_color_texture,
+          &m.transmission_texture,
+          &m.anisotropy_texture,
+          &m.iridescence_texture,
+          &m.iridescence_thickness_texture,
+          &m.diffuse_transmission_texture,
+          &m.diffuse_transmission_color_texture};
 }
 
 }  // namespace
@@ -54,6 +65,10 @@ PrimitiveNeeds GltfSurfaces::needs(std::optional<std::uint32_t> index, const Pri
     if (*info && (*info)->uv_set < content.uv_sets) needs.uv_sets = std::max(needs.uv_sets, (*info)->uv_set + 1);
   }
   needs.colors = content.colors && !m.base_color_texture;
+  if (m.anisotropy > 0.0 && content.uv_sets > 0) {
+    needs.uv_sets = std::max(needs.uv_sets, 1u);
+    if (m.anisotropy_rotation != 0.0) needs.tangent_uv = 0;
+  }
   if (m.normal_texture && m.normal_texture->uv_set < content.uv_sets) needs.tangent_uv = m.normal_texture->uv_set;
   return needs;
 }
@@ -69,8 +84,8 @@ GltfSurface GltfSurfaces::surface(std::optional<std::uint32_t> index, const Prim
 GltfSurface GltfSurfaces::make(const GltfMaterial& m, const Traits& traits) {
   say_what_is_left_out(m, traits);
   Bsdf bsdf = bsdf_of(m, traits);
-  const auto* principled = std::get_if<PrincipledBsdf>(&bsdf);
-  const bool refracts = principled != nullptr && may_refract(*principled);
+  const auto* layered = std::get_if<GltfBsdf>(&bsdf);
+  const bool refracts = layered != nullptr && may_refract(*layered);
   std::uint32_t row = add({.bsdf = std::move(bsdf)}, m);
   row = with_normals(m, traits, row);
   // Both sides are shown, whatever doubleSided says: a viewer culls the back, which light cannot do.
@@ -81,25 +96,64 @@ GltfSurface GltfSurfaces::make(const GltfMaterial& m, const Traits& traits) {
 
 Bsdf GltfSurfaces::bsdf_of(const GltfMaterial& m, const Traits& traits) {
   if (m.model == GltfMaterial::Model::unlit) return DiffuseBsdf{glm::dvec3(0.0)};
-  PrincipledBsdf b;
+  GltfBsdf b;
   b.base_color = base_color(m, traits);
-  b.metallic = 0.0;
   if (m.model == GltfMaterial::Model::specular_glossiness) {
-    const TextureRecipe recipe = roughness_of_glossiness(m.glossiness);
-    if (m.specular_glossiness_texture) {
-      assign(b.roughness, 1.0, m.specular_glossiness_texture, traits, TextureChannel::red, &recipe);
-    } else {
-      b.roughness = 1.0 - m.glossiness;
-    }
+    set_specular_glossiness(m, traits, b);
     return b;
   }
   assign(b.metallic, m.metallic, m.metallic_roughness_texture, traits, TextureChannel::blue);
   assign(b.roughness, m.roughness, m.metallic_roughness_texture, traits, TextureChannel::green);
-  assign(b.spec_trans, m.transmission, m.transmission_texture, traits, TextureChannel::red);
-  assign(b.clearcoat, m.clearcoat, m.clearcoat_texture, traits, TextureChannel::red);
-  constexpr double kLeastIndex = 1.001, kMostIndex = 10.0;
-  b.eta = m.ior == 0.0 ? kMostIndex : std::clamp(m.ior, kLeastIndex, kMostIndex);
+  // 0 stands for an infinite index.
+  b.ior = m.ior == 0.0 ? kMaxTexturedIndex : std::clamp(m.ior, 1.0, kMaxTexturedIndex);
+  assign(b.specular, m.specular, m.specular_texture, traits, TextureChannel::alpha);
+  assign(b.specular_color, glm::min(m.specular_color, kMaxSpecularColor), m.specular_color_texture, traits);
+  set_layers(m, traits, b);
+  set_transmission(m, traits, b);
   return b;
+}
+
+/// The specular colour is the reflectance along the normal, here a factor of that of the index 1.5; as in the
+/// extension, what it reflects at most is taken from the diffuse part.
+void GltfSurfaces::set_specular_glossiness(const GltfMaterial& m, const Traits& traits, GltfBsdf& b) {
+  constexpr double kReflectanceOfIndex = 0.04;
+  const TextureRecipe recipe = roughness_of_glossiness(m.glossiness);
+  b.metallic = 0.0;
+  b.roughness = 1.0 - m.glossiness;
+  if (m.specular_glossiness_texture) {
+    assign(b.roughness, 1.0, m.specular_glossiness_texture, traits, TextureChannel::red, &recipe);
+  } else {
+    const glm::dvec3& f = m.specular_factor;
+    b.base_color.value *= 1.0 - std::max({f.x, f.y, f.z});
+  }
+  assign(b.specular_color, m.specular_factor / kReflectanceOfIndex, m.specular_glossiness_texture, traits);
+}
+
+void GltfSurfaces::set_layers(const GltfMaterial& m, const Traits& traits, GltfBsdf& b) {
+  assign(b.clearcoat, m.clearcoat, m.clearcoat_texture, traits, TextureChannel::red);
+  assign(b.clearcoat_roughness, m.clearcoat_roughness, m.clearcoat_roughness_texture, traits, TextureChannel::green);
+  assign(b.sheen_color, m.sheen_color, m.sheen_color_texture, traits);
+  assign(b.sheen_roughness, m.sheen_roughness, m.sheen_roughness_texture, traits, TextureChannel::alpha);
+  assign(b.anisotropy, m.anisotropy, m.anisotropy_texture, traits, TextureChannel::blue);
+  // Counted from the tangent toward the bitangent, which is turned where coordinates are mirrored.
+  b.anisotropy_rotation = traits.mirrored ? -m.anisotropy_rotation : m.anisotropy_rotation;
+  assign(b.iridescence, m.iridescence, m.iridescence_texture, traits, TextureChannel::red);
+  b.iridescence_ior = std::min(m.iridescence_ior, kMaxFilmIndex);
+  const double most = std::min(std::max(m.iridescence_least, m.iridescence_most), kMaxFilmThickness);
+  const TextureRecipe recipe = film_thickness(m.iridescence_least / most, m.iridescence_most / most);
+  b.iridescence_thickness = std::min(m.iridescence_most, kMaxFilmThickness);
+  if (most > 0.0 && m.iridescence > 0.0 && m.iridescence_thickness_texture)
+    assign(b.iridescence_thickness, most, m.iridescence_thickness_texture, traits, TextureChannel::red, &recipe);
+}
+
+void GltfSurfaces::set_transmission(const GltfMaterial& m, const Traits& traits, GltfBsdf& b) {
+  assign(b.transmission, m.transmission, m.transmission_texture, traits, TextureChannel::red);
+  assign(b.diffuse_transmission, m.diffuse_transmission, m.diffuse_transmission_texture, traits, TextureChannel::alpha);
+  assign(b.diffuse_transmission_color, m.diffuse_transmission_color, m.diffuse_transmission_color_texture, traits);
+  b.thin = !m.is_volume();
+  if (b.thin || !(m.attenuation_distance > 0.0)) return;
+  b.attenuation_color = glm::max(m.attenuation_color, kMinAttenuation);
+  b.attenuation_distance = m.attenuation_distance;
 }
 
 ColorParameter GltfSurfaces::base_color(const GltfMaterial& m, const Traits& traits) {
@@ -164,21 +218,9 @@ void GltfSurfaces::say_what_is_left_out(const GltfMaterial& m, const Traits& tra
   };
   if (m.occlusion_texture && said_.insert("occlusion").second)
     sink_.note(position(m), "occlusion textures are not looked at: light is traced");
-  say(m.model == GltfMaterial::Model::specular_glossiness &&
-          (!is_white(m.specular_factor) || m.specular_glossiness_texture),
-      "has a specular colour");
-  say(m.clearcoat > 0.0 && (m.clearcoat_roughness > 0.0 || m.clearcoat_roughness_texture), "has a rough clear coat");
-  say(m.clearcoat_normal_texture.has_value(), "has a normal texture of its clear coat");
-  say(m.sheen_color != glm::dvec3(0.0), "has a sheen");
-  say(m.specular != 1.0 || !is_white(m.specular_color) || m.specular_texture || m.specular_color_texture,
-      "has a specular factor or colour");
-  say(m.is_volume() && !is_white(m.attenuation_color), "absorbs light inside");
-  say(m.transmission > 0.0 && !m.is_volume(),
-      "is a sheet that lets light pass: it bends light as a solid, a thin wall");
-  say(m.anisotropy > 0.0, "is anisotropic");
-  say(m.iridescence > 0.0, "is iridescent");
+  say(m.clearcoat_normal_texture && m.clearcoat > 0.0, "has a normal texture of its clear coat");
+  say(m.anisotropy > 0.0 && m.anisotropy_texture, "has a texture of the direction of its anisotropy");
   say(m.dispersion > 0.0, "has dispersion");
-  say(m.diffuse_transmission > 0.0, "transmits light diffusely");
   say(m.scatters, "scatters light inside");
   say(has_opacity(m) && traits.colors_have_alpha, "takes part of its opacity from colours of vertices");
 }

@@ -40,6 +40,9 @@ class GltfSurfaces {
   const GltfMaterial& material(std::optional<std::uint32_t> index, const JsonValue& where);
   GltfSurface make(const GltfMaterial& m, const Traits& traits);
   Bsdf bsdf_of(const GltfMaterial& m, const Traits& traits);
+  void set_specular_glossiness(const GltfMaterial& m, const Traits& traits, GltfBsdf& b);
+  void set_layers(const GltfMaterial& m, const Traits& traits, GltfBsdf& b);
+  void set_transmission(const GltfMaterial& m, const Traits& traits, GltfBsdf& b);
   std::uint32_t with_normals(const GltfMaterial& m, const Traits& traits, std::uint32_t inner);
   std::uint32_t with_opacity(const GltfMaterial& m, const Traits& traits, std::uint32_t inner);
   std::optional<std::uint32_t> emitter_of(const GltfMaterial& m, const Traits& traits);

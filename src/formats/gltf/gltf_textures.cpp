@@ -191,6 +191,15 @@ TextureRecipe roughness_of_glossiness(double factor) {
           }};
 }
 
+TextureRecipe film_thickness(double least, double most) {
+  return {fmt::format("film {} {}", least, most), [=](const Bitmap& from) {
+            return grey(from, [&](std::uint32_t x, std::uint32_t y) {
+              const double green = static_cast<double>(from.stored(x, y, from.channels < 3 ? 0 : 1));
+              return least + (most - least) * green;
+            });
+          }};
+}
+
 TextureRecipe scaled_normals(double scale, bool flip) {
   return {fmt::format("normals {} {}", scale, flip), [=](const Bitmap& from) {
             // Halves of a code are kept where numbers are scaled: 8 bits would show as steps in reflections.

@@ -51,6 +51,8 @@ TextureRecipe alpha_cut(double factor, double cutoff);
 TextureRecipe scaled_normals(double scale, bool flip);
 /// The colours times alpha, sRGB.
 TextureRecipe premultiplied();
+/// From `least` where green is 0 to `most` where it is 1; grey.
+TextureRecipe film_thickness(double least, double most);
 /// Roughness of a glossiness in alpha, times a factor: 1 − factor · alpha; grey.
 TextureRecipe roughness_of_glossiness(double factor);
 

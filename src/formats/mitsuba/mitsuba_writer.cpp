@@ -13,6 +13,8 @@
 
 #include "core/errors.h"
 #include "formats/dialect/material_writer.h"
+#include "scene/limits.h"
+#include "scene/materials.h"
 #include "scene/texture_facts.h"
 
 namespace etendue {
@@ -403,7 +405,26 @@ class MitsubaWriter : MaterialWriter {
   void write_microfacet(const std::string&, const MicrofacetBsdf&) override {
     refuse("a material is Nori's microfacet");
   }
-  void write_gltf(const std::string&, const GltfBsdf&) override { refuse("a material is that of glTF"); }
+  /// By the nearest of Mitsuba's materials.
+  void write_gltf(const std::string& id, const GltfBsdf& bsdf) override {
+    const std::string sentence =
+        "materials of glTF are written as principled, whose lobes are others, without sheen, film and volume";
+    if (std::ranges::find(differences_, sentence) == differences_.end()) differs(sentence);
+    const bool sheet = bsdf.thin && may_refract(bsdf);
+    open_bsdf(id, sheet ? "principledthin" : "principled");
+    color("base_color", bsdf.base_color);
+    number("roughness", bsdf.roughness);
+    number("spec_trans", bsdf.transmission);
+    number("eta", std::max(bsdf.ior.value, 1.0 + kMinIndexContrast));
+    if (sheet) {
+      ScalarParameter twice = bsdf.diffuse_transmission;
+      twice.value *= 2.0;
+      return number("diff_trans", twice);
+    }
+    number("metallic", bsdf.metallic);
+    number("anisotropic", bsdf.anisotropy);
+    number("clearcoat", bsdf.clearcoat);
+  }
   void note_masks() {
     const auto is_mask = [](const Material& material) {
       return material.adapter && std::holds_alternative<MaskAdapter>(*material.adapter);
