@@ -68,8 +68,9 @@ ClosedFormScene lit_or_measured(Dice& dice) {
   } else {
     const bool inverse = dice.chance(0.5);
     scene.integrator.type = inverse ? Integrator::Type::depth : Integrator::Type::distance;
-    if (!inverse) scene.camera.near_clip = distance * dice.between(0.0, 0.9);
-    result.expected = inverse ? 1.0 / (distance * scale) : (distance - scene.camera.near_clip) * scale;
+    const double height = distance * scale;
+    if (!inverse) scene.camera.near_clip = height * dice.between(0.0, 0.9);
+    result.expected = inverse ? 1.0 / height : height - scene.camera.near_clip;
   }
   result.name = lit ? "floor lit by a point" : fmt::format("floor {:.2g} away", distance);
   return result;

@@ -241,7 +241,7 @@ TEST(BadScene, Grammar) {
   const std::vector<std::pair<std::string, std::string>> contents = {
       {"<mesh/>", "lacks its attribute \"type\""},
       {"<mesh type=\"\"/>", "unknown mesh type \"\""},
-      {"<mesh type=\"Sphere\"/>", "did you mean \"sphere\"?"},
+      {"<mesh type=\"sphear\"/>", "did you mean \"sphere\"?"},
       {"<mesh type=\"sphere\" type=\"sphere\"/>", "given twice"},
       {"<mesh type=\"sphere\" colour=\"1\"/>", "has no attribute \"colour\""},
       {"<mesh type='sphere\"/>", "no closing quote"},
