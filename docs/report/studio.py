@@ -78,12 +78,12 @@ class Studio:
         return json.loads(self.etendue(*arguments, accept=accept))
 
     def json_file(self, *arguments, accept=(0,)):
-        """For the commands whose --json names a file."""
+        """For JSON in a file, beside the text on stdout."""
         return self.json_file_of(self.program, *arguments, accept=accept)
 
     def json_file_of(self, program, *arguments, accept=(0,)):
         path = self.scratch / "result.json"
-        self.run(program, *arguments, "--json", path, accept=accept)
+        self.run(program, *arguments, f"--json={path}", accept=accept)
         return json.loads(path.read_text(encoding="utf-8"))
 
     def device_options(self, device=None):

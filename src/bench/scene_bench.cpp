@@ -107,15 +107,20 @@ void SceneBench::open_renderer() {
   // The first sample pays for the kernel, the next ones show how many fit into a repetition.
   render(1);
   double seconds = render(1);
+  spp_ = options_.spp > 0 ? static_cast<std::uint32_t>(scene_.sampler.sets_of(options_.spp)) : spp_for(seconds);
+  device_peak_ = vulkan::memory_use().peak - before.now;
+}
+
+// As many samples as take about the wanted time; `seconds` is what one took.
+std::uint32_t SceneBench::spp_for(double seconds) {
   while (seconds < 0.25 * options_.seconds) {
     const double more = std::clamp(0.5 * options_.seconds / std::max(seconds, 1e-6), 2.0, 16.0);
     spp_ = static_cast<std::uint32_t>(std::min(spp_ * more, 65536.0));
     seconds = render(spp_);
     if (spp_ == 65536) break;
   }
-  spp_ = static_cast<std::uint32_t>(
+  return static_cast<std::uint32_t>(
       std::clamp(std::round(spp_ * options_.seconds / std::max(seconds, 1e-6)), 1.0, 65536.0));
-  device_peak_ = vulkan::memory_use().peak - before.now;
 }
 
 // Returns the seconds the device, or the reference, computed.

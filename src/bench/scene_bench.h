@@ -19,6 +19,7 @@ struct BenchOptions {
   std::optional<GpuOptions> gpu;       ///< nothing: the reference
   std::size_t rays = 0;                ///< primary rays; 0: as many as suit the device
   double seconds = 1.0;                ///< of samples in one repetition, about
+  std::uint32_t spp = 0;               ///< samples per pixel of one repetition instead; 0: as many as take so long
   std::size_t checked_rays = 1 << 15;  ///< of each set, compared with the reference
   std::uint32_t seed = 0;
   bool start_up = true, cast_rays = true, render = true;  ///< what is measured
@@ -78,6 +79,7 @@ class SceneBench {
 
   void open_caster();
   void open_renderer();
+  std::uint32_t spp_for(double seconds);
   double render(std::uint32_t spp);
 
   Scene scene_;

@@ -6,6 +6,7 @@
 #include "bench/export.h"
 #include "bench/report.h"
 #include "cli/command.h"
+#include "cli/result_files.h"
 #include "cli/results.h"
 #include "cli/units.h"
 #include "core/log.h"
@@ -21,13 +22,12 @@ struct Options {
   std::uint32_t repetitions = 5;
   std::string time = "1s";
   std::size_t rays = 0;
-  std::uint32_t seed = 0;
-  std::string size;
+  SampleOptions sampling;
   std::vector<std::string> parts;
   std::string export_folder;
   std::string loads;
   bool quick = false;
-  bool json = false;
+  ResultOptions results;
 };
 
 // What --quick measures with: enough to see that everything works.
@@ -50,7 +50,10 @@ std::vector<std::string> default_scenes() {
 }
 
 BenchOptions bench_options(const Options& options) {
-  BenchOptions out{.rays = options.rays, .seconds = parse_duration("--time", options.time), .seed = options.seed};
+  BenchOptions out{.rays = options.rays,
+                   .seconds = parse_duration("--time", options.time),
+                   .spp = options.sampling.spp,
+                   .seed = options.sampling.seed};
   if (options.device.selector == "reference") {
     options.device.factory();  // sets the number of threads
   } else {
@@ -75,11 +78,7 @@ std::vector<std::unique_ptr<SceneBench>> read_scenes(const Options& options, con
   std::vector<std::unique_ptr<SceneBench>> benches;
   for (const std::string& file : options.files.empty() ? default_scenes() : options.files) {
     Scene scene = read_scene(file, options.scene.read_options());
-    if (!options.size.empty()) {
-      const Size size = parse_size(options.size);
-      scene.camera.width = size.width;
-      scene.camera.height = size.height;
-    }
+    options.sampling.set_size(scene);
     benches.push_back(std::make_unique<SceneBench>(std::move(scene), bench));
   }
   return benches;
@@ -96,6 +95,7 @@ void export_all(const std::string& folder, const std::vector<std::unique_ptr<Sce
 }
 
 Ending run_bench(const Options& options) {
+  options.results.begin();
   const BenchOptions bench = bench_options(options);
   const auto benches = read_scenes(options, bench);
   const std::uint32_t repetitions = options.quick ? std::min(options.repetitions, 2u) : options.repetitions;
@@ -114,13 +114,12 @@ Ending run_bench(const Options& options) {
                      .host_threads = thread_count(),
                      .repetitions = repetitions};
   for (const auto& scene : benches) report.scenes.push_back(scene->report());
-  if (options.json) {
-    print_json(bench_json(report));
-  } else {
-    print_text(bench_table(report));
-  }
+  OutputWriter files;
+  options.results.write_json(files, [&] { return bench_json(report); });
+  if (options.results.wants_text()) print_text(bench_table(report));
+  files.finish();
   if (report.passed()) return Ending::ok;
-  log::error("Rays hit something else than in the reference; the rates above are worth nothing.");
+  log::error("Rays hit something else than in the reference; the rates are worth nothing.");
   return Ending::failed;
 }
 
@@ -129,7 +128,8 @@ Ending run_bench(const Options& options) {
 void add_bench_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("bench", "measure rays and samples per second, start-up and memory");
   const auto options = std::make_shared<Options>();
-  command->add_option("SCENE", options->files, "scene files (default: three of the folder scenes)");
+  command->add_option("SCENE", options->files, "scene files (default: three of the folder scenes)")
+      ->file(kSceneEndings);
   command
       ->add_option("--repetitions", options->repetitions,
                    "measurements of everything, of which the median is told; 0: only check")
@@ -142,22 +142,23 @@ void add_bench_command(Command& app, Action& action) {
       ->check(in_range(0, 1 << 22))
       ->capture_default_str();
   command->add_option("--part", options->parts, "measure this only: start, rays or samples; may be repeated")
+      ->type_name("PART")
       ->check(one_of({"start", "rays", "samples"}))
       ->allow_extra_args(false);
   command
       ->add_option("--export", options->export_folder,
                    "write scenes and rays for other programs into this folder (docs/benchmarks.md)")
-      ->type_name("FOLDER");
-  command->add_option("--seed", options->seed, "seed of the rays and of the samples")->capture_default_str();
-  command->add_option("--size", options->size, "film size instead of the scene's, WxH");
+      ->folder();
+  options->sampling.add_to(*command);
   options->scene.add_to(*command);
   options->device.add_to(*command);
   command
       ->add_option("--loads", options->loads,
                    "how kernels read the scene's tables (default: as suits device and scene)")
+      ->type_name("BUFFER")
       ->check(one_of({"texel", "storage"}));
   command->add_flag("--quick", options->quick, "few rays, short repetitions, two of them: does everything work?");
-  command->add_flag("--json", options->json, "machine-readable output");
+  options->results.add_to(*command);
   command->callback([&action, options] { action = [options] { return run_bench(*options); }; });
 }
 

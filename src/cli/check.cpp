@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include "cli/command.h"
+#include "cli/result_files.h"
 #include "cli/results.h"
 #include "core/json.h"
 #include "core/printable.h"
@@ -14,7 +15,8 @@ namespace {
 struct Options {
   std::vector<std::string> files;
   SceneOptions scene;
-  bool json = false;
+  SampleOptions sampling;
+  ResultOptions results;
 };
 
 const char* severity_name(Severity severity) {
@@ -29,7 +31,16 @@ const char* severity_name(Severity severity) {
   return "";
 }
 
+Json to_json(const Diagnostic& finding) {
+  return {{"severity", severity_name(finding.severity)},
+          {"file", finding.position.file},
+          {"line", finding.position.line},
+          {"column", finding.position.column},
+          {"message", finding.message}};
+}
+
 Result check_files(const Options& options) {
+  options.results.begin();
   Result result = Ending::ok;
   auto out = Json::array();
   for (const std::string& file : options.files) {
@@ -37,27 +48,24 @@ Result check_files(const Options& options) {
     ReadOptions read = options.scene.read_options();
     read.strict = true;  // a check is strict by nature: an unknown property is a mistake until shown otherwise
     if (std::optional<SceneFile> content = read_scene_file(file, read, diagnostics)) {
+      if (auto* scene = std::get_if<Scene>(&*content)) options.sampling.set_size_and_spp(*scene);
       check_scene_file(*content, diagnostics);
       check_coincident(*content, diagnostics);
       if (auto* scene = std::get_if<Scene>(&*content)) probe_scene(std::move(*scene), diagnostics);
     }
     for (const Diagnostic& d : diagnostics.list()) {
       if (d.severity == Severity::error && result == Result(Ending::ok)) result = d.kind;
-      if (options.json) {
-        out.push_back({{"severity", severity_name(d.severity)},
-                       {"file", d.position.file},
-                       {"line", d.position.line},
-                       {"column", d.position.column},
-                       {"message", d.message}});
-      } else {
+      out.push_back(to_json(d));
+      if (options.results.wants_text())
         print_result("{}: {}\n", severity_name(d.severity), text::printable(to_string(d), text::kLongestLine));
-      }
     }
-    if (options.json) continue;
+    if (!options.results.wants_text()) continue;
     if (diagnostics.dropped() > 0) print_result("{} more findings are not listed\n", diagnostics.dropped());
     if (!diagnostics.has_errors()) print_result("{}: ok\n", text::printable(file, text::kLongestLine));
   }
-  if (options.json) print_json(out);
+  OutputWriter files;
+  options.results.write_json(files, [&] { return out; });
+  files.finish();
   return result;
 }
 
@@ -67,9 +75,10 @@ void add_check_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "check", "read scenes strictly and list everything that is wrong or probably not meant; nothing is rendered");
   const auto options = std::make_shared<Options>();
-  command->add_option("SCENE", options->files, "scene files")->required();
+  command->add_option("SCENE", options->files, "scene files")->required()->file(kSceneEndings);
+  options->sampling.add_size_and_spp(*command);
   options->scene.add_to(*command);
-  command->add_flag("--json", options->json, "machine-readable output");
+  options->results.add_to(*command);
   command->callback([&action, options] { action = [options] { return check_files(*options); }; });
 }
 

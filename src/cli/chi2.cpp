@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 
 #include "cli/command.h"
-#include "cli/overwrite.h"
 #include "cli/result_files.h"
 #include "cli/results.h"
 
@@ -18,13 +17,11 @@ struct Options {
   SceneOptions scene;
   DeviceOption device;
   Chi2Options test;
-  bool json = false;
-  std::string junit;  ///< path; empty: not wanted
+  ResultOptions results;
 };
 
 Ending run_files(const Options& options) {
-  check_report_replaceable("--junit", options.junit);
-  if (!options.junit.empty()) check_writable(options.junit);
+  options.results.begin();
   // All files are read before the first device is touched.
   std::vector<Chi2Test> tests;
   for (const std::string& file : options.files) {
@@ -43,16 +40,15 @@ Ending run_files(const Options& options) {
     const Chi2Report report = run_chi2(tests[i], options.files[i], options.device.probe_factory(), options.test);
     passed = passed && report.passed();
     for (JunitCase& junit : chi2_junit(report)) cases.push_back(std::move(junit));
-    if (options.json) {
-      out.push_back(chi2_json(report));
-    } else {
+    out.push_back(chi2_json(report));
+    if (options.results.wants_text()) {
       print_result("{}\n", chi2_table(report));
       std::fflush(stdout);
     }
   }
-  if (options.json) print_json(out);
   OutputWriter files;
-  write_text(files, options.junit, [&] { return junit_xml("chi2", cases); });
+  options.results.write_json(files, [&] { return out; });
+  write_text(files, options.results.junit, [&] { return junit_xml("chi2", cases); });
   files.finish();
   return passed ? Ending::ok : Ending::failed;
 }
@@ -62,7 +58,7 @@ Ending run_files(const Options& options) {
 void add_chi2_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("chi2", "test whether the sampling of bsdfs follows their density");
   const auto options = std::make_shared<Options>();
-  command->add_option("FILE", options->files, "files with a <test type=\"chi2test\">")->required();
+  command->add_option("FILE", options->files, "files with a <test type=\"chi2test\">")->required()->file({".xml"});
   options->scene.add_to(*command);
   options->device.add_to(*command);
   command->add_option("--seed", options->test.seed, "seed of the first test: its direction and its samples")
@@ -71,8 +67,8 @@ void add_chi2_command(Command& app, Action& action) {
       ->check(positive());
   command->add_flag("--allow-untested", options->test.allow_untested,
                     "exit 0 even if a test could not be made for want of samples");
-  command->add_flag("--json", options->json, "machine-readable output");
-  command->add_option("--junit", options->junit, "write the results as JUnit XML to this file");
+  options->results.add_to(*command);
+  options->results.add_junit(*command);
   command->callback([&action, options] { action = [options] { return run_files(*options); }; });
 }
 

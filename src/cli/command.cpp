@@ -11,41 +11,54 @@
 
 namespace etendue::cli {
 
+namespace {
+
+constexpr const char* kScene = "Scene";
+constexpr const char* kDevice = "Device";
+
+}  // namespace
+
 void SceneOptions::add_to(Command& command) {
   command.add_option("-D,--define", overrides, "override a property of the scene, for example -D integrator.nee=false")
       ->type_name("PATH=VALUE")
-      ->allow_extra_args(false);
-  command.add_flag("--strict", strict, "unknown properties and rejected samples are errors");
+      ->allow_extra_args(false)
+      ->group(kScene);
+  command.add_flag("--strict", strict, "unknown properties and rejected samples are errors")->group(kScene);
   command
       .add_option("--environment", environment,
                   "a picture of latitude and longitude that lights the scene in place of its sky")
-      ->type_name("FILE");
+      ->file({".exr", ".hdr", ".png", ".jpg"})
+      ->group(kScene);
   command
       .add_option(
           "--camera", camera,
           "where the scene is seen from: the eye and what it looks at, perhaps a field of view; of a glTF asset "
           "also the name or number of one of its cameras")
-      ->type_name("X,Y,Z,X,Y,Z[,FOV]");
-  command.add_option("--scene", scene, "name or number of the scene of a glTF asset")->type_name("NAME");
-  command.add_option("--variant", variant, "name of the material variant of a glTF asset")->type_name("NAME");
+      ->type_name("X,Y,Z,X,Y,Z[,FOV]")
+      ->group(kScene);
+  command.add_option("--scene", scene, "name or number of the scene of a glTF asset")->type_name("NAME")->group(kScene);
+  command.add_option("--variant", variant, "name of the material variant of a glTF asset")
+      ->type_name("NAME")
+      ->group(kScene);
   command
       .add_option("--lamps", lamps,
                   "brightness of a glTF asset's lamps: 'standard', as it is written, 'blender', one 683rd of it, or "
                   "'auto', by what wrote the file")
       ->type_name("RULE")
-      ->capture_default_str();
-  command.add_flag("--approximate", approximate,
-                   "what a scene for Mitsuba asks for and there is not here is replaced, with a warning for each");
+      ->check(one_of({"auto", "blender", "standard"}))
+      ->capture_default_str()
+      ->group(kScene);
+  command
+      .add_flag("--approximate", approximate,
+                "what a scene for Mitsuba asks for and there is not here is replaced, with a warning for each")
+      ->group(kScene);
 }
 
 namespace {
 
 GltfLamps lamps_of(const std::string& rule) {
-  if (rule == "auto") return GltfLamps::automatic;
   if (rule == "blender") return GltfLamps::blender;
-  if (rule == "standard") return GltfLamps::standard;
-  throw Error(ErrorKind::usage,
-              fmt::format("'--lamps {}': there is no such rule; use auto, blender or standard.", rule));
+  return rule == "standard" ? GltfLamps::standard : GltfLamps::automatic;
 }
 
 }  // namespace
@@ -71,18 +84,51 @@ ReadOptions SceneOptions::read_options() const {
   return options;
 }
 
-void DeviceOption::add_to(Command& command) {
+void SampleOptions::add_to(Command& command) {
+  add_size_and_spp(command);
+  command.add_option("--seed", seed, "seed of the random numbers")->capture_default_str();
+}
+
+void SampleOptions::add_size_and_spp(Command& command) {
+  command.add_option("--size", size, "size of the picture in pixels instead of the scene's")->type_name("WxH");
+  command.add_option("--spp", spp, "samples per pixel instead of the scene's sampleCount")
+      ->check(in_range(1u, 0xffffffffu));
+}
+
+void SampleOptions::set_size(Scene& scene) const {
+  if (size.empty()) return;
+  const Size pixels = parse_size(size);
+  scene.camera.width = pixels.width;
+  scene.camera.height = pixels.height;
+}
+
+void SampleOptions::set_size_and_spp(Scene& scene) const {
+  set_size(scene);
+  if (spp > 0) scene.sampler.sample_count = spp;
+}
+
+void DeviceOption::add_to(Command& command, bool several) {
+  const std::string one =
+      "which device renders: auto (the fastest kind there is), a number or a part of the name as 'etendue devices' "
+      "lists them, or reference, the double-precision CPU renderer";
   command
       .add_option("--device", selector,
-                  "'auto', an index or a part of the name as 'etendue devices' lists them, or 'reference'")
-      ->type_name("SEL")
-      ->capture_default_str();
+                  several ? one + "; several numbers with commas (0,1), or all, share the work" : one)
+      ->type_name("DEVICE")
+      ->suggest(several ? std::vector<std::string>{"auto", "all", "reference"}
+                        : std::vector<std::string>{"auto", "reference"})
+      ->capture_default_str()
+      ->group(kDevice);
   command
       .add_option("--device-timeout", timeout,
                   "a dispatch that takes longer means that the device hangs (default and at most 5m)")
-      ->type_name("TIME");
+      ->type_name("TIME")
+      ->group(kDevice);
   command.add_option("--pass-samples", pass_samples, "samples of each lane per dispatch; for tests")->group("");
-  command.add_option("--threads", threads, "host threads; 0: as many as there are cores")->check(in_range(0, 1024));
+  command.add_option("--threads", threads, "host threads; 0: as many as there are cores")
+      ->check(in_range(0, 1024))
+      ->capture_default_str()
+      ->group(kDevice);
 }
 
 DeviceSelection DeviceOption::selection() const {

@@ -31,6 +31,9 @@ void add_selftest_command(Command& app, Action& action);
 void add_bench_command(Command& app, Action& action);
 void add_explain_command(Command& app, Action& action);
 
+/// Files that are scenes, for completion in shells.
+inline const std::vector<std::string> kSceneEndings = {".xml", ".gltf", ".glb", ".obj", ".ply"};
+
 /// Options that several commands share.
 struct SceneOptions {
   std::vector<std::string> overrides;  ///< "integrator.nee=false"
@@ -44,13 +47,29 @@ struct SceneOptions {
   ReadOptions read_options() const;
 };
 
+/// --size and --spp, short for properties of the scene, and --seed: alike in every command that renders.
+struct SampleOptions {
+  std::string size;       ///< "WxH"; empty: the scene's
+  std::uint32_t spp = 0;  ///< 0: what the scene says, or the command
+  std::uint32_t seed = 0;
+
+  void add_to(Command& command);
+  /// --size and --spp, for commands without random numbers of their own.
+  void add_size_and_spp(Command& command);
+  /// Gives the camera the size, if there is one. Throws Error(usage).
+  void set_size(Scene& scene) const;
+  /// The same, and the sampler the number of samples.
+  void set_size_and_spp(Scene& scene) const;
+};
+
 struct DeviceOption {
   std::string selector = "auto";
   std::string timeout;             ///< of one dispatch, "30s"; empty: the default of vulkan::ContextOptions
   std::uint32_t pass_samples = 0;  ///< see GpuOptions::fixed_samples; for tests
   unsigned threads = 0;            ///< of the reference and of scene compilation; 0: as many as there are cores
 
-  void add_to(Command& command);
+  /// `several`: whether the command shares its work among devices.
+  void add_to(Command& command, bool several = false);
   /// For the library. Sets the number of threads.
   DeviceSelection selection() const;
   /// Renderers on the chosen device; "reference" is the CPU reference.

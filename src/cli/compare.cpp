@@ -10,6 +10,7 @@
 #include "cli/result_files.h"
 #include "cli/results.h"
 #include "core/errors.h"
+#include "core/log.h"
 #include "core/memory.h"
 #include "image/picture_header.h"
 #include "validate/html_report.h"
@@ -23,7 +24,7 @@ struct Options {
   double significance = 0.01;
   bool no_flip = false;
   bool allow_untested = false;
-  ResultFiles files;
+  ResultOptions results;
 };
 
 /// Both pictures are held as a whole, and one file while it is unpacked. Better said than found out by the system,
@@ -45,7 +46,7 @@ void check_memory(const Options& options, const PictureHeader& header) {
 }
 
 Ending run_compare(const Options& options) {
-  options.files.check();
+  options.results.begin();
   CompareOptions compare;
   compare.significance = options.significance;
   compare.metrics.flip = !options.no_flip;
@@ -57,12 +58,19 @@ Ending run_compare(const Options& options) {
   require_same_size(a.width, a.height, b.width, b.height);
   check_memory(options, a);
   const Image test = read_image(options.test), reference = read_image(options.reference);
+  for (const auto& [path, image] : {std::pair(&options.test, &test), {&options.reference, &reference}}) {
+    if (image->metadata.contains("toneMapping") || image->metadata.contains("exposure"))
+      log::warning(
+          fmt::format("{}: was written with --tonemap or --exposure and does not show radiance; compare the EXR "
+                      "files.",
+                      *path));
+  }
   const Comparison comparison = compare_images(test, options.test, reference, options.reference, compare);
-  print_text(comparison_text(comparison));
+  if (options.results.wants_text()) print_text(comparison_text(comparison));
   OutputWriter files;
-  write_text(files, options.files.json, [&] { return json_text(comparison_json(comparison)); });
-  write_text(files, options.files.junit, [&] { return junit_xml("compare", {comparison_junit(comparison)}); });
-  write_text(files, options.files.html, [&] { return comparison_html(comparison, test, reference); });
+  options.results.write_json(files, [&] { return comparison_json(comparison); });
+  write_text(files, options.results.junit, [&] { return junit_xml("compare", {comparison_junit(comparison)}); });
+  write_text(files, options.results.html, [&] { return comparison_html(comparison, test, reference); });
   files.finish();
   return comparison.passed() ? Ending::ok : Ending::failed;
 }
@@ -72,18 +80,23 @@ Ending run_compare(const Options& options) {
 void add_compare_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("compare", "say how far apart two pictures are and whether chance explains it");
   const auto options = std::make_shared<Options>();
-  command->add_option("A", options->test, "the picture in question (EXR or PNG)")->required();
-  command->add_option("B", options->reference, "the picture it is held against")->required();
-  command->add_option("--fail-above", options->above,
-                      "METRIC=VALUE, exit 1 beyond: mse rmse relmse mae flip hdrflip bias relbias nonfinite");
-  command->add_option("--fail-below", options->below, "METRIC=VALUE, exit 1 below: psnr ssim");
+  command->add_option("A", options->test, "the picture in question (EXR or PNG)")->required()->file({".exr", ".png"});
+  command->add_option("B", options->reference, "the picture it is held against")->required()->file({".exr", ".png"});
+  command
+      ->add_option("--fail-above", options->above,
+                   "exit 1 beyond that value of mse, rmse, relmse, mae, flip, hdrflip, bias, relbias or nonfinite")
+      ->type_name("METRIC=VALUE");
+  command->add_option("--fail-below", options->below, "exit 1 below that value of psnr or ssim")
+      ->type_name("METRIC=VALUE");
   command->add_option("--significance", options->significance, "false-alarm rate of the statistical tests")
       ->check(in_range(1e-12, 0.5))
       ->capture_default_str();
   command->add_flag("--no-flip", options->no_flip, "leave out FLIP and HDR-FLIP, which take most of the time");
   command->add_flag("--allow-untested", options->allow_untested,
                     "exit 0 even if the pictures differ where no test of the difference could be made");
-  options->files.add_to(*command, true);
+  options->results.add_to(*command);
+  options->results.add_junit(*command);
+  options->results.add_html(*command);
   command->callback([&action, options] { action = [options] { return run_compare(*options); }; });
 }
 

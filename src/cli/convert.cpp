@@ -4,7 +4,9 @@
 
 #include "cli/command.h"
 #include "cli/outputs.h"
+#include "cli/result_files.h"
 #include "core/errors.h"
+#include "core/json.h"
 #include "core/log.h"
 #include "formats/mitsuba/mitsuba_writer.h"
 #include "formats/nori/nori_writer.h"
@@ -13,18 +15,21 @@ namespace etendue::cli {
 namespace {
 
 struct Options {
-  std::string input, output;
+  std::string input, output, named_output;
   std::string dialect = "etendue";
   SceneOptions scene;
+  SampleOptions sampling;
   bool force = false;
-  bool quiet = false;
+  ResultOptions results;
 };
 
 void check_output(const Options& options) {
   namespace fs = std::filesystem;
   if (!options.output.ends_with(".xml"))
     throw Error(ErrorKind::usage, fmt::format("'{}' does not end in .xml; scenes are written as XML.", options.output));
-  check_distinct({{"IN", options.input}, {"OUT", options.output}});
+  std::vector<NamedFile> named = {{"IN", options.input}, {"OUT", options.output}};
+  for (const NamedFile& report : options.results.named_files()) named.push_back(report);
+  check_distinct(named);
   std::error_code unknown;
   if (!options.force && fs::exists(options.output, unknown))
     throw Error(ErrorKind::file, fmt::format("{}: exists already; --force replaces it", options.output));
@@ -32,8 +37,10 @@ void check_output(const Options& options) {
 }
 
 Ending convert(const Options& options) {
+  options.results.begin();
   check_output(options);
-  const Scene scene = read_scene(options.input, options.scene.read_options());
+  Scene scene = read_scene(options.input, options.scene.read_options());
+  options.sampling.set_size_and_spp(scene);
   const ExistingFiles existing = options.force ? ExistingFiles::replace : ExistingFiles::refuse;
   std::vector<std::string> differences;
   if (options.dialect == "mitsuba") {
@@ -42,7 +49,10 @@ Ending convert(const Options& options) {
     write_scene(options.output, scene, existing);
   }
   for (const std::string& sentence : differences) log::warning(sentence);
-  if (!options.quiet) log::info(fmt::format("Wrote {}.", options.output));
+  OutputWriter files;
+  options.results.write_json(files, [&] { return Json({{"output", options.output}, {"differences", differences}}); });
+  if (options.results.wants_text()) log::info(fmt::format("Wrote {}.", options.output));
+  files.finish();
   return Ending::ok;
 }
 
@@ -52,17 +62,23 @@ void add_convert_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "convert", "write a scene, of whatever format, as an XML file with its meshes and pictures beside it");
   const auto options = std::make_shared<Options>();
-  command->add_option("IN", options->input, "scene file")->required();
-  command->add_option("OUT", options->output, "name of the new scene file; the others go into NAME-files")->required();
-  command->add_option("--to", options->dialect, "whose XML: 'etendue', which renders to the same film, or 'mitsuba'")
+  command->add_option("IN", options->input, "scene file")->required()->file(kSceneEndings);
+  command->add_option("OUT", options->output, "name of the new scene file; the others go into NAME-files")
+      ->file({".xml"});
+  command->add_option("-o,--output,--out", options->named_output, "the same as OUT")->file({".xml"});
+  command->add_option("--to", options->dialect, "whose XML: etendue, which renders to the same film, or mitsuba")
+      ->type_name("DIALECT")
+      ->check(one_of({"etendue", "mitsuba"}))
       ->capture_default_str();
+  options->sampling.add_size_and_spp(*command);
   options->scene.add_to(*command);
   command->add_flag("--force", options->force, "replace an existing file");
-  command->add_flag("-q,--quiet", options->quiet, "no messages but warnings and errors");
+  options->results.add_to(*command);
   command->callback([&action, options] {
-    if (options->dialect != "etendue" && options->dialect != "mitsuba")
+    if (options->output.empty() == options->named_output.empty())
       throw Error(ErrorKind::usage,
-                  fmt::format("--to {}: there is no such dialect; use etendue or mitsuba.", options->dialect));
+                  "Name the file to write once: etendue convert IN OUT, or etendue convert IN -o OUT.");
+    if (options->output.empty()) options->output = options->named_output;
     action = [options] { return convert(*options); };
   });
 }

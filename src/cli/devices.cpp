@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 #include "cli/command.h"
+#include "cli/result_files.h"
 #include "cli/results.h"
 #include "core/json.h"
 #include "vulkan/context.h"
@@ -7,32 +8,31 @@
 namespace etendue::cli {
 namespace {
 
-Ending list(bool json) {
+Ending list(const ResultOptions& results) {
+  results.begin();
   const auto devices = vulkan::list_devices(gpu_context_options());
   auto out = Json::array();
   for (const vulkan::DeviceInfo& d : devices) {
     const std::string api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(d.api_version),
                                         VK_API_VERSION_MINOR(d.api_version), VK_API_VERSION_PATCH(d.api_version));
-    if (json) {
-      out.push_back({{"index", d.index},
-                     {"name", d.name},
-                     {"type", d.type},
-                     {"driver", d.driver},
-                     {"vulkan", api},
-                     {"memory_bytes", d.memory_bytes},
-                     {"subgroup_size", d.subgroup_size},
-                     {"missing", d.missing}});
-    } else {
+    out.push_back({{"index", d.index},
+                   {"name", d.name},
+                   {"type", d.type},
+                   {"driver", d.driver},
+                   {"vulkan", api},
+                   {"memory_bytes", d.memory_bytes},
+                   {"subgroup_size", d.subgroup_size},
+                   {"missing", d.missing}});
+    if (results.wants_text()) {
       print_result("{}  {}  [{}]  {}  Vulkan {}  {:.1f} GiB{}\n", d.index, d.name, d.type, d.driver, api,
                    static_cast<double>(d.memory_bytes) / (1 << 30),
                    d.missing.empty() ? "" : "  not usable: " + d.missing);
     }
   }
-  if (json) {
-    print_json(out);
-  } else {
-    print_result("reference  double-precision CPU reference\n");
-  }
+  if (results.wants_text()) print_result("reference  double-precision CPU reference\n");
+  OutputWriter files;
+  results.write_json(files, [&] { return out; });
+  files.finish();
   return Ending::ok;
 }
 
@@ -41,9 +41,9 @@ Ending list(bool json) {
 void add_devices_command(Command& app, Action& action) {
   auto* command =
       app.add_subcommand("devices", "list the Vulkan devices and what is missing from those that cannot be used");
-  const auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "machine-readable output");
-  command->callback([&action, json] { action = [json] { return list(*json); }; });
+  const auto results = std::make_shared<ResultOptions>();
+  results->add_to(*command);
+  command->callback([&action, results] { action = [results] { return list(*results); }; });
 }
 
 }  // namespace etendue::cli

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include "cli/command.h"
+#include "cli/result_files.h"
 #include "cli/results.h"
 #include "cli/units.h"
 #include "core/json.h"
@@ -19,12 +20,11 @@ struct Options {
   std::string scene_file;
   SceneOptions scene;
   DeviceOption device;
-  std::string size;
+  SampleOptions sampling;
   std::string pixel;  ///< "X,Y"; empty: the middle
   std::uint32_t sample = 0;
-  std::uint32_t seed = 0;
   std::uint64_t lights = 0;  ///< paths whose lights are counted; 0: one path is told
-  bool json = false;
+  ResultOptions results;
 };
 
 /// How often next-event estimation chose a light, and how often nothing stood in the way.
@@ -106,21 +106,23 @@ std::uint32_t parse_pixel(const std::string& text, const Camera& camera) {
 void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Options& options) {
   const std::vector<PathVertex> path = renderer.trace_path(id);
   const std::uint32_t x = id.pixel % scene.camera.width, y = id.pixel / scene.camera.width;
-  if (options.json) {
+  OutputWriter files;
+  options.results.write_json(files, [&] {
     auto vertices = Json::array();
     for (const PathVertex& vertex : path) vertices.push_back(to_json(vertex));
-    print_json(Json{{"scene", options.scene_file},
-                    {"device", renderer.device_name()},
-                    {"seed", options.seed},
-                    {"x", x},
-                    {"y", y},
-                    {"sample", id.sample},
-                    {"vertices", vertices}});
-    return;
-  }
+    return Json{{"scene", options.scene_file},
+                {"device", renderer.device_name()},
+                {"seed", options.sampling.seed},
+                {"x", x},
+                {"y", y},
+                {"sample", id.sample},
+                {"vertices", vertices}};
+  });
+  files.finish();
+  if (!options.results.wants_text()) return;
   print_result("{} on {}, seed {}: pixel ({}, {}), sample {}\n",
-               text::printable(options.scene_file, text::kLongestLine), renderer.device_name(), options.seed, x, y,
-               id.sample);
+               text::printable(options.scene_file, text::kLongestLine), renderer.device_name(), options.sampling.seed,
+               x, y, id.sample);
   print_result("{:>7}  {:<16} {:<16} {:<8} {:<13} {:<8}  radiance gathered so far\n", "segment", "meets", "light",
                "reached", "lobe", "survives");
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -161,7 +163,8 @@ double share(std::uint64_t part, std::uint64_t whole) {
 
 void tell_lights(Renderer& renderer, const Scene& scene, const Options& options) {
   const Tally tally = count_lights(renderer, scene, options.lights);
-  if (options.json) {
+  OutputWriter files;
+  options.results.write_json(files, [&] {
     auto lights = Json::array();
     for (const auto& [instance, light] : tally.lights) {
       lights.push_back({{"instance", light_json(instance)},
@@ -169,16 +172,13 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
                         {"share", share(light.chosen, tally.light_samples)},
                         {"reached", light.reached}});
     }
-    print_json(Json{{"scene", options.scene_file},
-                    {"device", renderer.device_name()},
-                    {"seed", options.seed},
-                    {"paths", tally.paths},
-                    {"lightSamples", tally.light_samples},
-                    {"lights", lights}});
-    return;
-  }
+    return Json{{"scene", options.scene_file}, {"device", renderer.device_name()},    {"seed", options.sampling.seed},
+                {"paths", tally.paths},        {"lightSamples", tally.light_samples}, {"lights", lights}};
+  });
+  files.finish();
+  if (!options.results.wants_text()) return;
   print_result("{} on {}, seed {}: {} light samples of {} paths\n",
-               text::printable(options.scene_file, text::kLongestLine), renderer.device_name(), options.seed,
+               text::printable(options.scene_file, text::kLongestLine), renderer.device_name(), options.sampling.seed,
                tally.light_samples, tally.paths);
   print_result("{:<13} {:>10} {:>8} {:>10}\n", "light", "chosen", "share", "unhidden");
   for (const auto& [instance, light] : tally.lights) {
@@ -191,14 +191,14 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
 }
 
 Ending explain(const Options& options) {
+  options.results.begin();
+  if (options.sampling.spp > 0 && options.sample >= options.sampling.spp)
+    throw Error(ErrorKind::usage, fmt::format("'--sample {}' is none of the {} samples of '--spp'; they begin at 0.",
+                                              options.sample, options.sampling.spp));
   Scene scene = read_scene(options.scene_file, options.scene.read_options());
-  if (!options.size.empty()) {
-    const Size size = parse_size(options.size);
-    scene.camera.width = size.width;
-    scene.camera.height = size.height;
-  }
+  options.sampling.set_size(scene);
   const SampleId id{parse_pixel(options.pixel, scene.camera), options.sample};
-  const auto renderer = options.device.factory()(scene, RenderSettings{.seed = options.seed});
+  const auto renderer = options.device.factory()(scene, RenderSettings{.seed = options.sampling.seed});
   if (options.lights > 0) {
     tell_lights(*renderer, scene, options);
   } else {
@@ -214,19 +214,18 @@ void add_explain_command(Command& app, Action& action) {
       "explain", "tell the path of one sample, vertex by vertex, or count which lights the samples of a scene choose");
   const auto options = std::make_shared<Options>();
   options->device.selector = "reference";
-  command->add_option("SCENE", options->scene_file, "scene file")->required();
+  command->add_option("SCENE", options->scene_file, "scene file")->required()->file(kSceneEndings);
   command->add_option("--pixel", options->pixel, "pixel of the sample, 0,0 at the top left (default: the middle)")
       ->type_name("X,Y");
   command->add_option("--sample", options->sample, "index of the sample")->capture_default_str();
-  command->add_option("--seed", options->seed, "seed of the random numbers")->capture_default_str();
-  command->add_option("--size", options->size, "film size instead of the scene's, WxH");
   command
       ->add_option("--lights", options->lights,
                    "follow so many paths, spread evenly over the picture, and count the lights they choose")
       ->check(in_range(1u, 100'000'000u));
+  options->sampling.add_to(*command);
   options->scene.add_to(*command);
   options->device.add_to(*command);
-  command->add_flag("--json", options->json, "machine-readable output");
+  options->results.add_to(*command);
   command->callback([&action, options] { action = [options] { return explain(*options); }; });
 }
 

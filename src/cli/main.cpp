@@ -22,7 +22,6 @@ void add_commands(etendue::Command& app, etendue::cli::Action& action) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return etendue::cli::run_program(
-      "Etendue: a Vulkan path tracer that gives the same light on every device, and proves it.", "etendue",
-      add_commands, argc, argv);
+  return etendue::cli::run_program("a Vulkan path tracer that gives the same light on every device, and proves it",
+                                   "etendue", add_commands, argc, argv);
 }

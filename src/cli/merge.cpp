@@ -5,7 +5,7 @@
 #include "cli/command.h"
 #include "cli/outputs.h"
 #include "cli/overwrite.h"
-#include "cli/results.h"
+#include "cli/result_files.h"
 #include "core/json.h"
 #include "core/log.h"
 #include "core/printable.h"
@@ -17,9 +17,9 @@ struct Options {
   std::vector<std::string> films;
   std::vector<std::string> outputs;
   bool picture = false;
-  bool quiet = false;
-  bool json = false;
+  DisplayOptions display;
   OverwriteOptions overwrite;
+  ResultOptions results;
 };
 
 // Films count samples; where the sampler deals out sets of paths, a sample is a set.
@@ -34,6 +34,7 @@ std::string samples_text(const FilmFile& film, std::uint64_t count) {
 void check_inputs_stay(const Options& options) {
   std::vector<NamedFile> files;
   for (const std::string& path : options.outputs) files.emplace_back("-o", path);
+  for (const NamedFile& report : options.results.named_files()) files.push_back(report);
   check_distinct(files);
   for (const std::string& path : options.outputs) {
     if (path.ends_with(".exr") && !options.picture) continue;
@@ -42,7 +43,9 @@ void check_inputs_stay(const Options& options) {
 }
 
 Ending merge(const Options& options) {
+  options.results.begin();
   for (const std::string& path : options.outputs) check_output_name(path);
+  options.display.check(options.outputs);
   for (const std::string& path : options.outputs) check_writable(path);
   check_inputs_stay(options);
   const FilmFile film = merge_films(options.films);
@@ -50,21 +53,24 @@ Ending merge(const Options& options) {
     throw Error(ErrorKind::file, "None of the films holds a sample; there is nothing to write.");
   for (const std::string& path : options.outputs) {
     const std::string note = check_replaceable(path, {header_of(film), !options.picture}, options.overwrite);
-    if (!note.empty() && !options.quiet) log::info(note);
+    if (!note.empty()) log::info(note);
   }
   OutputWriter writer;
   for (const std::string& path : options.outputs)
-    writer.write(path, [&] { write_output(path, film, !options.picture); });
+    writer.write(path, [&] { write_output(path, film, !options.picture, options.display.display()); });
 
   const std::uint64_t count = sample_count(film.samples);
   const std::uint64_t gaps = film.samples.back().second - count;
-  if (options.json) {
-    print_json(Json({{"outputs", writer.written()},
-                     {"films", options.films.size()},
-                     {"samples", count},
-                     {"missing", gaps},
-                     {"metadata", film_metadata(film)}}));
-  } else if (!options.quiet && !writer.written().empty()) {
+  OutputWriter json_file;
+  options.results.write_json(json_file, [&] {
+    return Json({{"outputs", writer.written()},
+                 {"films", options.films.size()},
+                 {"samples", count},
+                 {"missing", gaps},
+                 {"metadata", film_metadata(film)}});
+  });
+  writer.add_failures(json_file);
+  if (options.results.wants_text() && !writer.written().empty()) {
     log::info(fmt::format("Merged {} films: {}, samples {}{}; wrote {}.", options.films.size(),
                           samples_text(film, count), text::printable(etendue::to_text(film.samples), 200),
                           gaps > 0 ? fmt::format(" ({} of 0:{} are missing)", gaps, film.samples.back().second) : "",
@@ -80,15 +86,16 @@ void add_merge_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "merge", "add up films of one render: shards of 'render --samples', checkpoints, merged films");
   const auto options = std::make_shared<Options>();
-  command->add_option("FILM", options->films, "films with different samples, in any order")->required();
-  command->add_option("-o,--output", options->outputs, "film (.exr) or picture (.png) to write; may be repeated")
+  command->add_option("FILM", options->films, "films with different samples, in any order")->required()->file({".exr"});
+  command->add_option("-o,--output,--out", options->outputs, "film (.exr) or picture (.png) to write; may be repeated")
       ->required()
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->file({".exr", ".png"});
   command->add_flag("--picture", options->picture,
                     "write .exr files as plain pictures, which are smaller but cannot be merged or resumed");
+  options->display.add_to(*command);
   options->overwrite.add_to(*command);
-  command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
-  command->add_flag("--json", options->json, "print what was done as JSON");
+  options->results.add_to(*command);
   command->callback([&action, options] { action = [options] { return merge(*options); }; });
 }
 

@@ -1,5 +1,6 @@
 #include "cli/outputs.h"
 
+#include <algorithm>
 #include <new>
 
 #include <fmt/core.h>
@@ -32,14 +33,42 @@ void check_distinct(const std::vector<NamedFile>& files) {
   }
 }
 
-void write_output(const std::string& path, const FilmFile& film, bool as_film) {
+void DisplayOptions::add_to(Command& command) {
+  command
+      .add_option(
+          "--tonemap", tone_map,
+          "how PNG files show what is brighter than white: none cuts it off, reinhard compresses the luminance, "
+          "aces is a filmic curve; EXR files keep the radiance")
+      ->type_name("OPERATOR")
+      ->check(one_of(tone_map_names()))
+      ->capture_default_str();
+  command
+      .add_option("--exposure", exposure,
+                  "how much brighter PNG files show the picture, in stops: 1 doubles it, -1 halves it")
+      ->type_name("STOPS")
+      ->check(in_range(-60.0, 60.0))
+      ->capture_default_str();
+}
+
+Display DisplayOptions::display() const {
+  return {.tone_map = tone_map_of(tone_map), .exposure = exposure};
+}
+
+void DisplayOptions::check(const std::vector<std::string>& outputs) const {
+  if (!display().changes_values()) return;
+  if (std::ranges::any_of(outputs, [](const std::string& path) { return path.ends_with(".png"); })) return;
+  throw Error(ErrorKind::usage,
+              "--tonemap and --exposure change PNG files only, and none is written; add -o NAME.png.");
+}
+
+void write_output(const std::string& path, const FilmFile& film, bool as_film, const Display& display) {
   if (path.ends_with(".exr") && as_film) {
     write_film(path, film);
     return;
   }
   const Image image = image_from_film(film);
   if (path.ends_with(".png")) {
-    write_png(path, image);
+    write_png(path, image, display);
   } else {
     write_exr(path, image);
   }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/command_line.h"
 #include "core/errors.h"
 #include "image/image.h"
 
@@ -25,8 +26,19 @@ using NamedFile = std::pair<std::string, std::string>;
 /// links. Empty names are skipped.
 void check_distinct(const std::vector<NamedFile>& files);
 
-/// Writes a film as picture (.png), picture or film (.exr).
-void write_output(const std::string& path, const FilmFile& film, bool as_film);
+/// --tonemap and --exposure: how PNG files show the picture.
+struct DisplayOptions {
+  std::string tone_map = "none";
+  double exposure = 0.0;
+
+  void add_to(Command& command);
+  Display display() const;
+  /// Throws Error(usage) when they ask for something and none of the outputs is a PNG file.
+  void check(const std::vector<std::string>& outputs) const;
+};
+
+/// Writes a film as picture (.png, as `display` shows it), picture or film (.exr).
+void write_output(const std::string& path, const FilmFile& film, bool as_film, const Display& display);
 
 /// Writes files one by one. One that cannot be written does not keep the others from being written.
 class OutputWriter {

@@ -9,6 +9,7 @@
 #include "cli/overwrite.h"
 #include "cli/progress.h"
 #include "cli/render_stats.h"
+#include "cli/result_files.h"
 #include "cli/results.h"
 #include "cli/signals.h"
 #include "cli/units.h"
@@ -26,25 +27,25 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr const char* kPieces = "Render in pieces, stop and go on";  // a heading of --help
+
 struct Options {
   std::string scene_file;
   SceneOptions scene;
   DeviceOption device;
   std::vector<std::string> outputs;
-  std::uint32_t spp = 0;  ///< 0: what the scene says
-  std::uint32_t seed = 0;
-  std::string size;
+  SampleOptions sampling;
   std::string samples;
   std::string checkpoint, checkpoint_every, resume;
   std::string time, until_error;
   std::string aovs;
   bool alpha = false;
   bool film = false;
-  bool quiet = false;
-  bool json = false;
   bool stats = false;
   std::vector<std::string> heat_maps;  ///< .exr and .png
+  DisplayOptions display;
   OverwriteOptions overwrite;
+  ResultOptions results;
 };
 
 bool uses_gpu(const Options& options) {
@@ -75,13 +76,13 @@ SampleRange all_samples(std::uint32_t paths, const Sampler& sampler) {
 // In film samples, which are sets of paths.
 SampleRange wanted_samples(const Options& options, const Scene& scene) {
   if (options.samples.empty())
-    return all_samples(options.spp > 0 ? options.spp : scene.sampler.sample_count, scene.sampler);
+    return all_samples(options.sampling.spp > 0 ? options.sampling.spp : scene.sampler.sample_count, scene.sampler);
   const SampleRange range = parse_samples(options.samples);
-  if (options.spp > 0 && range.end > options.spp) {
+  if (options.sampling.spp > 0 && range.end > options.sampling.spp) {
     throw Error(
         ErrorKind::usage,
         fmt::format("'--samples {}' ends beyond the {} samples of '--spp'; a range of an N spp render lies inside 0:N.",
-                    options.samples, options.spp));
+                    options.samples, options.sampling.spp));
   }
   return whole_sets(range, scene.sampler);
 }
@@ -120,6 +121,7 @@ void check_files(const Plan& plan, const Options& options) {
   std::vector<NamedFile> files = {{"--checkpoint", options.checkpoint}};
   for (const std::string& path : plan.outputs) files.emplace_back("-o", path);
   for (const std::string& path : options.heat_maps) files.emplace_back("--heat-map", path);
+  for (const NamedFile& report : options.results.named_files()) files.push_back(report);
   check_distinct(files);
   for (const auto& [option, path] : files) {
     const bool film = option == "--checkpoint" || (option == "-o" && plan.film && path.ends_with(".exr"));
@@ -205,12 +207,12 @@ Json to_json(const Outcome& outcome, const RenderJob& job, const Options& option
   return out;
 }
 
-void report(const Outcome& outcome, const RenderJob& job, const Options& options, const Plan& plan,
-            const DeviceTeam& team) {
+void report(Outcome& outcome, const RenderJob& job, const Options& options, const Plan& plan, const DeviceTeam& team) {
   const std::uint32_t set_size = plan.session.set_size;
-  if (options.json) {
-    print_json(to_json(outcome, job, options, plan, team));
-  } else if (!options.quiet) {
+  OutputWriter json_file;
+  options.results.write_json(json_file, [&] { return to_json(outcome, job, options, plan, team); });
+  outcome.files.add_failures(json_file);
+  if (options.results.wants_text()) {
     const Film& film = job.state().film;
     const double rate =
         static_cast<double>(outcome.samples * job.pixels() * set_size) / std::max(outcome.render_seconds, 1e-9);
@@ -220,7 +222,7 @@ void report(const Outcome& outcome, const RenderJob& job, const Options& options
                           duration_text(outcome.render_seconds), rate * 1e-6,
                           written.empty() ? "nothing" : fmt::format("{}", fmt::join(written, " and "))));
   }
-  if (outcome.profile && options.stats && !options.json)
+  if (outcome.profile && options.stats && options.results.wants_text())
     print_text(stats_text(*outcome.profile, gpu_timings(*team.renderers().front())));
 }
 
@@ -237,7 +239,7 @@ void write_outputs(OutputWriter& files, const RenderJob& job, const Options& opt
   for (const std::string& path : plan.outputs)
     files.write_somewhere(path, [&] {
       const std::string place = place_of(path, picture, options.overwrite);
-      write_output(place, job.state(), plan.film);
+      write_output(place, job.state(), plan.film, options.display.display());
       return place;
     });
 }
@@ -245,7 +247,7 @@ void write_outputs(OutputWriter& files, const RenderJob& job, const Options& opt
 SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const Options& options,
                        const Plan& plan, SignalWatch& signals) {
   const std::uint64_t paths = job.pixels() * plan.session.set_size;
-  ProgressLine line(options.quiet, job.done() * paths, job.total() * paths);
+  ProgressLine line(options.results.quiet, job.done() * paths, job.total() * paths);
   const auto write_picture = [&] {
     signals.take_image_request();
     OutputWriter files;
@@ -311,7 +313,7 @@ void check_outputs(const Options& options, const Plan& plan, const FilmHeader& w
   for (const std::string& path : options.heat_maps)
     notes.push_back(check_replaceable(path, {heat, false}, options.overwrite));
   for (const std::string& note : notes) {
-    if (!note.empty() && !options.quiet) log::info(note);
+    if (!note.empty()) log::info(note);
   }
 }
 
@@ -329,19 +331,17 @@ void add_aovs(const Options& options, Scene& scene) {
 }
 
 Ending render(const Options& options) {
+  options.results.begin();
   Plan plan = make_plan(options, Clock::now());
-  SignalWatch signals(options.quiet);
+  SignalWatch signals(options.results.quiet);
   Scene scene = read_scene(options.scene_file, options.scene.read_options());
-  if (!options.size.empty()) {
-    const Size size = parse_size(options.size);
-    scene.camera.width = size.width;
-    scene.camera.height = size.height;
-  }
+  options.sampling.set_size(scene);
   add_aovs(options, scene);
   plan.outputs = output_paths(options, scene);
+  options.display.check(plan.outputs);
   plan.session.set_size = scene.sampler.set_size();
   const SampleRange wanted = wanted_samples(options, scene);
-  FilmHeader identity = film_identity(scene, options.seed);
+  FilmHeader identity = film_identity(scene, options.sampling.seed);
   RenderJob job(identity, {{wanted.begin, wanted.end}});
   if (!options.resume.empty()) job.resume(read_film(options.resume), options.resume);
   identity.samples = {{wanted.begin, wanted.end}};
@@ -354,11 +354,12 @@ Ending render(const Options& options) {
   const SharedScene shared(scene);  // compiled once for all devices, and for those that are opened afresh
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : options.device.factories()) {
-    open.push_back(
-        [factory, shared, settings = RenderSettings{.seed = options.seed}] { return factory(shared, settings); });
+    open.push_back([factory, shared, settings = RenderSettings{.seed = options.sampling.seed}] {
+      return factory(shared, settings);
+    });
   }
-  DeviceTeam team(std::move(open), aov_plan(scene, options.seed, identity));
-  if (!options.quiet && uses_gpu(options)) {
+  DeviceTeam team(std::move(open), aov_plan(scene, options.sampling.seed, identity));
+  if (uses_gpu(options)) {
     for (const Renderer* renderer : team.renderers()) log::info(gpu_device_choice(*renderer));
   }
   return run_job(job, checkpoint, team, options, plan, signals);
@@ -368,26 +369,35 @@ void add_job_options(Command& command, Options& options) {
   command
       .add_option("--samples", options.samples,
                   "render only the samples A to B - 1 and write films that 'etendue merge' adds up")
-      ->type_name("A:B");
-  command.add_flag("--film", options.film,
-                   "write .exr files as films, which can be merged and resumed, instead of pictures");
+      ->type_name("A:B")
+      ->group(kPieces);
+  command
+      .add_flag("--film", options.film,
+                "write .exr files as films, which can be merged and resumed, instead of pictures")
+      ->group(kPieces);
   command
       .add_option("--checkpoint", options.checkpoint,
                   "film file that keeps what is done, written from time to time and at the end")
-      ->type_name("FILE");
+      ->file({".exr"})
+      ->group(kPieces);
   command.add_option("--checkpoint-every", options.checkpoint_every, "time between checkpoints (default: 60s)")
-      ->type_name("TIME");
+      ->type_name("TIME")
+      ->group(kPieces);
   command.add_option("--resume", options.resume, "go on from a checkpoint or another film of the same render")
-      ->type_name("FILE");
+      ->file({".exr"})
+      ->group(kPieces);
   command
       .add_option("--time", options.time,
-                  "stop in time, for example 10m; scene reading counts, writing the image does not")
-      ->type_name("TIME");
+                  "stop in time, for example 10m; scene reading counts, writing the picture does not")
+      ->type_name("TIME")
+      ->group(kPieces);
   command
-      .add_option("--until-error", options.until_error,
-                  "stop when the relative standard error of the image is at most this, for example 1%; looked at after "
-                  "16, 24, 32, 48, 64 … samples (sobol: 4, 6, 8, 12, 16 … sets)")
-      ->type_name("FRACTION");
+      .add_option(
+          "--until-error", options.until_error,
+          "stop when the relative standard error of the picture is at most this, for example 1%; looked at after "
+          "16, 24, 32, 48, 64 … samples (sobol: 4, 6, 8, 12, 16 … sets)")
+      ->type_name("FRACTION")
+      ->group(kPieces);
 }
 
 }  // namespace
@@ -395,15 +405,13 @@ void add_job_options(Command& command, Options& options) {
 void add_render_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("render", "render a scene to EXR and PNG");
   const auto options = std::make_shared<Options>();
-  command->add_option("SCENE", options->scene_file, "scene file")->required();
+  command->add_option("SCENE", options->scene_file, "scene file")->required()->file(kSceneEndings);
   command
-      ->add_option("-o,--output", options->outputs,
-                   "image to write, .exr or .png; may be repeated (default: <scene name>.exr and .png here)")
-      ->allow_extra_args(false);
-  command->add_option("--spp", options->spp, "samples per pixel instead of the scene's sampleCount")
-      ->check(in_range(1u, 0xffffffffu));
-  command->add_option("--seed", options->seed, "seed of the random numbers")->capture_default_str();
-  command->add_option("--size", options->size, "film size instead of the scene's, WxH");
+      ->add_option("-o,--output,--out", options->outputs,
+                   "picture to write, .exr or .png; may be repeated (default: <scene name>.exr and .png here)")
+      ->allow_extra_args(false)
+      ->file({".exr", ".png"});
+  options->sampling.add_to(*command);
   command
       ->add_option("--aov", options->aovs,
                    "channels beside the picture in .exr files: depth, position, normal, albedo …; several with commas "
@@ -413,22 +421,24 @@ void add_render_command(Command& app, Action& action) {
                     "write coverage as the channel A and leave the background out: pictures are transparent there");
   add_job_options(*command, *options);
   options->scene.add_to(*command);
-  options->device.add_to(*command);
+  options->device.add_to(*command, true);
   command->add_flag("--stats", options->stats,
                     "count rays, nodes, primitives and working lanes on some samples afterwards");
   command
       ->add_option("--heat-map", options->heat_maps,
                    "what the pixels cost: nodes, primitives and rays per sample as .exr, false colours as .png; may be "
                    "repeated")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->file({".exr", ".png"});
+  options->display.add_to(*command);
   options->overwrite.add_to(*command);
-  command->add_flag("-q,--quiet", options->quiet, "say nothing but errors");
-  command->add_flag("--json", options->json, "print what was done as JSON");
+  options->results.add_to(*command);
   command->footer(
-      "SIGINT, SIGTERM, SIGHUP or a signal of a limit or timer (SIGXCPU, SIGALRM …): finish the pass, write image and "
+      "SIGINT, SIGTERM, SIGHUP or a signal of a limit or timer (SIGXCPU, SIGALRM …): finish the pass, write picture "
+      "and "
       "checkpoint, end with code 130; a second SIGINT or "
       "SIGTERM aborts. "
-      "SIGUSR1: write the current image.");
+      "SIGUSR1: write the current picture.");
   command->callback([&action, options] { action = [options] { return render(*options); }; });
 }
 

@@ -9,7 +9,6 @@
 #include "cli/result_files.h"
 #include "cli/results.h"
 #include "core/terminal.h"
-#include "validate/compare.h"
 
 namespace etendue::cli {
 namespace {
@@ -18,25 +17,25 @@ struct Options {
   DeviceOption device;
   SelftestOptions test;
   std::optional<std::uint64_t> seed;
-  ResultFiles files;
+  ResultOptions results;
 };
 
 Ending run(const Options& options) {
-  options.files.check();
+  options.results.begin();
   SelftestOptions test = options.test;
   test.seed = options.seed ? *options.seed
                            : std::random_device()() & 0x7fffffffu;  // printed, so that a failure can be repeated
-  if (test.seeds > 1 && terminal::stderr_is_terminal()) {
+  if (test.seeds > 1 && !options.results.quiet && terminal::stderr_is_terminal()) {
     test.progress = [&](std::uint32_t done) {
       terminal::put_line(fmt::format("{} of {} suites", done, test.seeds));
       if (done == test.seeds) terminal::end_line();
     };
   }
   const SelftestReport report = run_selftest(options.device.factory(), options.device.probe_factory(), test);
-  print_text(selftest_text(report));
+  if (options.results.wants_text()) print_text(selftest_text(report));
   OutputWriter files;
-  write_text(files, options.files.json, [&] { return json_text(selftest_json(report)); });
-  write_text(files, options.files.junit, [&] { return junit_xml("selftest", selftest_junit(report)); });
+  options.results.write_json(files, [&] { return selftest_json(report); });
+  write_text(files, options.results.junit, [&] { return junit_xml("selftest", selftest_junit(report)); });
   files.finish();
   return report.passed() ? Ending::ok : Ending::failed;
 }
@@ -60,7 +59,8 @@ void add_selftest_command(Command& app, Action& action) {
       ->capture_default_str();
   command->add_flag("--allow-untested", options->test.allow_untested,
                     "exit 0 even if a test could not be made for want of samples");
-  options->files.add_to(*command, false);
+  options->results.add_to(*command);
+  options->results.add_junit(*command);
   command->callback([&action, options] { action = [options] { return run(*options); }; });
 }
 

@@ -60,15 +60,15 @@ extern "C" void on_render_signal(int signal) {
     return;
   }
   if (!g_saving) {
-    say("\nInterrupted before anything was rendered; nothing was written.\n");
+    say("\nnote: Interrupted before anything was rendered; nothing was written.\n");
     _exit(exit_code(ErrorKind::interrupted));
   }
   if (is_impatient(signal)) {
-    say("\nAborted.\n");
+    say("\nnote: Aborted.\n");
     _exit(exit_code(ErrorKind::interrupted));
   }
   if (!g_stop_request.exchange(true))
-    say("\nInterrupted: finishing the pass, then saving what is done; once more to abort.\n");
+    say("\nnote: Interrupted: finishing the pass, then saving what is done; once more to abort.\n");
   errno = saved_errno;
 }
 

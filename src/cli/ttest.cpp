@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 
 #include "cli/command.h"
-#include "cli/overwrite.h"
 #include "cli/result_files.h"
 #include "cli/results.h"
 #include "validate/chi2.h"
@@ -18,13 +17,29 @@ struct Options {
   SceneOptions scene;
   DeviceOption device;
   TTestOptions test;
-  bool json = false;
-  std::string junit;  ///< path; empty: not wanted
+  SampleOptions sampling;
+  ResultOptions results;
 };
 
+// --size, and what --size and --spp cannot mean.
+void prepare(TTest& test, const std::string& file, const Options& options) {
+  if (!test.bsdfs.empty() && (options.sampling.spp > 0 || !options.sampling.size.empty()))
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: tests bsdfs, which have no pixels for --size and --spp; --samples says how many samples "
+                    "each test takes.",
+                    file));
+  for (Scene& scene : test.scenes) options.sampling.set_size(scene);
+}
+
 Ending run_files(const Options& options) {
-  check_report_replaceable("--junit", options.junit);
-  if (!options.junit.empty()) check_writable(options.junit);
+  options.results.begin();
+  if (options.sampling.spp > 0 && options.test.sample_count)
+    throw Error(ErrorKind::usage,
+                "--spp gives the samples of each pixel and --samples those of all pixels together; give one of them.");
+  TTestOptions settings = options.test;
+  settings.seed = options.sampling.seed;
+  if (options.sampling.spp > 0) settings.samples_per_pixel = options.sampling.spp;
   // All files are read before the first device is touched.
   std::vector<TTest> tests;
   for (const std::string& file : options.files) {
@@ -34,6 +49,7 @@ Ending run_files(const Options& options) {
       throw Error(ErrorKind::scene,
                   fmt::format("{}: holds no <test type=\"ttest\">; use 'etendue render' for scenes.", file));
     }
+    prepare(*test, file, options);
     tests.push_back(std::move(*test));
   }
   bool passed = true;
@@ -41,21 +57,19 @@ Ending run_files(const Options& options) {
   std::vector<JunitCase> cases;
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const TTestReport report =
-        tests[i].bsdfs.empty()
-            ? run_ttest(tests[i], options.files[i], options.device.factory(), options.test)
-            : run_bsdf_ttest(tests[i], options.files[i], options.device.probe_factory(), options.test);
+        tests[i].bsdfs.empty() ? run_ttest(tests[i], options.files[i], options.device.factory(), settings)
+                               : run_bsdf_ttest(tests[i], options.files[i], options.device.probe_factory(), settings);
     passed = passed && report.passed();
     for (JunitCase& junit : ttest_junit(report)) cases.push_back(std::move(junit));
-    if (options.json) {
-      out.push_back(ttest_json(report));
-    } else {
+    out.push_back(ttest_json(report));
+    if (options.results.wants_text()) {
       print_result("{}\n", ttest_table(report));
       std::fflush(stdout);
     }
   }
-  if (options.json) print_json(out);
   OutputWriter files;
-  write_text(files, options.junit, [&] { return junit_xml("ttest", cases); });
+  options.results.write_json(files, [&] { return out; });
+  write_text(files, options.results.junit, [&] { return junit_xml("ttest", cases); });
   files.finish();
   return passed ? Ending::ok : Ending::failed;
 }
@@ -66,16 +80,18 @@ void add_ttest_command(Command& app, Action& action) {
   auto* command =
       app.add_subcommand("ttest", "test the mean luminance of scenes, or the albedo of bsdfs, against known values");
   const auto options = std::make_shared<Options>();
-  command->add_option("FILE", options->files, "files with a <test type=\"ttest\">")->required();
+  command->add_option("FILE", options->files, "files with a <test type=\"ttest\">")->required()->file({".xml"});
   options->scene.add_to(*command);
   options->device.add_to(*command);
-  command->add_option("--seed", options->test.seed, "seed of the first scene")->capture_default_str();
-  command->add_option("--samples", options->test.sample_count, "samples per scene instead of the file's sampleCount")
+  options->sampling.add_to(*command);
+  command
+      ->add_option("--samples", options->test.sample_count,
+                   "samples per scene, of all pixels together, instead of the file's sampleCount")
       ->check(positive());
   command->add_flag("--allow-untested", options->test.allow_untested,
                     "exit 0 even if a test could not be made for want of samples");
-  command->add_flag("--json", options->json, "machine-readable output");
-  command->add_option("--junit", options->junit, "write the results as JUnit XML to this file");
+  options->results.add_to(*command);
+  options->results.add_junit(*command);
   command->callback([&action, options] { action = [options] { return run_files(*options); }; });
 }
 

@@ -21,19 +21,23 @@ struct Options {
   ValidateOptions validate;
   std::string require = "statistical";
   bool no_flip = false;
-  ResultFiles files;
+  SampleOptions sampling;
+  ResultOptions results;
 };
 
 Ending run_validate(const Options& options) {
-  options.files.check();
+  options.results.begin();
   SceneFile read = read_scene_file(options.file, options.scene.read_options());
-  const auto* scene = std::get_if<Scene>(&read);
+  auto* scene = std::get_if<Scene>(&read);
   if (scene == nullptr) {
     throw Error(ErrorKind::scene, fmt::format("{}: is a test, not a scene; use 'etendue ttest'.", options.file));
   }
+  options.sampling.set_size(*scene);
   DeviceOption reference = options.device;
   reference.selector = "reference";
   ValidateOptions validate = options.validate;
+  validate.seed = options.sampling.seed;
+  validate.samples_per_pixel = options.sampling.spp;
   validate.worst_accepted = options.require == "identical"  ? Verdict::identical
                             : options.require == "rounding" ? Verdict::rounding_only
                                                             : Verdict::statistically_equal;
@@ -41,11 +45,11 @@ Ending run_validate(const Options& options) {
     return make_shaken_reference_renderer(shared.scene(), settings);
   };
   const Validation validation = validate_scene(*scene, options.device.factory(), reference.factory(), validate);
-  print_text(validation_text(validation));
+  if (options.results.wants_text()) print_text(validation_text(validation));
   OutputWriter files;
-  write_text(files, options.files.json, [&] { return json_text(validation_json(validation)); });
-  write_text(files, options.files.junit, [&] { return junit_xml("validate", {validation_junit(validation)}); });
-  write_text(files, options.files.html, [&] {
+  options.results.write_json(files, [&] { return validation_json(validation); });
+  write_text(files, options.results.junit, [&] { return junit_xml("validate", {validation_junit(validation)}); });
+  write_text(files, options.results.html, [&] {
     MetricOptions metrics;
     metrics.flip = !options.no_flip;
     return validation_html(validation, metrics);
@@ -59,14 +63,10 @@ Ending run_validate(const Options& options) {
 void add_validate_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("validate", "say whether a device renders the right image, and where not");
   const auto options = std::make_shared<Options>();
-  command->add_option("SCENE", options->file, "scene file")->required();
+  command->add_option("SCENE", options->file, "scene file")->required()->file(kSceneEndings);
+  options->sampling.add_to(*command);
   options->scene.add_to(*command);
   options->device.add_to(*command);
-  command
-      ->add_option("--spp", options->validate.samples_per_pixel,
-                   "samples per pixel with independent seeds (default: the scene's, 16 to 64)")
-      ->check(positive());
-  command->add_option("--seed", options->validate.seed, "seed")->capture_default_str();
   command->add_option("--samples", options->validate.sample_budget, "samples compared one by one")
       ->check(positive())
       ->capture_default_str();
@@ -74,12 +74,18 @@ void add_validate_command(Command& app, Action& action) {
       ->check(in_range(1e-12, 0.5))
       ->capture_default_str();
   command->add_option("--require", options->require, "worst verdict that exits 0: identical, rounding or statistical")
+      ->type_name("VERDICT")
       ->check(one_of({"identical", "rounding", "statistical"}))
       ->capture_default_str();
   command->add_flag("--allow-untested", options->validate.allow_untested,
                     "exit 0 even if the pictures differ where no test of the difference could be made");
   command->add_flag("--no-flip", options->no_flip, "leave FLIP out of the HTML report");
-  options->files.add_to(*command, true);
+  options->results.add_to(*command);
+  options->results.add_junit(*command);
+  options->results.add_html(*command);
+  command->footer(
+      "Without --spp, as many samples per pixel as the scene asks for, but at least 16 and at most 64, are taken with "
+      "independent random numbers.");
   command->callback([&action, options] { action = [options] { return run_validate(*options); }; });
 }
 

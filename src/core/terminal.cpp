@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 
 #include <fmt/core.h>
@@ -62,6 +63,10 @@ void put(std::string_view text) noexcept {
   }
 }
 
+void print(std::string_view text) noexcept {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
 void put_line(std::string_view line) noexcept {
   const bool rewritten = stderr_is_terminal();
   try {
@@ -93,7 +98,7 @@ void TerminalLog::message(log::Level level, std::string_view sentence) noexcept 
   const Label label = level == log::Level::error     ? Label{"error: ", "\x1b[31m"}
                       : level == log::Level::warning ? Label{"warning: ", "\x1b[33m"}
                       : level == log::Level::debug   ? Label{"debug: ", "\x1b[2m"}
-                                                     : Label{"", ""};
+                                                     : Label{"note: ", "\x1b[36m"};
   terminal::end_line();
   try {
     const bool colored = terminal::use_color();

@@ -37,6 +37,9 @@ bool use_color();
 /// seconds once, and not at all until it takes something again.
 void put(std::string_view text) noexcept;
 
+/// Writes to stdout, for programs without results of their own (cli/results.h has theirs).
+void print(std::string_view text) noexcept;
+
 /// A line about progress: on a terminal it takes the place of the one before, and stays open.
 void put_line(std::string_view line) noexcept;
 /// Ends the open line, if there is one, so that something else can be written. Messages do so themselves.

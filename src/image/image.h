@@ -11,6 +11,7 @@
 
 #include "image/aov.h"
 #include "image/film.h"
+#include "image/tone_mapping.h"
 
 namespace etendue {
 
@@ -45,8 +46,9 @@ Image read_image(const std::string& path);
 /// attributes. Written beside the target, fsynced and renamed: the target appears whole or stays as it was. Throws
 /// Error(file).
 void write_exr(const std::string& path, const Image& image);
-/// 8-bit sRGB PNG, clamped to [0,1]; transparent by the channel A where there is one. Atomic like write_exr.
-void write_png(const std::string& path, const Image& image);
+/// 8-bit sRGB PNG of what `display` makes of the picture, clamped to [0,1]; transparent by the channel A where there is
+/// one. What `display` changes is told in the metadata: "toneMapping" and "exposure". Atomic like write_exr.
+void write_png(const std::string& path, const Image& image, const Display& display = {});
 
 /// A film with everything needed to go on with it: shards and checkpoints are this file. It is an EXR that any viewer
 /// opens (R G B, StdErr.*, SampleCount) and whose extra unsigned channels hold the exact sums, with a checksum over all

@@ -64,8 +64,8 @@ static void read_png_bytes(png_structp png, png_bytep target, std::size_t count)
 
 /// IEC 61966-2-1, clamped to [0,1]; NaN becomes 0. In double; 255 times it is rounded to the nearest integer, halves
 /// up.
-png_byte encode_srgb(float linear) {
-  const double x = linear > 0.0f ? std::min(static_cast<double>(linear), 1.0) : 0.0;
+png_byte encode_srgb(double linear) {
+  const double x = linear > 0.0 ? std::min(linear, 1.0) : 0.0;
   const double encoded = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
   return static_cast<png_byte>(std::floor(255.0 * encoded + 0.5));
 }
@@ -274,6 +274,13 @@ void check_png_size(png_structp png, png_infop info, std::size_t file_size, cons
   }
 }
 
+/// What was done to the values is no secret: such a picture shows no radiance.
+Metadata with_display(Metadata metadata, const Display& display) {
+  if (display.tone_map != ToneMap::none) metadata["toneMapping"] = name_of(display.tone_map);
+  if (display.exposure != 0.0) metadata["exposure"] = fmt::format("{:+g}", display.exposure);
+  return metadata;
+}
+
 /// The channel A, or null.
 const std::vector<float>* alpha_of(const Image& image) {
   const auto found = std::ranges::find(image.channels, "A", &ImageChannel::name);
@@ -282,7 +289,7 @@ const std::vector<float>* alpha_of(const Image& image) {
 
 }  // namespace
 
-void write_png(const std::string& path, const Image& image) {
+void write_png(const std::string& path, const Image& image, const Display& display) {
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
   if (count == 0 || image.pixels.size() != count) {
     throw Error(ErrorKind::file, fmt::format("{}: cannot write an image of {}x{} pixels that holds {}", path,
@@ -296,14 +303,16 @@ void write_png(const std::string& path, const Image& image) {
       // Colours of a PNG are not multiplied by alpha, those of renders are.
       const float a = alpha != nullptr ? (*alpha)[i] : 1.0f;
       const glm::vec3 color = a > 0.0f ? image.pixels[i] / a : glm::vec3(0.0f);
-      for (int c = 0; c < 3; ++c) encoded[stride * i + c] = encode_srgb(color[c]);
+      const glm::dvec3 shown = tone_mapped(color, display);
+      for (int c = 0; c < 3; ++c) encoded[stride * i + c] = encode_srgb(shown[c]);
       if (alpha != nullptr) encoded[stride * i + 3] = static_cast<png_byte>(std::lround(255.0f * a));
     }
   });
   std::vector<png_bytep> rows = row_pointers(encoded, image.height);
   // International text: values are UTF-8. libpng does not change what the non-const pointers point to.
   std::vector<png_text> texts;
-  for (const auto& [key, value] : image.metadata) {
+  const Metadata metadata = with_display(image.metadata, display);
+  for (const auto& [key, value] : metadata) {
     if (!is_png_keyword(key)) continue;
     png_text text{};
     text.compression = PNG_ITXT_COMPRESSION_NONE;

@@ -11,7 +11,6 @@
 #include "cli/results.h"
 #include "core/terminal.h"
 #include "mutants/mutate.h"
-#include "validate/compare.h"
 
 namespace etendue::cli {
 namespace {
@@ -20,11 +19,11 @@ struct Options {
   DeviceOption device;
   MutateOptions test;
   bool markdown = false;
-  ResultFiles files;
+  ResultOptions results;
 };
 
 Ending run(const Options& options) {
-  options.files.check();
+  options.results.begin();
   MutateOptions test = options.test;
   test.gpu = options.device.gpu_options();
   test.progress = [](const MutantOutcome& outcome) {
@@ -33,10 +32,10 @@ Ending run(const Options& options) {
   };
   const MutateReport report = run_mutate(test);
   terminal::end_line();
-  print_text(options.markdown ? mutate_markdown(report) : mutate_text(report));
+  if (options.results.wants_text()) print_text(options.markdown ? mutate_markdown(report) : mutate_text(report));
   OutputWriter files;
-  write_text(files, options.files.json, [&] { return json_text(mutate_json(report)); });
-  write_text(files, options.files.junit, [&] { return junit_xml("mutate", mutate_junit(report)); });
+  options.results.write_json(files, [&] { return mutate_json(report); });
+  write_text(files, options.results.junit, [&] { return junit_xml("mutate", mutate_junit(report)); });
   files.finish();
   return report.passed() ? Ending::ok : Ending::failed;
 }
@@ -47,7 +46,8 @@ void add_options(Command& command, Action& action) {
   command.add_option("--only", options->test.only, "numbers of the mutants to run")->delimiter(',');
   command.add_flag("--all", options->test.all_tests, "run every test on every mutant, not only until one notices");
   command.add_flag("--markdown", options->markdown, "print the table of docs/validation.md");
-  options->files.add_to(command, false);
+  options->results.add_to(command);
+  options->results.add_junit(command);
   action = [options] { return run(*options); };
 }
 
@@ -55,6 +55,6 @@ void add_options(Command& command, Action& action) {
 }  // namespace etendue::cli
 
 int main(int argc, char** argv) {
-  return etendue::cli::run_program("Plants errors in the kernels and demands that the tests notice each of them.",
+  return etendue::cli::run_program("plants errors in the kernels and demands that the tests notice each of them",
                                    "etendue-mutate", etendue::cli::add_options, argc, argv);
 }

@@ -7,6 +7,7 @@
 #include "core/errors.h"
 #include "core/log.h"
 #include "core/terminal.h"
+#include "core/version.h"
 #include "sculpt/mesh.h"
 #include "sculpt/pictures.h"
 #include "sculpt/polygonise.h"
@@ -35,7 +36,7 @@ sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
 }
 
 int run(int argc, char** argv) {
-  Command app("Makes triangle meshes, pictures and a sky for the scenes: the same bytes on every machine.",
+  Command app("makes triangle meshes, pictures and a sky for the scenes, the same bytes on every machine",
               "etendue-sculpt");
   std::string kind, picture, output;
   std::uint64_t triangles = 500000;
@@ -60,7 +61,10 @@ int run(int argc, char** argv) {
   app.add_option("--height", height, "of the sky's picture in pixels, which is twice as wide")
       ->capture_default_str()
       ->check(in_range(2, 4096));
-  app.add_option("-o,--output", output, "OBJ file to write, PNG file of a picture, or HDR file of a sky")->required();
+  app.add_option("-o,--output,--out", output, "OBJ file to write, PNG file of a picture, or HDR file of a sky")
+      ->required()
+      ->file({".obj", ".png", ".hdr"});
+  app.set_version_flag(std::string("etendue-sculpt ") + version());
   if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? 0 : 2;
   if (kind.empty() == picture.empty())
     throw Error(ErrorKind::usage, "Give --kind for a mesh or a sky, or --picture for a picture.");

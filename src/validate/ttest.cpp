@@ -139,9 +139,11 @@ TTestReport run_ttest(const TTest& test, const std::string& file, const Renderer
   report.test_level = sidak_level(report.significance_level, test.scenes.size());
   for (std::size_t i = 0; i < test.scenes.size(); ++i) {
     const Scene& scene = test.scenes[i];
-    SceneTTest result =
-        test_scene(scene, test.references[i], options.seed + static_cast<std::uint32_t>(i),
-                   options.sample_count.value_or(test.sample_count), options.tail_samples, make_renderer, report);
+    const std::uint64_t samples =
+        options.samples_per_pixel ? std::uint64_t{*options.samples_per_pixel} * scene.camera.width * scene.camera.height
+                                  : options.sample_count.value_or(test.sample_count);
+    SceneTTest result = test_scene(scene, test.references[i], options.seed + static_cast<std::uint32_t>(i), samples,
+                                   options.tail_samples, make_renderer, report);
     result.name = fmt::format("scene {}", i + 1);
     judge_ttest(result, report.test_level, options.allow_untested);
     report.scenes.push_back(std::move(result));

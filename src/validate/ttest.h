@@ -18,8 +18,9 @@ struct TTestOptions {
   std::uint32_t seed = 0;                     ///< scene i is rendered with seed + i, so that the tests are independent
   std::optional<double> significance_level;   ///< instead of the file's, in (0,1)
   std::optional<std::uint64_t> sample_count;  ///< instead of the file's
-  std::uint64_t tail_samples = 65536;         ///< samples looked at one by one for the tail report; 0 = none
-  bool allow_untested = false;                ///< a test that says nothing passes
+  std::optional<std::uint32_t> samples_per_pixel;  ///< instead of either, times the pixels of a scene
+  std::uint64_t tail_samples = 65536;              ///< samples looked at one by one for the tail report; 0 = none
+  bool allow_untested = false;                     ///< a test that says nothing passes
 };
 
 struct SceneTTest {

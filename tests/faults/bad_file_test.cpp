@@ -71,7 +71,7 @@ class BadFile : public testing::Test {
                                  const std::string& words = "") {
     expect_refused({"compare: " + name,
                     {file, bytes, "good.exr", exr_},
-                    {"compare", file, "good.exr", "--json", "r.json"},
+                    {"compare", file, "good.exr", "--json=r.json"},
                     6,
                     file,
                     words,

@@ -91,7 +91,7 @@ TEST_F(HostileText, ReportsAreValidToo) {
   const std::string scene = kEvil + ".xml";
   run({"render", scene, "--device", "reference", "--spp", "16", "-o", kEvil + ".exr"});
   run({"render", scene, "--device", "reference", "--spp", "16", "--seed", "1", "-o", kEvil + "2.exr"});
-  const std::vector<std::string> command = {"compare", kEvil + ".exr", kEvil + "2.exr", "--json", "r.json",
+  const std::vector<std::string> command = {"compare", kEvil + ".exr", kEvil + "2.exr", "--json=r.json",
                                             "--junit", "r.xml",        "--html",        "r.html"};
   run(command);
   expect_json(read_text(folder_ / "r.json"), command);

@@ -124,14 +124,14 @@ TEST_F(LostStreams, SignalsOfLimitsAndTimersSaveWhatIsDone) {
 }
 
 TEST_F(LostStreams, ResultFilesDoNotNeedStdout) {
-  const ProcessResult result = run({"compare", "one.exr", "one.exr", "--json", "r.json", "--junit", "gone/r.xml"});
+  const ProcessResult result = run({"compare", "one.exr", "one.exr", "--json=r.json", "--junit", "gone/r.xml"});
   expect_error(result, 6, "gone/r.xml");  // told before any work
   EXPECT_FALSE(exists("r.json"));
-  const ProcessResult full = run({"compare", "one.exr", "one.exr", "--no-flip", "--json", "r.json"},
+  const ProcessResult full = run({"compare", "one.exr", "one.exr", "--no-flip", "--json=r.json"},
                                  {.out = keep(open(full_device().c_str(), O_WRONLY | O_CLOEXEC))});
   expect_error(full, 6, "cannot be written to stdout: No space left on device");
   EXPECT_TRUE(exists("r.json"));
-  expect_error(run({"compare", "one.exr", "one.exr", "--json", "r.json", "--html", "./r.json"}), 2, "are one file");
+  expect_error(run({"compare", "one.exr", "one.exr", "--json=r.json", "--html", "./r.json"}), 2, "are one file");
 }
 
 TEST_F(LostStreams, ATerminalThatGoesAwaySavesWhatIsDone) {

@@ -192,18 +192,18 @@ TEST_F(Overwrite, ReportsReplaceReportsOnly) {
     for (const std::string file : {"b.exr", "b.png", "scene.xml"}) {
       SCOPED_TRACE(option + " " + file);
       const std::string before = read_text(folder_ / file);
-      const ProcessResult result = run({"compare", "a.exr", "b.exr", "--no-flip", option, file});
+      const ProcessResult result = run({"compare", "a.exr", "b.exr", "--no-flip", option + "=" + file});
       EXPECT_EQ(result.code, 6) << result.err;
       EXPECT_THAT(result.err, HasSubstr("is no report"));
       EXPECT_TRUE(read_text(folder_ / file) == before);
     }
     for (int again = 0; again < 2; ++again)
-      EXPECT_EQ(run({"compare", "a.exr", "b.exr", "--no-flip", "--allow-untested", option, "r"}).code, 0) << option;
+      EXPECT_EQ(run({"compare", "a.exr", "b.exr", "--no-flip", "--allow-untested", option + "=r"}).code, 0) << option;
     fs::remove(folder_ / "r");
   }
   EXPECT_EQ(run({"chi2", "scene.xml", "--device", "reference", "--samples", "100", "--junit", "scene.xml"}).code, 6);
   write_text(folder_ / "empty", "");
-  EXPECT_EQ(run({"compare", "a.exr", "b.exr", "--no-flip", "--allow-untested", "--json", "empty"}).code, 0);
+  EXPECT_EQ(run({"compare", "a.exr", "b.exr", "--no-flip", "--allow-untested", "--json=empty"}).code, 0);
 }
 
 TEST_F(Overwrite, NoClobberReplacesNothing) {

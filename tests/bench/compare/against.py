@@ -211,7 +211,7 @@ def judge(scene, ours, peer, options):
         return {**row, 'verdict': 'different', 'why': f'{peer.name} renders {agreement.size_text(picture.mean)} pixels'}
     picture.write(theirs)
     command = [options.etendue, 'compare', ours, theirs, '--no-flip', '--significance', str(options.significance)]
-    subprocess.run([*command, '--json', report], capture_output=True, check=False)
+    subprocess.run([*command, f'--json={report}'], capture_output=True, check=False)
     with open(report, encoding='utf-8') as file:
         said = json.load(file)
     families = {f['name']: f for f in said.get('tests', {}).get('families', [])}

@@ -13,6 +13,7 @@
 
 #include "core/command_line.h"
 #include "core/errors.h"
+#include "core/terminal.h"
 #include "formats/read_scene.h"
 #include "gpu/gpu_renderer.h"
 #include "image/image.h"
@@ -164,6 +165,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const TerminalLog messages;
   try {
     return static_cast<int>(run(argc, argv));
   } catch (const Error& error) {

@@ -1,0 +1,10 @@
+# cmake -DPROGRAM=… -DNAME=… -DFOLDER=… -P describe_program.cmake: see describe.cmake.
+file(MAKE_DIRECTORY ${FOLDER})
+function(ask file)
+  execute_process(COMMAND ${PROGRAM} ${ARGN} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+  file(WRITE ${FOLDER}/${NAME}.${file} "${text}")
+endfunction()
+ask(1 --man)
+foreach(shell bash zsh fish)
+  ask(${shell} --completion ${shell})
+endforeach()
