@@ -1,4 +1,4 @@
-# cmake -DWAY=find_package|add_subdirectory -DSOURCES=… -DBUILD=… -DWORK=… -DTYPE=… -DGENERATOR=… [-DLAUNCHER=…] -P use.cmake
+# cmake -DWAY=find_package|pkg_config|add_subdirectory -DSOURCES=… -DBUILD=… -DWORK=… -DTYPE=… -DGENERATOR=… [-DLAUNCHER=…] -P use.cmake
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code WORKING_DIRECTORY ${WORK})
   if(NOT code EQUAL 0)
@@ -12,8 +12,23 @@ file(MAKE_DIRECTORY ${WORK})
 # A copy somewhere else: nothing may be found because it lies beside the sources.
 file(COPY ${SOURCES}/examples/two_devices/ DESTINATION ${WORK}/example)
 set(options -G ${GENERATOR} -DCMAKE_BUILD_TYPE=${TYPE} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
-if(WAY STREQUAL "find_package")
+if(NOT WAY STREQUAL "add_subdirectory")
   run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix --component library)
+endif()
+if(WAY STREQUAL "pkg_config")
+  # Moved after it was installed: the paths in etendue.pc are relative.
+  file(REMOVE_RECURSE ${WORK}/moved)
+  file(RENAME ${WORK}/prefix ${WORK}/moved)
+  file(GLOB_RECURSE module ${WORK}/moved/etendue.pc)
+  get_filename_component(folder ${module} DIRECTORY)
+  execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${folder} pkg-config --cflags --libs etendue
+    OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  run(${LAUNCHER} ${COMPILER} ${WORK}/example/main.cpp -o ${WORK}/two_devices ${flags})
+  run(${WORK}/two_devices auto 16)
+  return()
+endif()
+if(WAY STREQUAL "find_package")
   list(APPEND options -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 else()
   list(APPEND options -DETENDUE_SOURCES=${SOURCES})
