@@ -48,9 +48,11 @@ int run(int argc, char** argv) {
          "loose random triangles; lamps: triangles "
          "that hover over a square and look down; vase, bowl: turned, with texture coordinates; tile: a square with "
          "texture coordinates; sky: a picture of a day's sky, Radiance HDR, of --height rows")
+      ->type_name("KIND")
       ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps", "vase", "bowl", "tile", "sky"}));
   app.add_option("--picture", picture,
                  "instead of a mesh, a PNG: wood, porcelain, cloth, or orange, which is for a sphere")
+      ->type_name("KIND")
       ->check(one_of(sculpt::picture_kinds()));
   app.add_option("--size", size, "pixels of a picture, each way")->capture_default_str()->check(in_range(1, 8192));
   app.add_option("--triangles", triangles,
