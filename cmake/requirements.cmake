@@ -87,6 +87,15 @@ etendue_require_program(GLSLANG_VALIDATOR "glslangValidator;glslang" glslang-too
 etendue_require_program(SPIRV_VAL spirv-val spirv-tools)
 etendue_require_program(SPIRV_OPT spirv-opt spirv-tools)
 
+# What `etendue view` needs; without it everything else is built.
+option(ETENDUE_VIEW "Build the viewer, which needs cpp-httplib; it is built without this, too, where that is there" OFF)
+if(PKG_CONFIG_FOUND)
+  pkg_check_modules(HTTPLIB QUIET cpp-httplib)
+endif()
+if(ETENDUE_VIEW OR (ETENDUE_TESTS AND ETENDUE_ALL_TESTS))
+  etendue_require(HTTPLIB_FOUND "the web library cpp-httplib" libcpp-httplib-dev)
+endif()
+
 # What tests need beyond the program. The parts of GoogleTest are looked for one by one: where one is missing, its CMake package is no help.
 if(ETENDUE_TESTS)
   etendue_require_header(GTEST_HEADER gtest/gtest.h "GoogleTest" "libgtest-dev" LIBRARY gtest)

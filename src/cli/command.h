@@ -30,6 +30,7 @@ void add_chi2_command(Command& app, Action& action);
 void add_selftest_command(Command& app, Action& action);
 void add_bench_command(Command& app, Action& action);
 void add_explain_command(Command& app, Action& action);
+void add_view_command(Command& app, Action& action);
 
 /// Files that are scenes, for completion in shells.
 inline const std::vector<std::string> kSceneEndings = {".xml", ".gltf", ".glb", ".obj", ".ply"};

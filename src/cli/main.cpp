@@ -17,6 +17,7 @@ void add_commands(etendue::Command& app, etendue::cli::Action& action) {
   etendue::cli::add_selftest_command(app, action);
   etendue::cli::add_bench_command(app, action);
   etendue::cli::add_explain_command(app, action);
+  etendue::cli::add_view_command(app, action);
 }
 
 }  // namespace

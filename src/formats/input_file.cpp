@@ -13,6 +13,7 @@
 
 #include "core/errors.h"
 #include "core/printable.h"
+#include "core/read_log.h"
 #include "core/text.h"
 
 namespace etendue {
@@ -32,6 +33,7 @@ std::string reason(const std::string& path, int error) {
 }  // namespace
 
 InputFile::InputFile(const std::string& path) : path_(text::printable(path, kMostShown)) {
+  note_read(path);
   // O_NONBLOCK lets open() return at once for a FIFO, which is then refused by its kind.
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor_ < 0) {

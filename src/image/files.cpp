@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/read_log.h"
 
 namespace etendue {
 namespace {
@@ -254,6 +255,7 @@ std::vector<std::byte> read_file(const std::string& path, std::uint64_t limit) {
   const auto fail = [&](const char* action, int error) {
     throw Error(ErrorKind::file, fmt::format("{}: {}: {}", path, action, std::generic_category().message(error)));
   };
+  note_read(path);
   // Not blocking: opening a pipe without a writer would wait for ever.
   const int descriptor = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) fail("cannot open it", errno);

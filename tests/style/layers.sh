@@ -31,10 +31,11 @@ validate gpu compile vulkan reference render scene image core
 bench gpu compile vulkan reference render scene image core
 library etendue formats validate gpu compile vulkan reference render scene image core
 cli library etendue formats bench validate gpu compile vulkan reference render scene image core
+view cli library etendue formats validate gpu compile vulkan reference render scene image core
 mutants cli validate gpu compile vulkan reference render scene image core
 RULES
 # A new folder has to be given its place above.
-known=" core image scene formats render compile vulkan gpu reference sculpt validate bench library cli mutants "
+known=" core image scene formats render compile vulkan gpu reference sculpt validate bench library cli view mutants "
 for folder in */; do
   case $known in
     *" ${folder%/} "*) ;;

@@ -65,6 +65,10 @@ class MitsubaWriter : MaterialWriter {
     xml_.close();
     files_.write(xml_.result(), existing);
   }
+  std::string sensor_alone() {
+    write_sensor(scene_.camera);
+    return xml_.elements();
+  }
   const std::vector<std::string>& differences() const { return differences_; }
 
  private:
@@ -480,6 +484,13 @@ std::vector<std::string> write_mitsuba_scene(const std::string& path, const Scen
   MitsubaWriter writer(path, scene);
   writer.write(existing);
   return writer.differences();
+}
+
+std::string sensor_element(const Camera& camera, const Sampler& sampler) {
+  Scene scene;
+  scene.camera = camera;
+  scene.sampler = sampler;
+  return MitsubaWriter("the camera", scene).sensor_alone();
 }
 
 }  // namespace etendue

@@ -14,4 +14,7 @@ namespace etendue {
 std::vector<std::string> write_mitsuba_scene(const std::string& path, const Scene& scene,
                                              ExistingFiles existing = ExistingFiles::refuse);
 
+/// The <sensor> element alone, to be pasted into a scene file. Throws Error(scene) for what Mitsuba does not have.
+std::string sensor_element(const Camera& camera, const Sampler& sampler);
+
 }  // namespace etendue

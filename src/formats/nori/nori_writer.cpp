@@ -40,6 +40,11 @@ class NoriWriter : MaterialWriter {
     files_.write(xml_.result(), existing);
   }
 
+  std::string camera_alone() {
+    write_camera(scene_.camera);
+    return xml_.elements();
+  }
+
  private:
   void write_sky() {
     const Sky& sky = scene_.sky;
@@ -328,6 +333,12 @@ class NoriWriter : MaterialWriter {
 
 void write_scene(const std::string& path, const Scene& scene, ExistingFiles existing) {
   NoriWriter(path, scene).write(existing);
+}
+
+std::string camera_element(const Camera& camera) {
+  Scene scene;
+  scene.camera = camera;
+  return NoriWriter("the camera", scene).camera_alone();
 }
 
 }  // namespace etendue

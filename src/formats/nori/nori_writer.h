@@ -12,4 +12,7 @@ namespace etendue {
 /// then nothing is left behind.
 void write_scene(const std::string& path, const Scene& scene, ExistingFiles existing = ExistingFiles::refuse);
 
+/// The <camera> element alone, to be pasted into a scene file. Throws Error(scene) for what no file can say.
+std::string camera_element(const Camera& camera);
+
 }  // namespace etendue

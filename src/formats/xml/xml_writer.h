@@ -35,6 +35,8 @@ class XmlWriter {
 
   /// All of it, once everything is closed.
   const std::string& result() const { return text_; }
+  /// The same without the declaration: elements to be pasted into a file.
+  std::string elements() const { return text_.substr(text_.find('\n') + 1); }
 
  private:
   void start(std::string_view tag, const XmlAttributes& attributes);

@@ -1,0 +1,24 @@
+#pragma once
+/// What the server of a preview answers: the page, what it asks for while it is open, and files to keep.
+
+#include "view/http_server.h"
+#include "view/preview.h"
+
+namespace etendue::view {
+
+/// Answers a request for `place` (the path after the token), which was admitted. Below, what the page asks:
+///
+///     GET  /                    the page; /view.css and /view.js belong to it
+///     GET  /next                the state, when it is newer than `version`, or after some seconds as it is; with the
+///                               picture unless it is number `picture`; `error=1` wants the standard error, too
+///     POST /camera              eye=X,Y,Z target=X,Y,Z up=X,Y,Z fov=DEGREES moving=0|1 mover=NUMBER
+///     POST /reset /reload
+///     POST /settings            samples=N paused=0|1
+///     GET  /picture.exr         as `render` would write it; /picture.png: by exposure=STOPS tone=NAME
+///     GET  /camera.xml          to be pasted; `dialect`: etendue, mitsuba or option
+///
+/// The answer to /next is a length in four bytes, little-endian, so much JSON, the mean and perhaps the standard error
+/// as `packed` has them.
+Response answer(Preview& preview, const std::string& place, const Request& request);
+
+}  // namespace etendue::view
