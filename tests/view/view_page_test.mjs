@@ -16,7 +16,14 @@ mkdirSync(downloads);
 let b, viewer;
 
 const camera = () => b.js("return structuredClone(camera)");
-const settled = () => b.until("state && state.phase === 'done' && !sending && !going && !unsent");
+// The picture is that of the camera as it stands on the page.
+const settled = () => b.until(`state && state.phase === 'done' && camera && !sending && !going && !unsent &&
+  ["eye", "target", "up", "fov"].every((name) => String(state.camera[name]) === String(camera[name]))`);
+async function reset() {
+  await b.click("#reset");
+  await b.until("state.camera.mover === 0");
+  await settled();
+}
 const middle = () => b.js("const r = document.getElementById('view').getBoundingClientRect(); return [r.left + r.width / 2, r.top + r.height / 2]");
 const shown = () => b.js("return document.getElementById('view').toDataURL()");
 const text = (id) => b.js(`return document.getElementById('${id}').textContent`);
@@ -59,9 +66,7 @@ const tests = {
     const server = await viewer.until((s) => s.phase === "done");
     assert.deepEqual(server.camera.eye, after.eye);
     assert.ok(Math.abs(await red() - place) > 1, "the red sphere is elsewhere");
-    await b.click("#reset");
-    await b.until("state.camera.mover === 0 && camera && camera.eye[0] === 0", "as in the scene");
-    await settled();
+    await reset();
     assert.equal(await shown(), picture, "the same picture as before, to the byte");
   },
   async "dragging with Shift's mode pans, the right button looks around, the wheel goes nearer"() {
@@ -85,8 +90,7 @@ const tests = {
     await settled();
     after = await camera();
     assert.ok(length(minus(after.eye, after.target)) < 0.9 * length(minus(before.eye, before.target)));
-    await b.click("#reset");
-    await settled();
+    await reset();
   },
   async "keys: orbit, walk, field of view, exposure, false colour"() {
     await focus();
@@ -160,9 +164,7 @@ const tests = {
     writeFileSync(scene.file, sceneText());
     await b.until("state.problem === '' && state.phase === 'done'");
     assert.notEqual((await camera()).eye[0], 0, "who moved the camera keeps it");
-    await b.click("#reset");
-    await b.until("state.camera.mover === 0 && state.phase === 'done'");
-    await settled();
+    await reset();
     assert.equal(await shown(), before, "the first scene again, to the byte");
   },
   async "a mesh that changes, goes and comes back"() {
@@ -204,8 +206,7 @@ const tests = {
     await b.switchTo(second);
     await b.closeTab();
     await b.switchTo(first);
-    await b.click("#reset");
-    await settled();
+    await reset();
   },
   async "disconnected, and connected again"() {
     viewer.process.kill("SIGSTOP");

@@ -487,7 +487,7 @@ $("fov").addEventListener("input", () => act(() => setFov(+$("fov").value), true
 $("fov").addEventListener("change", () => act(() => setFov(+$("fov").value)));
 $("nearer").addEventListener("click", () => act(() => dolly(0.8)));
 $("farther").addEventListener("click", () => act(() => dolly(1.25)));
-$("reset").addEventListener("click", async () => { touched = 0; camera = null; await post("reset"); });
+$("reset").addEventListener("click", () => { touched = -Infinity; post("reset"); });
 $("reload").addEventListener("click", () => post("reload"));
 $("pause").addEventListener("click", () => post("settings", { paused: state && state.paused ? 0 : 1 }));
 $("target").addEventListener("change", () => post("settings", { samples: $("target").value }));
