@@ -180,7 +180,7 @@ class GpuRenderer final : public Renderer {
   std::list<RenderKernel> render_kernels_;  // the last ones; made when first needed, like the next two
   vulkan::Kernel path_kernel_;
   std::unique_ptr<SampleTracer> tracer_;
-  std::optional<DeviceFilm> film_;             // of the last render
+  std::unique_ptr<DeviceFilm> film_;           // of the last render
   std::vector<vulkan::BindingSet> film_sets_;  // of its bands
   std::uint32_t set_bits_ = 0;                 // of the sampler; what this class calls samples are sets of paths
   gpu::Frame frame_{};
@@ -281,7 +281,7 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
 void GpuRenderer::prepare_film(const SlotLayout& slots, SampleRange range) {
   if (!film_ || !film_->fits(slots, set_bits_)) {
     forget_film();  // before the next one takes memory
-    film_.emplace(scene_->device_pointer(), slots, set_bits_);
+    film_ = std::make_unique<DeviceFilm>(scene_->device_pointer(), slots, set_bits_);
     for (const FilmBand& band : film_->bands()) film_sets_.push_back(make_film_set(scene_->film_kernels(), band));
   }
   film_->begin(range);
