@@ -50,21 +50,6 @@ const char* type_name(VkPhysicalDeviceType type) {
   }
 }
 
-int type_rank(VkPhysicalDeviceType type) {
-  switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-      return 0;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-      return 1;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-      return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU:
-      return 3;
-    default:
-      return 4;
-  }
-}
-
 std::string lower(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
@@ -116,13 +101,17 @@ DeviceInfo describe(VkPhysicalDevice device, std::uint32_t index, const Requirem
   info.type = type_name(basic.deviceType);
   info.api_version = basic.apiVersion;
   info.missing = missing_features(device, basic, requirements);
+  VkDriverId driver_id{};  // stays unknown below Vulkan 1.2, where no device is usable
   if (basic.apiVersion >= VK_API_VERSION_1_2) {
     vkGetPhysicalDeviceProperties2(device, &properties);
-    info.driver = fmt::format("{} ({})", driver.driverName, driver.driverInfo);
+    info.driver = driver.driverName;
+    if (driver.driverInfo[0] != '\0') info.driver += fmt::format(" ({})", driver.driverInfo);
+    driver_id = driver.driverID;
     info.subgroup_size = subgroup.subgroupSize;
     info.subgroup_ballot = (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT) != 0 &&
                            (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
   }
+  info.rank = device_rank(basic.deviceType, driver_id);
   VkPhysicalDeviceMemoryProperties memory;
   vkGetPhysicalDeviceMemoryProperties(device, &memory);
   for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i) {
@@ -150,6 +139,22 @@ std::filesystem::path pipeline_cache_path(VkPhysicalDevice device) {
 }
 
 }  // namespace
+
+int device_rank(VkPhysicalDeviceType type, VkDriverId driver) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      if (driver == VK_DRIVER_ID_MESA_LLVMPIPE) return 4;
+      return driver == VK_DRIVER_ID_GOOGLE_SWIFTSHADER ? 6 : 5;
+    default:  // an accelerator that is none of these, or a layer over another API: hardware all the same
+      return 3;
+  }
+}
 
 std::string Requirements::missing(const VkPhysicalDeviceLimits& limits) const {
   struct Limit {
@@ -327,19 +332,18 @@ Context::Context(const std::string& selector, const ContextOptions& options)
     vkGetPhysicalDeviceProperties(devices[i], &p);
     const bool asked = selector == "auto" ||
                        (by_index ? i == wanted_index : lower(info.name).find(lower(selector)) != std::string::npos);
-    const int rank = type_rank(p.deviceType);
     std::string reason;
     if (!info.missing.empty()) {
       reason = info.missing;
     } else if (!asked) {
       reason = fmt::format("'--device {}' does not name it", selector);
-    } else if (rank >= best_rank) {
+    } else if (info.rank >= best_rank) {
       reason = fmt::format("'{}' comes first", info_.name);
     }
     if (reason.empty()) {
       if (physical_ != VK_NULL_HANDLE)
         others += fmt::format("; not {} '{}': '{}' ({}) is preferred", info_.index, info_.name, info.name, info.type);
-      best_rank = rank;
+      best_rank = info.rank;
       physical_ = devices[i];
       info_ = info;
       is_cpu_ = p.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;

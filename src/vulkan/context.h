@@ -18,6 +18,7 @@ struct DeviceInfo {
   std::string type;    ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other"
   std::uint32_t api_version = 0;
   std::uint64_t memory_bytes = 0;  ///< largest device-local heap
+  int rank = 0;                    ///< of device_rank: 'auto' takes the least
   std::uint32_t subgroup_size = 0;
   bool subgroup_ballot = false;  ///< compute kernels may ask which lanes of a subgroup are active
   std::string missing;           ///< why it cannot be used; empty when it can
@@ -54,6 +55,10 @@ struct ContextOptions {
 
 class Instance;
 
+/// In which order 'auto' takes devices, the least first: discrete, integrated and virtual GPUs, other hardware, then
+/// CPU drivers, Mesa's before all others and SwiftShader last, at a fortieth of Mesa's speed.
+int device_rank(VkPhysicalDeviceType type, VkDriverId driver);
+
 /// Every physical device, usable or not. Throws Error(device) when there is no Vulkan loader.
 std::vector<DeviceInfo> list_devices(const ContextOptions& options);
 
@@ -69,7 +74,7 @@ struct ForeignDevice {
 /// own.
 class Context {
  public:
-  /// `selector`: "auto" (discrete > integrated > virtual > CPU), an index, or a part of the name (case-insensitive).
+  /// `selector`: "auto" (the first by device_rank), an index, or a part of the name (case-insensitive).
   /// Throws Error(device) that says why each device was not taken.
   Context(const std::string& selector, const ContextOptions& options);
   /// Works on a device without owning it. Throws Error(device) that says what it lacks.

@@ -2,6 +2,8 @@
 
 #include "gpu/device_limits.h"
 
+#include <algorithm>
+#include <functional>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -10,6 +12,7 @@
 #include "compile/compiled_scene.h"
 #include "core/errors.h"
 #include "gpu/device_scene.h"
+#include "vulkan/context.h"
 
 namespace etendue {
 namespace {
@@ -68,6 +71,19 @@ TEST(DeviceLimits, WhatIsKnownBeforeCompilingIsPartOfWhatIsNeeded) {
   const CompiledScene compiled = compile_scene(scene);
   EXPECT_EQ(least_scene_need(scene).bytes, (compiled.triangles.size() + compiled.normals.size()) * sizeof(gpu::uvec4));
   EXPECT_EQ(least_scene_need(Scene{}).bytes, 0u);
+}
+
+TEST(DeviceRank, HardwareOfAnyKindComesBeforeCpuDriversAndSwiftShaderLast) {
+  const std::vector<int> ranks = {
+      vulkan::device_rank(VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU, VK_DRIVER_ID_NVIDIA_PROPRIETARY),
+      vulkan::device_rank(VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU, VK_DRIVER_ID_MESA_RADV),
+      vulkan::device_rank(VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU, VK_DRIVER_ID_MESA_VENUS),
+      vulkan::device_rank(VK_PHYSICAL_DEVICE_TYPE_OTHER, VK_DRIVER_ID_MESA_DOZEN),
+      vulkan::device_rank(VK_PHYSICAL_DEVICE_TYPE_CPU, VK_DRIVER_ID_MESA_LLVMPIPE),
+      vulkan::device_rank(VK_PHYSICAL_DEVICE_TYPE_CPU, VkDriverId{}),
+      vulkan::device_rank(VK_PHYSICAL_DEVICE_TYPE_CPU, VK_DRIVER_ID_GOOGLE_SWIFTSHADER)};
+  EXPECT_TRUE(std::ranges::adjacent_find(ranks, std::greater_equal<>()) == ranks.end())
+      << testing::PrintToString(ranks);
 }
 
 }  // namespace
