@@ -162,4 +162,15 @@ std::vector<RendererFactory> DeviceOption::factories() const {
   return renderer_factories(selection());
 }
 
+std::vector<LabelledFactory> DeviceOption::compared() const {
+  DeviceSelection one = selection();
+  std::vector<LabelledFactory> devices;
+  for (const std::string& each : selector == "all" ? usable_devices() : single_devices(selector)) {
+    one.selector = each;
+    devices.push_back({each, renderer_factories(one).front()});
+  }
+  if (devices.size() == 1) devices.front().label = kOnlyDeviceLabel;
+  return devices;
+}
+
 }  // namespace etendue::cli

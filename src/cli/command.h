@@ -81,6 +81,8 @@ struct DeviceOption {
   GpuOptions gpu_options() const;
   /// One for each device where the selector names several. Throws Error(usage, device).
   std::vector<RendererFactory> factories() const;
+  /// Devices to be compared, by their selectors: "all" means CPU drivers, too. Throws Error(usage, device).
+  std::vector<LabelledFactory> compared() const;
 };
 
 }  // namespace etendue::cli

@@ -25,6 +25,27 @@ struct Options {
   ResultOptions results;
 };
 
+// One device is told at length, several in a table.
+Ending finish(const Options& options, const DevicesValidation& all) {
+  const bool one = all.pairs.size() == 1;
+  const Validation& first = all.pairs.front();
+  if (options.results.wants_text()) print_text(one ? validation_text(first) : devices_text(all));
+  OutputWriter files;
+  options.results.write_json(files, [&] { return one ? validation_json(first) : devices_json(all); });
+  write_text(files, options.results.junit, [&] {
+    std::vector<JunitCase> cases;
+    for (const Validation& pair : all.pairs) cases.push_back(validation_junit(pair));
+    return junit_xml("validate", cases);
+  });
+  write_text(files, options.results.html, [&] {
+    MetricOptions metrics;
+    metrics.flip = !options.no_flip;
+    return validation_html(first, metrics);
+  });
+  files.finish();
+  return all.passed() ? Ending::ok : Ending::failed;
+}
+
 Ending run_validate(const Options& options) {
   options.results.begin();
   SceneFile read = read_scene_file(options.file, options.scene.read_options());
@@ -44,18 +65,13 @@ Ending run_validate(const Options& options) {
   validate.make_shaken = [](const SharedScene& shared, const RenderSettings& settings) {
     return make_shaken_reference_renderer(shared.scene(), settings);
   };
-  const Validation validation = validate_scene(*scene, options.device.factory(), reference.factory(), validate);
-  if (options.results.wants_text()) print_text(validation_text(validation));
-  OutputWriter files;
-  options.results.write_json(files, [&] { return validation_json(validation); });
-  write_text(files, options.results.junit, [&] { return junit_xml("validate", {validation_junit(validation)}); });
-  write_text(files, options.results.html, [&] {
-    MetricOptions metrics;
-    metrics.flip = !options.no_flip;
-    return validation_html(validation, metrics);
-  });
-  files.finish();
-  return validation.passed() ? Ending::ok : Ending::failed;
+  const std::vector<LabelledFactory> devices = options.device.compared();
+  if (devices.size() > 1 && !options.results.html.empty()) {
+    throw Error(ErrorKind::usage,
+                fmt::format("'--html {}' shows one device beside the reference, and '--device {}' names {}; name one.",
+                            options.results.html, options.device.selector, devices.size()));
+  }
+  return finish(options, validate_devices(*scene, devices, reference.factory(), validate));
 }
 
 }  // namespace

@@ -28,22 +28,33 @@ std::vector<std::string> number_list(const std::string& selector) {
   return numbers;
 }
 
-std::vector<std::string> all_devices() {
+struct UsableDevices {
   std::vector<std::string> gpus, cpus;
+};
+
+UsableDevices find_usable_devices() {
+  UsableDevices usable;
   for (const vulkan::DeviceInfo& info : vulkan::list_devices(gpu_context_options())) {
-    if (info.missing.empty()) (info.type == "CPU" ? cpus : gpus).push_back(std::to_string(info.index));
+    if (info.missing.empty()) (info.type == "CPU" ? usable.cpus : usable.gpus).push_back(std::to_string(info.index));
   }
-  return gpus.empty() ? cpus : gpus;
+  if (usable.gpus.empty() && usable.cpus.empty())
+    throw Error(ErrorKind::device,
+                "No suitable Vulkan device for '--device all'; see 'etendue devices', or use --device reference.");
+  return usable;
 }
 
 }  // namespace
 
+std::vector<std::string> usable_devices() {
+  UsableDevices usable = find_usable_devices();
+  usable.gpus.insert(usable.gpus.end(), usable.cpus.begin(), usable.cpus.end());
+  return usable.gpus;
+}
+
 std::vector<std::string> single_devices(const std::string& selector) {
   if (selector == "all") {
-    std::vector<std::string> all = all_devices();
-    if (!all.empty()) return all;
-    throw Error(ErrorKind::device,
-                "No suitable Vulkan device for '--device all'; see 'etendue devices', or use --device reference.");
+    UsableDevices usable = find_usable_devices();
+    return usable.gpus.empty() ? usable.cpus : usable.gpus;
   }
   std::vector<std::string> numbers = number_list(selector);
   if (numbers.size() < 2) return {selector};

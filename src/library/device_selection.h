@@ -13,6 +13,9 @@ namespace etendue {
 /// run on the CPU out when there is anything else. Throws Error(device) when "all" finds none.
 std::vector<std::string> single_devices(const std::string& selector);
 
+/// The selectors of all devices that can be used, CPU drivers among them. Throws Error(device) when there is none.
+std::vector<std::string> usable_devices();
+
 /// Options of the Vulkan renderer on the device with this selector, which must be a single one.
 GpuOptions gpu_options(const DeviceSelection& device);
 

@@ -157,7 +157,7 @@ std::string validation_html(const Validation& v, const MetricOptions& metrics) {
       {"title", title},
       {"subtitle", fmt::format("{} ({}) against {} ({}) · {} samples per pixel, seeds {} and {} · etendue {} validate",
                                v.device, v.device_driver, v.reference, v.reference_driver, v.samples_per_pixel,
-                               v.seed + 1, v.seed + 2, version())},
+                               v.device_seed, v.reference_seed, version())},
       {"labelA", "device"},
       {"labelB", "reference"},
       {"verdict", verdict_name(v.verdict)},

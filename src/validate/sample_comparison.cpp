@@ -128,10 +128,16 @@ bool SampleComparison::rounding_only() const {
          off_per_million() <= limits.off_per_million && flips_per_million() <= limits.flips_per_million;
 }
 
-SampleComparison compare_samples(Renderer& device, Renderer& reference, std::uint32_t width, std::uint32_t height,
-                                 std::uint64_t budget, const SampleLimits& limits) {
-  const std::vector<SampleId> ids = choose_samples(std::uint64_t{width} * height, budget);
-  const std::vector<SampleRecord> a = device.trace_samples(ids), b = reference.trace_samples(ids);
+TracedSamples trace_some(Renderer& renderer, std::uint32_t width, std::uint32_t height, std::uint64_t budget) {
+  TracedSamples traced{.ids = choose_samples(std::uint64_t{width} * height, budget), .records = {}};
+  traced.records = renderer.trace_samples(traced.ids);
+  return traced;
+}
+
+SampleComparison compare_samples(Renderer& device, const TracedSamples& by_device, Renderer& reference,
+                                 const TracedSamples& by_reference, const SampleLimits& limits) {
+  const std::vector<SampleId>& ids = by_device.ids;
+  const std::vector<SampleRecord>&a = by_device.records, &b = by_reference.records;
   SampleComparison out;
   out.limits = limits;
   out.samples = ids.size();
@@ -184,6 +190,12 @@ SampleComparison compare_samples(Renderer& device, Renderer& reference, std::uin
   out.worst = worst_pixels(pixels);
   locate(device, reference, off, worst, flips, out);
   return out;
+}
+
+SampleComparison compare_samples(Renderer& device, Renderer& reference, std::uint32_t width, std::uint32_t height,
+                                 std::uint64_t budget, const SampleLimits& limits) {
+  return compare_samples(device, trace_some(device, width, height, budget), reference,
+                         trace_some(reference, width, height, budget), limits);
 }
 
 Divergence locate_divergence(Renderer& device, Renderer& reference, SampleId id) {

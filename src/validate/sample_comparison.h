@@ -64,7 +64,21 @@ struct SampleComparison {
   bool same_mean() const { return non_finite == 0 && paired.p_value >= limits.paired_level; }
 };
 
-/// Traces about `budget` samples of both: all pixels when the budget allows, else a low-discrepancy choice of them.
+/// What a renderer makes of single samples.
+struct TracedSamples {
+  std::vector<SampleId> ids;
+  std::vector<SampleRecord> records;
+};
+
+/// Traces about `budget` samples: all pixels when the budget allows, else a low-discrepancy choice of them. The choice
+/// depends on the arguments alone.
+TracedSamples trace_some(Renderer& renderer, std::uint32_t width, std::uint32_t height, std::uint64_t budget);
+
+/// Both have traced the same samples with the settings that they still have: some are retraced.
+SampleComparison compare_samples(Renderer& device, const TracedSamples& by_device, Renderer& reference,
+                                 const TracedSamples& by_reference, const SampleLimits& limits = {});
+
+/// Traces about `budget` samples of both, and compares them.
 SampleComparison compare_samples(Renderer& device, Renderer& reference, std::uint32_t width, std::uint32_t height,
                                  std::uint64_t budget, const SampleLimits& limits = {});
 

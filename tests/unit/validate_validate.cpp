@@ -187,5 +187,65 @@ TEST(Validate, AStoppedRenderHasNoVerdict) {
   EXPECT_THROW(validate_with({}, options), Error);
 }
 
+DevicesValidation validate_several(const std::vector<Defects>& devices, const ValidateOptions& options = quick()) {
+  std::vector<LabelledFactory> factories;
+  for (const Defects& defects : devices) factories.push_back({std::to_string(factories.size()), fake(defects)});
+  return validate_devices(small_scene(48, 32), factories, fake(), options);
+}
+
+TEST(ValidateDevices, EveryPairIsThereWithSeedsOfItsOwn) {
+  const DevicesValidation all = validate_several({{}, {}, {}});
+  EXPECT_TRUE(all.passed()) << devices_text(all);
+  EXPECT_EQ(all.verdict(), Verdict::identical);
+  std::vector<std::string> names;
+  for (const Validation& v : all.pairs) {
+    names.push_back(v.device_label + "-" + v.reference_label);
+    EXPECT_NE(v.device_image.pixels, v.reference_image.pixels) << names.back() << ": L3 needs independent seeds";
+    EXPECT_EQ(v.samples.equal_bits, v.samples.samples);
+  }
+  EXPECT_THAT(names, ::testing::ElementsAre("0-reference", "1-reference", "2-reference", "1-0", "2-0", "2-1"));
+  EXPECT_EQ(all.pairs[0].device_image.pixels, validate_with({}).device_image.pixels);
+  EXPECT_EQ(all.pairs[0].reference_image.pixels, validate_with({}).reference_image.pixels);
+}
+
+TEST(ValidateDevices, TheOneThatIsWrongIsNamedInEveryPairOfIts) {
+  Defects biased;
+  biased.bias = 1.02f;
+  const DevicesValidation all = validate_several({{}, biased});
+  EXPECT_EQ(all.verdict(), Verdict::different);
+  EXPECT_FALSE(all.passed());
+  std::vector<Verdict> verdicts;
+  for (const Validation& v : all.pairs) verdicts.push_back(v.verdict);
+  EXPECT_THAT(verdicts, ::testing::ElementsAre(Verdict::identical, Verdict::different, Verdict::different));
+  const std::string text = devices_text(all);
+  EXPECT_THAT(text, HasSubstr("on device 1 and (")) << "what did not pass is told at length";
+  EXPECT_THAT(text, HasSubstr("different  FAILED"));
+  const nlohmann::json json = nlohmann::json::parse(devices_json(all).dump());
+  EXPECT_EQ(json["pairs"].size(), 3u);
+  EXPECT_EQ(json["pairs"][2]["labels"], nlohmann::json({"1", "0"}));
+  EXPECT_FALSE(json["passed"]);
+}
+
+TEST(ValidateDevices, TwoDevicesMayBeApartByWhatBothMayBeFromTheReference) {
+  Defects flips;
+  flips.flip_every = 600;  // 1700 a million: each is within 2000 of the reference
+  ValidateOptions options = quick();
+  const DevicesValidation all = validate_several({flips, {}}, options);
+  EXPECT_EQ(all.pairs[0].samples.limits.flips_per_million, options.limits.flips_per_million);
+  EXPECT_EQ(all.pairs[2].samples.limits.flips_per_million, 2 * options.limits.flips_per_million);
+  EXPECT_EQ(all.pairs[2].samples.limits.median_error, 2 * options.limits.median_error);
+  EXPECT_EQ(all.verdict(), Verdict::rounding_only) << devices_text(all);
+}
+
+TEST(ValidateDevices, AllPairsTogetherRaiseNoMoreFalseAlarmsThanOne) {
+  const DevicesValidation all = validate_several({{}, {}, {}});
+  double quiet = 1.0;
+  for (const Validation& v : all.pairs) quiet *= 1.0 - v.tests.significance;
+  EXPECT_NEAR(1.0 - quiet, quick().significance, 1e-6);
+  quiet = 1.0;
+  for (const Validation& v : all.pairs) quiet *= 1.0 - v.samples.limits.paired_level;
+  EXPECT_NEAR(1.0 - quiet, quick().limits.paired_level, 1e-6);
+}
+
 }  // namespace
 }  // namespace etendue
