@@ -86,6 +86,17 @@ class PassSizer {
   double rate_ = 2e5;  // slot samples per second; a careful first guess
 };
 
+// SwiftShader as browsers ship it compiles by Subzero, and crashes over the kernels of single samples and paths, unless
+// they are the plain ones (seen with that of Chromium 156). Those that render are fine.
+void refuse_subzero(const vulkan::DeviceInfo& device) {
+  if (device.name.find("(Subzero)") == std::string::npos) return;
+  throw Error(
+      ErrorKind::device,
+      fmt::format("'{}' renders this scene but cannot trace single samples of it: its compiler crashes over the "
+                  "kernel for rarer features; use another --device, or --device reference.",
+                  device.name));
+}
+
 class GpuRenderer final : public Renderer {
  public:
   GpuRenderer(std::shared_ptr<const DeviceScene> scene, const View& view, const RenderSettings& settings,
@@ -126,6 +137,12 @@ class GpuRenderer final : public Renderer {
     vulkan::Kernel kernel(context(), layout.pipeline, spirv, constants_, name);
     timings_.pipeline += timer.seconds();
     return kernel;
+  }
+  vulkan::Kernel make_request_kernel(std::span<const std::uint32_t> plain, std::span<const std::uint32_t> full,
+                                     const char* name) {
+    if (is_plain(constants_)) return make_kernel(scene_->request_kernels(), plain, name);
+    refuse_subzero(context().info());
+    return make_kernel(scene_->request_kernels(), full, name);
   }
   vulkan::BindingSet make_film_set(const KernelBindings& layout, const FilmBand& band) const {
     vulkan::BindingSet set(context(), layout.set);
@@ -194,10 +211,8 @@ class GpuRenderer::SampleTracer {
  public:
   SampleTracer(GpuRenderer& renderer, std::size_t capacity)
       : renderer_(renderer),
-        kernel_(renderer.make_kernel(
-            renderer.scene_->request_kernels(),
-            is_plain(renderer.constants_) ? renderer.kernels_.trace_samples_plain : renderer.kernels_.trace_samples,
-            "trace_samples")),
+        kernel_(renderer.make_request_kernel(renderer.kernels_.trace_samples_plain, renderer.kernels_.trace_samples,
+                                             "trace_samples")),
         requests_(renderer.context(), capacity * sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                   vulkan::Buffer::Memory::device, "sample requests"),
         results_(renderer.context(), capacity * sizeof(gpu::SampleResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
@@ -474,7 +489,8 @@ std::vector<SampleRecord> GpuRenderer::trace_samples(std::span<const SampleId> i
 }
 
 std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
-  if (!path_kernel_.get()) path_kernel_ = make_kernel(scene_->request_kernels(), kernels_.trace_path, "trace_path");
+  if (!path_kernel_.get())
+    path_kernel_ = make_request_kernel(kernels_.trace_path_plain, kernels_.trace_path, "trace_path");
   const vulkan::Buffer request(context(), sizeof(gpu::SampleRequest), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                vulkan::Buffer::Memory::device, "sample request");
   constexpr std::size_t kBytes = 16 + gpu::kMaxTracedVertices * sizeof(gpu::TracedVertex);

@@ -23,6 +23,7 @@ KernelSet kernel_set(TableLoads loads) {
             kernels::bsdf_samples_storage,
             kernels::render_plain_storage,
             kernels::trace_samples_plain_storage,
+            kernels::trace_path_plain_storage,
             kernels::render_profile_storage,
             kernels::render_profile_subgroups_storage,
             {}};
@@ -33,6 +34,7 @@ KernelSet kernel_set(TableLoads loads) {
           kernels::bsdf_samples,
           kernels::render_plain,
           kernels::trace_samples_plain,
+          kernels::trace_path_plain,
           kernels::render_profile,
           kernels::render_profile_subgroups,
           {}};

@@ -12,7 +12,8 @@ namespace etendue {
 
 struct KernelSet {
   std::span<const std::uint32_t> render, trace_samples, trace_path, trace_rays, bsdf_samples;  ///< SPIR-V words
-  std::span<const std::uint32_t> render_plain, trace_samples_plain;  ///< without the features of shaders/features.glsl
+  std::span<const std::uint32_t> render_plain, trace_samples_plain,
+      trace_path_plain;  ///< without the features of shaders/features.glsl
   std::span<const std::uint32_t> profile,
       profile_subgroups;                          ///< the render kernel that counts, see shaders/profile.glsl
   std::vector<vulkan::Specialization> constants;  ///< to be added to those of the scene

@@ -779,6 +779,7 @@ KernelSet kernels_with(std::uint32_t mutant) {
   set.bsdf_samples = kernels::bsdf_samples_mutant;
   set.render_plain = kernels::render_plain_mutant;
   set.trace_samples_plain = kernels::trace_samples_plain_mutant;
+  set.trace_path_plain = kernels::trace_path_plain_mutant;
   set.constants = {{gpu::kConstantMutant, mutant}};
   return set;
 }

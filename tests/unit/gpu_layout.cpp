@@ -65,6 +65,7 @@ void check_kernels(const KernelSet& kernels, TableLoads loads) {
   Places of_plain;
   check("render_plain", kernels.render_plain, film, of_plain);
   check("trace_samples_plain", kernels.trace_samples_plain, requests, of_plain);
+  check("trace_path_plain", kernels.trace_path_plain, requests, of_plain);
   check("profile", kernels.profile, counted, of_counted);
   check("profile_subgroups", kernels.profile_subgroups, counted, of_counted);
   check("trace_samples", kernels.trace_samples, requests, of_requests);
