@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include "cli/command.h"
+#include "cli/path_words.h"
 #include "cli/result_files.h"
 #include "cli/results.h"
 #include "cli/units.h"
@@ -37,57 +38,6 @@ struct Tally {
   std::uint64_t light_samples = 0;
   std::map<std::uint32_t, LightTally> lights;  ///< by instance
 };
-
-const char* lobe_name(const PathVertex& vertex) {
-  switch (vertex.lobe) {
-    case 0:
-      return "none";
-    case 1:
-      return "diffuse";
-    case 2:
-      return "reflection";
-    case 3:
-      return "transmission";
-    case 4:
-      return "glossy";
-    case 5:
-      return "glossy through";
-    default:
-      return "-";
-  }
-}
-
-std::string place(std::uint32_t instance, std::uint32_t primitive, const char* none) {
-  if (instance == PathVertex::kEnvironment) return fmt::format("sky, {}", primitive);
-  if (instance == PathVertex::kDeltaLight) return fmt::format("light {}", primitive);
-  return instance == kNone ? none : fmt::format("instance {}, {}", instance, primitive);
-}
-
-/// As JSON: the number of an instance, "sky", or "point", whose number then is that of the primitive.
-Json light_json(std::uint32_t instance) {
-  if (instance == PathVertex::kEnvironment) return "sky";
-  if (instance == PathVertex::kDeltaLight) return "point";
-  return instance == kNone ? Json() : Json(instance);
-}
-
-const char* yes_no(std::uint32_t decision) {
-  return decision == kNone ? "-" : decision == 1 ? "yes" : "no";
-}
-
-Json number_or_null(std::uint32_t value) {
-  return value == kNone ? Json() : Json(value);
-}
-
-Json to_json(const PathVertex& v) {
-  return {{"instance", number_or_null(v.instance)},
-          {"primitive", number_or_null(v.primitive)},
-          {"lightInstance", light_json(v.light_instance)},
-          {"lightPrimitive", number_or_null(v.light_primitive)},
-          {"lightReached", number_or_null(v.light_contributed)},
-          {"lobe", lobe_name(v)},
-          {"survived", number_or_null(v.survived)},
-          {"radiance", {v.radiance.x, v.radiance.y, v.radiance.z}}};
-}
 
 /// "X,Y" to a pixel number. Throws Error(usage).
 std::uint32_t parse_pixel(const std::string& text, const Camera& camera) {
@@ -127,10 +77,9 @@ void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Option
                "reached", "lobe", "survives");
   for (std::size_t i = 0; i < path.size(); ++i) {
     const PathVertex& v = path[i];
-    print_result("{:>7}  {:<16} {:<16} {:<8} {:<13} {:<8}  {:.5g} {:.5g} {:.5g}\n", i + 1,
-                 place(v.instance, v.primitive, "nothing"), place(v.light_instance, v.light_primitive, "-"),
-                 yes_no(v.light_contributed), lobe_name(v), yes_no(v.survived), v.radiance.x, v.radiance.y,
-                 v.radiance.z);
+    const VertexWords words = words_of(v);
+    print_result("{:>7}  {:<16} {:<16} {:<8} {:<13} {:<8}  {:.5g} {:.5g} {:.5g}\n", i + 1, words.meets, words.light,
+                 words.reached, words.lobe, words.survives, v.radiance.x, v.radiance.y, v.radiance.z);
   }
 }
 

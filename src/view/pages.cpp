@@ -4,15 +4,18 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <tuple>
 
 #include <fmt/format.h>
 
+#include "cli/path_words.h"
 #include "core/errors.h"
 #include "core/json.h"
 #include "core/text.h"
 #include "formats/mitsuba/mitsuba_writer.h"
 #include "formats/nori/nori_writer.h"
 #include "report_assets.h"
+#include "scene/view.h"
 
 namespace etendue::view {
 namespace {
@@ -97,19 +100,41 @@ Json camera_json(const State& state) {
           {"target", vector_json(state.pose.target)},
           {"up", vector_json(state.pose.up)},
           {"fov", has_fov(camera) ? Json(camera.fov) : Json()},
+          {"aperture", has_fov(camera) ? Json(camera.aperture.radius) : Json()},
+          {"focus", camera.aperture.focus_distance},
           {"mirrored", mirrored},
           {"mover", state.mover}};
 }
 
-Json to_json(const State& state, bool with_picture, bool with_error) {
+Json integrator_json(const Integrator& integrator) {
+  return {{"path", integrator.type == Integrator::Type::path},
+          {"maxDepth", integrator.max_depth >= Integrator::kUnlimitedDepth ? Json() : Json(integrator.max_depth)},
+          {"rrDepth", integrator.rr_depth},
+          {"nee", integrator.nee},
+          {"mis", integrator.mis}};
+}
+
+/// What goes with an answer.
+struct Parts {
+  Bytes mean, error;
+  std::shared_ptr<const Layer> layer;
+};
+
+Json to_json(const State& state, const Parts& parts, const std::string& complaint) {
+  const bool layer = parts.layer != nullptr;
   return {{"version", state.version},
           {"picture", state.picture},
           {"width", state.width},
           {"height", state.height},
           {"fullWidth", state.full_width},
           {"fullHeight", state.full_height},
-          {"hasPicture", with_picture},
-          {"hasError", with_error},
+          {"hasPicture", parts.mean != nullptr},
+          {"hasError", parts.error != nullptr},
+          {"layer", layer ? Json({{"number", parts.layer->number},
+                                  {"width", parts.layer->width},
+                                  {"height", parts.layer->height},
+                                  {"components", parts.layer->components}})
+                          : Json()},
           {"samples", state.samples},
           {"target", state.target},
           {"samplesPerSecond", state.samples_per_second},
@@ -118,30 +143,99 @@ Json to_json(const State& state, bool with_picture, bool with_error) {
           {"rejected", state.rejected},
           {"phase", to_text(state.phase)},
           {"paused", state.paused},
-          {"problem", text::printable_lines(state.problem)},
+          {"problem", text::printable_lines(state.problem.empty() ? complaint : state.problem)},
           {"scene", text::printable(state.scene, 200)},
           {"device", state.device},
           {"driver", state.driver},
           {"loads", state.loads},
+          {"integrator", integrator_json(state.integrator)},
           {"camera", camera_json(state)}};
+}
+
+/// The AOV of that name; nothing for what no picture shows.
+std::optional<Aov> shown_aov(const Request& request) {
+  const std::string* name = request.find("aov");
+  const std::optional<Aov> aov = name == nullptr ? std::nullopt : aov_named(*name);
+  return aov == Aov::hit || aov == Aov::alpha ? std::nullopt : aov;
 }
 
 Response next(Preview& preview, const Request& request) {
   const std::uint64_t version = count_in(request, "version").value_or(0);
-  const std::uint64_t known = count_in(request, "picture").value_or(0);
-  const bool error = count_in(request, "error").value_or(0) == 1;
-  const State state = preview.wait(version, error, kLongestWait);
-  const bool with_picture = state.mean != nullptr && state.picture != known;
-  const bool with_error = with_picture && error && state.error != nullptr;
-  std::string json = to_json(state, with_picture, with_error).dump();
+  const Looked looked{.error = count_in(request, "error").value_or(0) == 1, .aov = shown_aov(request)};
+  const State state = preview.wait(version, looked, kLongestWait);
+  Parts parts;
+  if (state.picture != count_in(request, "picture").value_or(0)) {
+    parts.mean = state.mean;
+    if (looked.error) parts.error = state.error;
+  }
+  std::string complaint;
+  if (looked.aov) {
+    complaint = aov_complaint(state.integrator, *looked.aov);
+    const auto found = state.layers.find(traits(*looked.aov).name);
+    if (found != state.layers.end() && found->second->number != count_in(request, "layer").value_or(0))
+      parts.layer = found->second;
+  }
+  std::string json = to_json(state, parts, complaint).dump();
   json.resize((json.size() + 3) / 4 * 4, ' ');  // so that the halves are aligned
   std::string head;
   for (int shift = 0; shift < 32; shift += 8) head += static_cast<char>((json.size() >> shift) & 0xffu);
   Response out{
       .status = 200, .type = "application/octet-stream", .parts = {std::make_shared<const std::string>(head + json)}};
-  if (with_picture) out.parts.push_back(state.mean);
-  if (with_error) out.parts.push_back(state.error);
+  if (parts.mean) out.parts.push_back(parts.mean);
+  if (parts.error) out.parts.push_back(parts.error);
+  if (parts.layer) out.parts.push_back(parts.layer->values);
   return out;
+}
+
+Response json_response(const Json& json) {
+  return {
+      .status = 200, .type = "application/json", .parts = {std::make_shared<const std::string>(json.dump() + "\n")}};
+}
+
+/// Answers with what `tell` makes of the pixel x, y.
+template <class Tell>
+Response of_pixel(const Request& request, const Tell& tell) {
+  constexpr std::uint64_t kMost = 0xffffffffu;
+  const auto x = count_in(request, "x"), y = count_in(request, "y");
+  if (!x || !y || *x > kMost || *y > kMost) return wrong("x and y are the numbers of a pixel, from 0 on.");
+  try {
+    return json_response(tell(static_cast<std::uint32_t>(*x), static_cast<std::uint32_t>(*y)));
+  } catch (const Error& error) {
+    return text_response(error.kind() == ErrorKind::usage ? 409 : 500, fmt::format("{}\n", error.what()));
+  }
+}
+
+Response point(Preview& preview, const Request& request) {
+  return of_pixel(request, [&](std::uint32_t x, std::uint32_t y) {
+    const Point point = preview.point_at(x, y);
+    return Json({{"hit", point.hit}, {"position", vector_json(point.position)}, {"focus", point.focus}});
+  });
+}
+
+Json path_json(const std::vector<PathVertex>& path) {
+  Json out = Json::array();
+  for (const PathVertex& vertex : path) {
+    const cli::VertexWords words = cli::words_of(vertex);
+    out.push_back({{"meets", words.meets},
+                   {"light", words.light},
+                   {"reached", words.reached},
+                   {"lobe", words.lobe},
+                   {"survives", words.survives},
+                   {"radiance", {vertex.radiance.x, vertex.radiance.y, vertex.radiance.z}}});
+  }
+  return out;
+}
+
+Response explain(Preview& preview, const Request& request) {
+  const std::uint64_t sample = count_in(request, "sample").value_or(0);
+  if (sample > 0xffffffffu) return wrong("sample is below 2^32.");
+  const std::string* by = request.find("by");
+  const bool by_reference = by != nullptr && *by == "reference";
+  return of_pixel(request, [&](std::uint32_t x, std::uint32_t y) {
+    const auto number = static_cast<std::uint32_t>(sample);
+    const Told told = by_reference ? preview.explain_by_reference(x, y, number) : preview.explain(x, y, number);
+    return Json({{"device", told.device}, {"path", path_json(told.path)}});
+  });
 }
 
 // --- what changes something
@@ -158,6 +252,13 @@ Response move_camera(Preview& preview, const Request& request) {
     if (!fov || !(*fov >= 0.1) || *fov > 179.0) return wrong("fov is from 0.1 to 179 degrees.");
     move.fov = *fov;
   }
+  constexpr double kLargest = 1e15;
+  move.aperture = number_in(request, "aperture");
+  if (request.find("aperture") != nullptr && !(move.aperture.value_or(-1.0) >= 0.0 && *move.aperture < kLargest))
+    return wrong("aperture is a radius from 0 on.");
+  move.focus = number_in(request, "focus");
+  if (request.find("focus") != nullptr && !(move.focus.value_or(-1.0) > 0.0 && *move.focus < kLargest))
+    return wrong("focus is a distance above 0.");
   move.going_on = count_in(request, "moving").value_or(0) == 1;
   move.mover = count_in(request, "mover").value_or(0);
   preview.move(move);
@@ -171,6 +272,18 @@ Response change_settings(Preview& preview, const Request& request) {
     if (!samples || *samples == 0 || *samples > kMost) return wrong(fmt::format("samples is from 1 to {}.", kMost));
     preview.set_samples(static_cast<std::uint32_t>(*samples));
   }
+  IntegratorChange change;
+  for (const auto& [name, depth, least] : {std::tuple{"maxDepth", &change.max_depth, std::uint64_t{1}},
+                                           std::tuple{"rrDepth", &change.rr_depth, std::uint64_t{0}}}) {
+    if (request.find(name) == nullptr) continue;
+    const std::optional<std::uint64_t> value = count_in(request, name);
+    if (!value || *value < least || *value > Integrator::kUnlimitedDepth)
+      return wrong(fmt::format("{} is from {} to {}.", name, least, Integrator::kUnlimitedDepth));
+    *depth = static_cast<std::uint32_t>(*value);
+  }
+  if (request.find("nee") != nullptr) change.nee = count_in(request, "nee").value_or(0) == 1;
+  if (request.find("mis") != nullptr) change.mis = count_in(request, "mis").value_or(0) == 1;
+  if (change.max_depth || change.rr_depth || change.nee || change.mis) preview.change(change);
   if (request.find("paused") != nullptr) preview.set_paused(count_in(request, "paused").value_or(0) == 1);
   return text_response(204, "");
 }
@@ -199,7 +312,7 @@ Response snapshot(Preview& preview, const Request& request, const char* extensio
   try {
     std::string bytes = preview.snapshot(
         extension, {.tone_map = tone == nullptr ? ToneMap::none : tone_map_of(*tone), .exposure = exposure});
-    const std::string name = file_name(preview.wait(0, false, {}), extension);
+    const std::string name = file_name(preview.wait(0, {}, {}), extension);
     return {.status = 200,
             .type = type,
             .parts = {std::make_shared<const std::string>(std::move(bytes))},
@@ -210,7 +323,7 @@ Response snapshot(Preview& preview, const Request& request, const char* extensio
 }
 
 Response camera_text(Preview& preview, const Request& request) {
-  const State state = preview.wait(0, false, {});
+  const State state = preview.wait(0, {}, {});
   const std::string* dialect = request.find("dialect");
   if (state.loads == 0) return text_response(409, "There is no camera yet.\n");
   try {
@@ -233,6 +346,8 @@ Response get(Preview& preview, const std::string& place, const Request& request)
   if (place == "/next") return next(preview, request);
   if (place == "/picture.exr") return snapshot(preview, request, ".exr", "image/x-exr");
   if (place == "/picture.png") return snapshot(preview, request, ".png", "image/png");
+  if (place == "/point") return point(preview, request);
+  if (place == "/explain") return explain(preview, request);
   if (place == "/camera.xml") return camera_text(preview, request);
   return text_response(404, "There is no such page.\n");
 }

@@ -1,7 +1,10 @@
 #include "view/picture.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 #include "core/parallel.h"
 
@@ -36,6 +39,25 @@ Bytes packed(const Film& film, Channel channel) {
     }
   });
   return bytes;
+}
+
+Layer packed(const std::vector<AovFilm>& films, Aov aov) {
+  const std::vector<std::string> names = channel_names(aov);
+  Layer layer{.width = films.front().film.width(),
+              .height = films.front().film.height(),
+              .components = static_cast<std::uint32_t>(names.size())};
+  std::vector<float> values(films.front().film.pixels().size() * names.size());
+  for (const ImageChannel& channel : channels_of(films)) {
+    const auto component = std::find(names.begin(), names.end(), channel.name) - names.begin();
+    if (component == static_cast<std::ptrdiff_t>(names.size())) continue;  // what its averages need
+    float* out = values.data() + component;
+    for (std::size_t i = 0; i * names.size() < values.size(); ++i)
+      out[i * names.size()] = channel.numbers.empty() ? channel.values[i] : static_cast<float>(channel.numbers[i]);
+  }
+  auto bytes = std::make_shared<std::string>(values.size() * sizeof(float), '\0');
+  std::memcpy(bytes->data(), values.data(), bytes->size());
+  layer.values = std::move(bytes);
+  return layer;
 }
 
 }  // namespace etendue::view

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -23,7 +24,7 @@ constexpr double kErrorShare = 0.1;         // of the time that may go into the 
 constexpr double kFullAtOnceSeconds = 0.2;  // a full picture that takes no more needs no step between
 constexpr std::uint32_t kCoarsest = 16;
 constexpr std::chrono::milliseconds kStillMoving{400};  // after the last move that more were said to follow
-constexpr std::chrono::seconds kWatched{5};
+constexpr std::chrono::seconds kWatched{15};            // longer than a page waits for an answer
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -70,12 +71,14 @@ void Preview::stop() {
   changed_.notify_all();
 }
 
-State Preview::wait(std::uint64_t version, bool error, std::chrono::milliseconds longest) {
+State Preview::wait(std::uint64_t version, const Looked& looked, std::chrono::milliseconds longest) {
   std::unique_lock lock(mutex_);
   looked_at_ = Clock::now();
   // Pictures that were finished before carry no error yet.
-  if (error && looked_at_ - error_wanted_ > kWatched && state_.picture > 0) edits_["error"] = [this] { go_on(); };
-  if (error) error_wanted_ = looked_at_;
+  if (looked.error && looked_at_ - error_wanted_ > kWatched && state_.picture > 0)
+    edits_["error"] = [this] { go_on(); };
+  if (looked.error) error_wanted_ = looked_at_;
+  if (looked.aov) layers_wanted_[*looked.aov] = looked_at_;
   wake_.notify_all();
   changed_.wait_for(lock, longest, [&] { return stopping_ || state_.version > version; });
   looked_at_ = Clock::now();
@@ -94,6 +97,8 @@ void Preview::move(const Move& move) {
   edit("camera", [this, move] {
     pose_ = move.pose;
     if (move.fov > 0.0) fov_ = move.fov;
+    if (move.aperture) aperture_.radius = *move.aperture;
+    if (move.focus) aperture_.focus_distance = *move.focus;
     moved_ = true;
     mover_ = move.mover;
     moving_until_ = move.going_on ? Clock::now() + kStillMoving : Clock::time_point{};
@@ -109,6 +114,7 @@ void Preview::reset_camera() {
     if (opened_) {
       pose_ = opened_->own_pose;
       fov_ = opened_->scene->camera.fov;
+      aperture_ = opened_->scene->camera.aperture;
     }
     restart();
   });
@@ -118,6 +124,16 @@ void Preview::set_samples(std::uint32_t samples) {
   edit("samples", [this, samples] {
     samples_ = samples;
     go_on();
+  });
+}
+
+void Preview::change(const IntegratorChange& change) {
+  edit("integrator", [this, change] {
+    if (change.max_depth) integrator_.max_depth = *change.max_depth;
+    if (change.rr_depth) integrator_.rr_depth = *change.rr_depth;
+    if (change.nee) integrator_.nee = *change.nee;
+    if (change.mis) integrator_.mis = *change.mis;
+    restart();
   });
 }
 
@@ -166,7 +182,7 @@ std::string Preview::write_snapshot(const std::string& extension, const Display&
     throw Error(ErrorKind::usage, "The picture is still coarse; ask again when it has its full size.");
   return snapshot_bytes({.scene = *opened_->scene,
                          .camera = camera(),
-                         .integrator = opened_->scene->integrator,
+                         .integrator = integrator_,
                          .seed = options_.seed,
                          .device = opened_->renderer->device_name(),
                          .driver = opened_->renderer->driver_name(),
@@ -224,7 +240,7 @@ std::uint32_t Preview::target_sets() const {
 
 bool Preview::has_work() {
   if (!opened_) return false;
-  if (is_done() || (scale_ == 1 && done_ > 0 && paused_)) return false;
+  if ((is_done() || (scale_ == 1 && done_ > 0 && paused_)) && wanted_layers().empty()) return false;
   const std::lock_guard lock(mutex_);
   if (state_.phase == Phase::stopped) return false;
   if (Clock::now() - looked_at_ <= options_.unwatched) return true;
@@ -248,7 +264,9 @@ void Preview::load() {
       mover_ = 0;
       pose_ = opened_->own_pose;
       fov_ = opened_->scene->camera.fov;
+      aperture_ = opened_->scene->camera.aperture;
     }
+    integrator_ = opened_->scene->integrator;
     restart();
     const std::lock_guard lock(mutex_);
     files_ = log.files();
@@ -281,13 +299,34 @@ void Preview::go_on() {
 
 void Preview::restart() {
   scale_ = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    state_.layers.clear();
+  }
   if (opened_) tell(Phase::rendering);
 }
 
 Camera Preview::camera() const {
   Camera out = moved(opened_->scene->camera, opened_->own_pose, pose_);
   out.fov = fov_;
+  out.aperture = aperture_;
+  // A lens without an aperture is a pinhole, and the other way round.
+  if (aperture_.radius == opened_->scene->camera.aperture.radius) return out;
+  if (out.type == Camera::Type::perspective && aperture_.radius > 0.0) out.type = Camera::Type::thin_lens;
+  if (out.type == Camera::Type::thin_lens && aperture_.radius == 0.0) out.type = Camera::Type::perspective;
   return out;
+}
+
+View Preview::full_view() const {
+  return {camera(), opened_->scene->sampler, integrator_};
+}
+
+/// Of the scale that is rendered now.
+View Preview::present_view() const {
+  View view = full_view();
+  view.camera.width = divided(view.camera.width, scale_);
+  view.camera.height = divided(view.camera.height, scale_);
+  return view;
 }
 
 std::uint32_t Preview::first_scale() const {
@@ -308,10 +347,7 @@ std::uint32_t Preview::next_scale() const {
 
 void Preview::begin(std::uint32_t scale) {
   scale_ = scale;
-  View view = view_of(*opened_->scene);
-  view.camera = camera();
-  view.camera.width = divided(view.camera.width, scale);
-  view.camera.height = divided(view.camera.height, scale);
+  const View view = present_view();
   opened_->renderer->set_view(view, {.seed = options_.seed});
   film_ = Film(view.camera.width, view.camera.height, view_exponent(view, opened_->radiance, opened_->bounds));
   begun_ = Clock::now();
@@ -336,6 +372,8 @@ void Preview::work() {
   } else if (scale_ > 1 && !moving && done_ > 0) {
     begin(next_scale());
   }
+  if (scale_ == 1 && done_ > 0) add_layers();
+  if (is_done() || (paused_ && scale_ == 1 && done_ > 0)) return;
   const std::uint32_t count = round_samples();
   std::vector<RejectedSample> rejected;
   const auto start = Clock::now();
@@ -348,6 +386,107 @@ void Preview::work() {
   rate_ = scale_ > 1 && done_ == 0 ? std::max(rate_, rate) : 0.5 * (rate_ + rate);
   done_ = end;
   if (wants_picture()) publish();
+}
+
+// Those that somebody looks at and that are not there yet.
+std::set<Aov> Preview::wanted_layers() {
+  const std::lock_guard lock(mutex_);
+  std::set<Aov> wanted;
+  if (state_.phase == Phase::stopped) return wanted;
+  for (const auto& [aov, when] : layers_wanted_) {
+    if (Clock::now() - when < kWatched && !state_.layers.contains(traits(aov).name) &&
+        aov_complaint(integrator_, aov).empty())
+      wanted.insert(aov);
+  }
+  return wanted;
+}
+
+void Preview::add_layers() {
+  const std::set<Aov> wanted = wanted_layers();
+  if (wanted.empty()) return;
+  for (const Aov aov : wanted) {
+    if (interrupted_) break;
+    add_layer(aov);
+    tell(is_done() ? Phase::done : Phase::rendering);
+  }
+  opened_->renderer->set_view(present_view(), {.seed = options_.seed});
+}
+
+// Of a few samples: most of it has no noise.
+void Preview::add_layer(Aov aov) {
+  constexpr std::uint32_t kPaths = 8;
+  const View view = present_view();
+  std::vector<AovFilm> films;
+  for (const Aov part : complete({aov})) {
+    const View shown = aov_view(view, part);
+    films.push_back(
+        {part, Film(view.camera.width, view.camera.height, view_exponent(shown, opened_->radiance, opened_->bounds))});
+    const auto sets = static_cast<std::uint32_t>(view.sampler.sets_of(kPaths));
+    std::vector<RejectedSample> rejected;
+    opened_->renderer->set_view(shown, {.seed = options_.seed});
+    opened_->renderer->render({0, traits(part).mean == AovMean::first ? 1 : sets}, films.back().film, {}, rejected);
+  }
+  auto layer = std::make_shared<Layer>(packed(films, aov));
+  layer->number = ++layers_made_;
+  const std::lock_guard lock(mutex_);
+  state_.layers[traits(aov).name] = std::move(layer);
+}
+
+SampleId Preview::id_of(std::uint32_t x, std::uint32_t y, std::uint32_t sample) const {
+  if (!opened_) throw Error(ErrorKind::usage, "There is no scene yet.");
+  const Camera& camera = opened_->scene->camera;
+  if (x >= camera.width || y >= camera.height)
+    throw Error(ErrorKind::usage, fmt::format("({}, {}) is no pixel of {}x{}; 0, 0 is the one at the top left.", x, y,
+                                              camera.width, camera.height));
+  return {y * camera.width + x, sample};
+}
+
+Point Preview::point_at(std::uint32_t x, std::uint32_t y) {
+  const Subject subject = ask<Subject>([this, x, y] { return subject_of(x, y, 0); });
+  // By the reference, which needs no kernel of its own for this.
+  const std::lock_guard lock(reference_mutex_);
+  Renderer& reference = reference_of(subject.scene);
+  const auto value = [&](Aov aov) {
+    reference.set_view(aov_view(subject.view, aov), {.seed = options_.seed});
+    return glm::dvec3(reference.trace_samples(std::span(&subject.id, 1)).front().radiance);
+  };
+  Point point{.hit = value(Aov::hit).x > 0.0};
+  if (!point.hit) return point;
+  point.position = value(Aov::position);
+  point.focus = (glm::inverse(subject.view.camera.world_from_camera) * glm::dvec4(point.position, 1.0)).z;
+  return point;
+}
+
+Told Preview::explain(std::uint32_t x, std::uint32_t y, std::uint32_t sample) {
+  return ask<Told>([this, x, y, sample] {
+    const Subject subject = subject_of(x, y, sample);
+    opened_->renderer->set_view(subject.view, {.seed = options_.seed});
+    Told told{opened_->renderer->device_name(), opened_->renderer->trace_path(subject.id)};
+    if (scale_ > 0) opened_->renderer->set_view(present_view(), {.seed = options_.seed});
+    return told;
+  });
+}
+
+Told Preview::explain_by_reference(std::uint32_t x, std::uint32_t y, std::uint32_t sample) {
+  const Subject subject = ask<Subject>([this, x, y, sample] { return subject_of(x, y, sample); });
+  const std::lock_guard lock(reference_mutex_);
+  Renderer& reference = reference_of(subject.scene);
+  reference.set_view(subject.view, {.seed = options_.seed});
+  return {reference.device_name(), reference.trace_path(subject.id)};
+}
+
+Preview::Subject Preview::subject_of(std::uint32_t x, std::uint32_t y, std::uint32_t sample) const {
+  const SampleId id = id_of(x, y, sample);
+  return {opened_->scene, full_view(), id};
+}
+
+Renderer& Preview::reference_of(const std::shared_ptr<const Scene>& scene) {
+  if (reference_scene_ != scene) {
+    reference_.reset();
+    reference_scene_ = scene;
+    reference_ = open_renderer(*scene, {.selector = "reference"}, {.seed = options_.seed});
+  }
+  return *reference_;
 }
 
 bool Preview::wants_picture() const {
@@ -408,7 +547,7 @@ void Preview::tell(Phase phase) {
     s.camera = camera();
     s.pose = pose_;
     s.mover = mover_;
-    s.integrator = opened_->scene->integrator;
+    s.integrator = integrator_;
     s.full_width = s.camera.width;
     s.full_height = s.camera.height;
   }

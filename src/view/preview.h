@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -54,13 +55,41 @@ struct State {
   Pose pose;
   std::uint64_t mover = 0;  ///< who moved it last, as told to `move`
   Integrator integrator;
+  std::map<std::string, std::shared_ptr<const Layer>> layers;  ///< of the AOVs that were asked for, by name
+};
+
+/// What somebody looks at beside the mean.
+struct Looked {
+  bool error = false;
+  std::optional<Aov> aov;
+};
+
+/// Where a pixel's first sample arrives.
+struct Point {
+  bool hit = false;
+  glm::dvec3 position{0.0};  ///< world space
+  double focus = 0.0;        ///< of the plane through it along the camera's +Z, camera units
+};
+
+/// A sample as a renderer tells it.
+struct Told {
+  std::string device;
+  std::vector<PathVertex> path;
+};
+
+/// What may be changed of an integrator that gathers light.
+struct IntegratorChange {
+  std::optional<std::uint32_t> max_depth, rr_depth;
+  std::optional<bool> nee, mis;
 };
 
 /// How a camera is to stand.
 struct Move {
   Pose pose;
-  double fov = 0;         ///< degrees; 0: as it is
-  bool going_on = false;  ///< more will follow at once: the picture stays coarse
+  double fov = 0;                  ///< degrees; 0: as it is
+  std::optional<double> aperture;  ///< radius, camera units; 0: a pinhole
+  std::optional<double> focus;     ///< distance of the plane in focus, camera units
+  bool going_on = false;           ///< more will follow at once: the picture stays coarse
   std::uint64_t mover = 0;
 };
 
@@ -72,15 +101,17 @@ class Preview {
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
 
-  /// The state, as soon as it is newer than `version`, or as it is when the time is up or the preview ends. `error`:
-  /// whether the caller will look at the standard error, which then comes with the next pictures.
-  State wait(std::uint64_t version, bool error, std::chrono::milliseconds longest);
+  /// The state, as soon as it is newer than `version`, or as it is when the time is up or the preview ends. What the
+  /// caller says to look at comes with the next pictures.
+  State wait(std::uint64_t version, const Looked& looked, std::chrono::milliseconds longest);
 
   /// Of several moves that come faster than pictures only the last one counts, and so with all that follows.
   void move(const Move& move);
   /// Back to the scene's own camera.
   void reset_camera();
   void set_samples(std::uint32_t samples);
+  /// Until the scene is read again. Nothing of the scene is compiled again.
+  void change(const IntegratorChange& change);
   void set_paused(bool paused);
   /// Reads the scene again.
   void reload();
@@ -88,6 +119,13 @@ class Preview {
   /// The picture as `etendue render` would write it, as the bytes of an .exr or .png file. Throws Error(usage) while it
   /// is coarse.
   std::string snapshot(const std::string& extension, const Display& display = {});
+
+  /// A pixel of the full film, 0,0 at the top left. Throws Error(usage) beyond it.
+  Point point_at(std::uint32_t x, std::uint32_t y);
+  /// A sample of a pixel, by the device, which compiles a kernel for the first one, or by the reference. Both throw
+  /// like point_at.
+  Told explain(std::uint32_t x, std::uint32_t y, std::uint32_t sample);
+  Told explain_by_reference(std::uint32_t x, std::uint32_t y, std::uint32_t sample);
 
   /// Files that the scene was read from, as they were then.
   FileStamps files() const;
@@ -112,6 +150,20 @@ class Preview {
   void go_on();
   void work();
   void begin(std::uint32_t scale);
+  View full_view() const;
+  View present_view() const;
+  // A sample, and what it is one of.
+  struct Subject {
+    std::shared_ptr<const Scene> scene;
+    View view;
+    SampleId id;
+  };
+  Subject subject_of(std::uint32_t x, std::uint32_t y, std::uint32_t sample) const;
+  Renderer& reference_of(const std::shared_ptr<const Scene>& scene);
+  SampleId id_of(std::uint32_t x, std::uint32_t y, std::uint32_t sample) const;
+  void add_layers();
+  std::set<Aov> wanted_layers();
+  void add_layer(Aov aov);
   std::uint32_t first_scale() const;
   std::uint32_t next_scale() const;
   std::uint32_t round_samples() const;
@@ -128,18 +180,22 @@ class Preview {
   mutable std::mutex mutex_;
   std::condition_variable changed_;    // for those who look
   std::condition_variable wake_;       // for the thread that renders
-  State state_;                        // guarded, like the next five
+  State state_;                        // guarded, like the next six
   std::map<std::string, Edit> edits_;  // by kind: the last of each
   std::vector<std::function<void()>> questions_;
   FileStamps files_;
   Clock::time_point looked_at_ = Clock::now();
   Clock::time_point error_wanted_{};
+  std::map<Aov, Clock::time_point> layers_wanted_;
   std::atomic<bool> stopping_{false}, interrupted_{false};
 
   // Of the rendering thread alone.
   std::unique_ptr<Opened> opened_;
   Pose pose_;
   double fov_ = 0;
+  Aperture aperture_;
+  Integrator integrator_;
+  std::uint64_t layers_made_ = 0;
   bool moved_ = false;
   std::uint64_t mover_ = 0;
   Clock::time_point moving_until_{};
@@ -153,6 +209,12 @@ class Preview {
   Clock::time_point begun_{}, published_{}, error_known_{};
   std::uint32_t published_done_ = 0;
   double publishing_seconds_ = 0;
+
+  // The second opinion of a sample is made by whoever asks, one at a time.
+  std::mutex reference_mutex_;
+  std::shared_ptr<const Scene> reference_scene_;
+  std::unique_ptr<Renderer> reference_;
+
   std::thread thread_;
 };
 

@@ -143,6 +143,74 @@ const tests = {
     await choose("channel", "mean");
     await settled();
   },
+  async "AOVs: depth, shapes, normals"() {
+    await reset();
+    const at = (x, y) => b.js(`const k = (arguments[1] * layer.width + arguments[0]) * layer.components; return [...layer.values.slice(k, k + layer.components)]`, x, y);
+    await choose("channel", "depth");
+    await b.until("layer && layer.name === 'depth'");
+    const [near] = await at(114, 60), [sky] = await at(80, 2);
+    assert.ok(near > 4.5 && near < 6.5, `the sphere is ${near} away`);
+    assert.equal(sky, Math.fround(1e10));
+    await b.shot("depth");
+    await choose("channel", "instance");
+    await b.until("layer && layer.name === 'instance'");
+    assert.deepEqual([await at(114, 60), await at(46, 60), await at(80, 2)].map(([n]) => n), [1, 2, 0]);
+    await choose("channel", "shading_normal");
+    await b.until("layer && layer.name === 'shading_normal'");
+    const normal = await at(114, 60);
+    assert.ok(Math.abs(length(normal) - 1) < 0.05, `${normal} has length 1`);
+    const { sameAsDrawn } = await b.js("const d = context.getImageData(114, 60, 1, 1).data, k = (60 * 160 + 114) * 3; return { sameAsDrawn: Math.abs(d[0] - 255 * (0.5 + 0.5 * layer.values[k])) <= 1 }");
+    assert.ok(sameAsDrawn);
+    await choose("channel", "mean");
+    await settled();
+  },
+  async "a click explains a path, by device and reference"() {
+    const box = await b.js("const r = document.getElementById('view').getBoundingClientRect(); return [r.left, r.top, r.width, r.height]");
+    const k = Math.min(box[2] / 160, box[3] / 120), place = (x, y) => [box[0] + box[2] / 2 + (x + 0.5 - 80) * k, box[1] + box[3] / 2 + (y + 0.5 - 60) * k];
+    const click = (at) => b.mouse(at, [at[0] + 1, at[1]]);
+    const before = await camera();
+    await click(place(114, 60));
+    await b.until("document.getElementById('told').textContent.includes('the same decisions')", "both have told");
+    assert.match(await text("told"), /Pixel \(114, 60\), sample 0, .*the same decisions/);
+    const cells = await b.js("return [...document.querySelector('#path tbody tr').children].map((c) => c.textContent)");
+    assert.equal(cells[1], "instance 0, 0");
+    assert.deepEqual(await camera(), before, "a click is no drag");
+    await b.shot("explained");
+    await b.js("document.getElementById('pixel-x').value = 160");
+    await b.click("#inspect button");
+    await b.until("document.getElementById('told').textContent.includes('no pixel of 160x120')");
+    // The same click sets the focus, or what is orbited.
+    await choose("click", "focus");
+    await click(place(114, 60));
+    await b.until("state.camera.focus > 4.5 && state.camera.focus < 6.5");
+    await b.js("aperture.value = 0.4; aperture.dispatchEvent(new Event('change'))");
+    await b.until("state.camera.aperture === 0.4");
+    await settled();
+    assert.match(await (await fetch(viewer.address + "camera.xml")).text(), /<camera type="thinlens">/);
+    await choose("click", "target");
+    await click(place(114, 60));
+    await b.until("Math.abs(camera.target[0] + 1.2) < 0.81", "the point is what is orbited");
+    await settled();
+    const target = (await camera()).target;
+    assert.ok(Math.abs(length(minus(target, [-1.2, 0.8, 0])) - 0.8) < 0.01, `${target} lies on the red sphere`);
+    await choose("click", "explain");
+    await reset();
+    assert.equal((await camera()).aperture, 0);
+  },
+  async "parameters of the integrator"() {
+    const before = await shown();
+    await b.js("const e = document.getElementById('max-depth'); e.value = 2; e.dispatchEvent(new Event('change'))");
+    await b.until("state.integrator.maxDepth === 2 && state.phase === 'done'");
+    await settled();
+    assert.notEqual(await shown(), before);
+    await b.click("#nee");
+    await b.until("state.integrator.nee === false && state.phase === 'done'");
+    assert.equal(await b.js("return document.getElementById('mis').disabled"), true);
+    await b.click("#reload");
+    await b.until("state.integrator.nee === true && state.integrator.maxDepth !== 2 && state.phase === 'done'");
+    await settled();
+    assert.equal(await shown(), before);
+  },
   async "a changed file is read again; with an error the last good picture stays, and the error says where"() {
     const before = await shown(), loads = await b.js("return state.loads");
     writeFileSync(scene.file, sceneText({ albedo: "0.1, 0.2, 0.9" }));
@@ -168,9 +236,9 @@ const tests = {
     assert.equal(await shown(), before, "the first scene again, to the byte");
   },
   async "a mesh that changes, goes and comes back"() {
-    const before = await shown();
+    const before = await shown(), loads = await b.js("return state.loads");
     writeFileSync(scene.mesh, floorText(1));
-    await b.until("state.loads >= 4 && state.phase === 'done'");
+    await b.until(`state.loads > ${loads} && state.phase === 'done'`);
     assert.notEqual(await shown(), before);
     unlinkSync(scene.mesh);
     await b.until("state.problem !== ''");

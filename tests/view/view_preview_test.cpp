@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -156,11 +157,11 @@ TEST_F(ViewFiles, AChangeIsToldOnceAndWhenItRests) {
   EXPECT_TRUE(watch.changed(read));
 }
 
-State until(Preview& preview, const std::function<bool(const State&)>& condition) {
+State until(Preview& preview, const std::function<bool(const State&)>& condition, const Looked& looked = {}) {
   State state;
   const auto end = std::chrono::steady_clock::now() + seconds(100);
   while (std::chrono::steady_clock::now() < end) {
-    state = preview.wait(state.version, false, milliseconds(500));
+    state = preview.wait(state.version, looked, milliseconds(500));
     if (condition(state)) return state;
   }
   ADD_FAILURE() << "not within 100 s: " << state.problem;
@@ -191,6 +192,86 @@ TEST(ViewPreview, ACameraThatMovesCompilesNothingAgain) {
   state = until(preview, [](const State& s) { return s.phase == Phase::done; });
   EXPECT_EQ(state.camera.fov, 28.0);
   EXPECT_EQ(scene_compilations() - before, 1u);
+}
+
+// A sphere of radius 1 at 0, 0, 5 before a camera at the origin that is twice its size and looks along +Z.
+Scene sphere_scene() {
+  Scene scene;
+  scene.name = "sphere";
+  scene.camera.width = scene.camera.height = 65;
+  scene.camera.fov = 40.0;
+  scene.camera.far_clip = 1e3;
+  scene.camera.world_from_camera = glm::dmat4(2.0);
+  scene.camera.world_from_camera[3] = glm::dvec4(0, 0, 0, 1);
+  scene.sampler.sample_count = 4;
+  scene.sky.top = scene.sky.horizon = glm::dvec3(1.0);
+  scene.add(Sphere{.center = {0, 0, 5}, .radius = 1});
+  return scene;
+}
+
+TEST(ViewPreview, APixelLeadsToItsPoint) {
+  Preview preview({.read_scene = sphere_scene, .device = {}});
+  until(preview, [](const State& s) { return s.phase == Phase::done; });
+  const Point middle = preview.point_at(32, 32);
+  ASSERT_TRUE(middle.hit);
+  EXPECT_LT(glm::length(middle.position - glm::dvec3(0, 0, 4)), 0.05);
+  EXPECT_NEAR(middle.focus, 2.0, 0.02) << "camera units";
+  EXPECT_FALSE(preview.point_at(0, 0).hit);
+  EXPECT_THROW(preview.point_at(65, 0), Error);
+  const State after = preview.wait(0, {}, {});
+  Move move{.pose = after.pose, .aperture = 0.1, .focus = middle.focus};
+  preview.move(move);
+  const State lens = until(preview, [](const State& s) { return s.camera.aperture.radius == 0.1; });
+  EXPECT_EQ(lens.camera.type, Camera::Type::thin_lens);
+  EXPECT_EQ(lens.camera.aperture.focus_distance, middle.focus);
+  preview.reset_camera();
+  EXPECT_EQ(until(preview, [](const State& s) { return s.camera.aperture.radius == 0.0; }).camera.type,
+            Camera::Type::perspective);
+}
+
+TEST(ViewPreview, DeviceAndReferenceTellTheSamePath) {
+  Preview preview({.read_scene = small_scene, .device = {}, .seed = 3});
+  const State done = until(preview, [](const State& s) { return s.phase == Phase::done; });
+  for (std::uint32_t sample = 0; sample < 8; ++sample) {
+    const Told device = preview.explain(160, 200, sample), reference = preview.explain_by_reference(160, 200, sample);
+    ASSERT_EQ(device.path.size(), reference.path.size());
+    for (std::size_t i = 0; i < device.path.size(); ++i) {
+      EXPECT_EQ(device.path[i].instance, reference.path[i].instance);
+      EXPECT_EQ(device.path[i].lobe, reference.path[i].lobe);
+    }
+  }
+  EXPECT_EQ(*preview.wait(0, {}, {}).mean, *done.mean) << "the picture is as it was";
+}
+
+TEST(ViewPreview, LayersComeWhenSomebodyLooks) {
+  Preview preview({.read_scene = sphere_scene, .device = {}});
+  until(preview, [](const State& s) { return s.phase == Phase::done; });
+  const State state =
+      until(preview, [](const State& s) { return s.layers.contains("depth"); }, {.error = false, .aov = Aov::depth});
+  const Layer& depth = *state.layers.at("depth");
+  ASSERT_EQ(depth.components, 1u);
+  ASSERT_EQ(depth.values->size(), 65u * 65u * sizeof(float));
+  float middle = 0;
+  std::memcpy(&middle, depth.values->data() + (32 * 65 + 32) * sizeof middle, sizeof middle);
+  EXPECT_NEAR(middle, 4.0, 0.01);
+  preview.reset_camera();
+  until(preview, [](const State& s) { return s.layers.empty(); });
+}
+
+TEST(ViewPreview, ParametersOfTheIntegratorCompileNothingOfTheScene) {
+  const std::uint64_t before = scene_compilations();
+  Preview preview({.read_scene = small_scene, .device = {}});
+  until(preview, [](const State& s) { return s.phase == Phase::done; });
+  preview.change({.max_depth = 2, .rr_depth = {}, .nee = false, .mis = {}});
+  const State state =
+      until(preview, [](const State& s) { return s.integrator.max_depth == 2 && s.phase == Phase::done; });
+  EXPECT_FALSE(state.integrator.nee);
+  Scene scene = small_scene();
+  scene.integrator.max_depth = 2;
+  scene.integrator.nee = false;
+  const FilmFile film = render(scene, {});
+  EXPECT_EQ(*state.mean, *packed(film.film, Channel::mean));
+  EXPECT_EQ(scene_compilations() - before, 2u) << "one of them for the render beside it";
 }
 
 TEST(ViewPreview, ASnapshotIsWhatRenderWrites) {
@@ -254,7 +335,7 @@ TEST(ViewPreview, RestsWhenNobodyLooks) {
                    .unwatched = milliseconds(300)});
   until(preview, [](const State& s) { return s.samples > 1; });
   std::this_thread::sleep_for(seconds(2));
-  const State rested = preview.wait(0, false, {});
+  const State rested = preview.wait(0, {}, {});
   EXPECT_EQ(rested.phase, Phase::resting);
   until(preview, [&](const State& s) { return s.samples > rested.samples; });
 }

@@ -11,11 +11,13 @@ const mover = 1 + Math.floor(Math.random() * 2 ** 50);  // this page, among seve
 let state = null;    // the last one
 let mean = null;     // halves of the picture on show, three a pixel
 let error = null;    // likewise, of its standard error
+let layer = null;    // of the AOV that is looked at: numbers of each pixel, and how many
 let shape = { width: 0, height: 0 };
 let request = null;  // the one on its way, to be given up when other things are wanted
-let wanted = { picture: 0 };
+let wanted = { picture: 0, layer: 0 };
 
 const channel = () => $("channel").value;
+const isLayer = () => channel() !== "mean" && channel() !== "error";
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 function take(buffer) {
@@ -28,20 +30,27 @@ function take(buffer) {
     shape = { width: next.width, height: next.height };
     wanted.picture = next.picture;
   }
+  if (next.layer) {
+    const size = next.layer.width * next.layer.height * next.layer.components * 4;
+    layer = { ...next.layer, name: asked.aov, values: new Float32Array(buffer.slice(buffer.byteLength - size)) };
+    wanted.layer = next.layer.number;
+  }
   const before = state;
   state = next;
   tell(before);
-  if (next.hasPicture) draw();
+  if (next.hasPicture || next.layer) draw();
 }
 
+let asked = {};  // what the request on its way is about
 async function follow() {
   let failures = 0;
   for (;;) {
     if (document.hidden) { await pause(200); continue; }
     try {
       request = new AbortController();
-      const answer = await fetch(`next?version=${wanted.picture ? state.version : 0}&picture=${wanted.picture}&error=${channel() === "error" ? 1 : 0}`,
-        { signal: request.signal });
+      asked = { version: wanted.picture ? state.version : 0, picture: wanted.picture, layer: wanted.layer, error: channel() === "error" ? 1 : 0,
+        ...(isLayer() ? { aov: channel() } : {}) };
+      const answer = await fetch(`next?${new URLSearchParams(asked)}`, { signal: request.signal });
       if (!answer.ok) throw new Error(await answer.text());
       take(await answer.arrayBuffer());
       failures = 0;
@@ -55,7 +64,7 @@ async function follow() {
 
 // Asks for everything anew.
 function refresh() {
-  wanted.picture = 0;
+  wanted = { picture: 0, layer: 0 };
   if (request) request.abort();
 }
 
@@ -103,9 +112,27 @@ function tell(before) {
   $("pause").textContent = s.paused ? "Go on" : "Pause";
   if (document.activeElement !== $("target") && s.target) $("target").value = s.target;
   problem(s.problem + (s.rejected ? `${s.problem ? "\n" : ""}${s.rejected} samples were not finite or too large and were left out.` : ""));
+  tellSettings(s);
   if (s.fullWidth) $("stage").style.setProperty("--shape", s.fullWidth / s.fullHeight);
   adoptCamera();
   announce(before);
+}
+
+function fill(id, value) {
+  if (document.activeElement !== $(id) && $(id).value !== String(value)) $(id).value = value;
+}
+
+function tellSettings(s) {
+  $("integrator").hidden = !s.integrator.path;
+  fill("max-depth", s.integrator.maxDepth ?? "");
+  fill("rr-depth", s.integrator.rrDepth);
+  $("nee").checked = s.integrator.nee;
+  $("mis").checked = s.integrator.mis;
+  $("mis").disabled = !s.integrator.nee;
+  const lens = s.camera.aperture !== null;
+  $("aperture").disabled = $("focus").disabled = !lens;
+  fill("aperture", lens ? +s.camera.aperture.toPrecision(6) : "");
+  fill("focus", lens ? +s.camera.focus.toPrecision(6) : "");
 }
 
 // For those who hear the page: what has changed, in few words.
@@ -201,8 +228,49 @@ function markWrong(out) {
   }
 }
 
+// Layers: light as a picture, directions and places as colours between their ends, numbers each in a colour of its own.
+const spread = (n) => { let h = Math.imul(n, 2654435761) >>> 0; h ^= h >>> 15; h = Math.imul(h, 2246822519) >>> 0; return h ^ h >>> 13; };
+const kNothing = 1e10;  // of depths
+function paintLayer(out, exposure) {
+  const { values, components, name } = layer, count = layer.width * layer.height;
+  const light = ["albedo", "direct", "indirect"].includes(name), id = ["instance", "primitive", "material"].includes(name);
+  let low = Infinity, high = -Infinity;
+  if (name === "depth" || name === "position") {
+    for (const v of values) if (Math.abs(v) < kNothing) { low = Math.min(low, v); high = Math.max(high, v); }
+  }
+  for (let i = 0, o = 0; i < count; ++i, o += 4) {
+    out[o + 3] = 255;
+    for (let c = 0; c < 3; ++c) {
+      const v = values[i * components + Math.min(c, components - 1)];
+      let x;
+      if (light) x = encode(Math.max(0, Math.min(1, v * 2 ** exposure)));
+      else if (id) x = v === 0 ? 0 : (64 + (spread(v) >>> (8 * c)) % 192) / 255;
+      else if (name === "uv") x = c === 2 ? 0 : v - Math.floor(v);
+      else if (name === "depth") x = v >= kNothing ? 0 : high > low ? 1 - (v - low) / (high - low) : 1;
+      else if (name === "position") x = high > low ? (v - low) / (high - low) : 0.5;
+      else x = 0.5 + 0.5 * v;
+      out[o + c] = Math.max(0, Math.min(255, Math.round(255 * x)));
+      if (Number.isNaN(v)) { out.set([255, 0, 255], o); break; }
+    }
+  }
+  return name === "depth" && high > low ? [`${high.toPrecision(3)} (dark)`, "depth", `${low.toPrecision(3)} (bright)`] : null;
+}
+
+function drawLayer() {
+  if (!layer || layer.name !== channel()) return false;
+  canvas.width = layer.width;
+  canvas.height = layer.height;
+  const image = context.createImageData(layer.width, layer.height);
+  const legend = paintLayer(image.data, +$("exposure").value);
+  context.putImageData(image, 0, 0);
+  showLegend(legend, "#000, #fff");
+  read();
+  return true;
+}
+
 function draw() {
   if (!mean) return;
+  if (isLayer()) { if (drawLayer()) return; }
   if (canvas.width !== shape.width || canvas.height !== shape.height) { canvas.width = shape.width; canvas.height = shape.height; }
   const image = context.createImageData(shape.width, shape.height), out = image.data, exposure = +$("exposure").value;
   let legend = null;
@@ -232,12 +300,12 @@ function draw() {
   read();
 }
 
-function showLegend(legend) {
+function showLegend(legend, gradient) {
   $("legend").hidden = !legend;
   if (!legend) return;
   $("legend-low").textContent = legend[0];
   $("legend-high").textContent = legend[2];
-  const colors = stops.map((c) => `rgb(${c})`).join(", ");
+  const colors = gradient || stops.map((c) => `rgb(${c})`).join(", ");
   $("legend-what").textContent = legend[1];
   document.querySelector("#legend i").style.background = `linear-gradient(to right, ${colors})`;
 }
@@ -256,16 +324,22 @@ let marked = null;  // in shares of the picture, which may be coarse now and fin
 function readAt(event) {
   const place = mean && pixelAt(event);
   if (!place) return;
-  marked = [(place[0] + 0.5) / shape.width, (place[1] + 0.5) / shape.height];
+  marked = [(place[0] + 0.5) / canvas.width, (place[1] + 0.5) / canvas.height];
   read();
 }
 
 function read() {
   if (!marked) return;
   const place = [Math.floor(marked[0] * shape.width), Math.floor(marked[1] * shape.height)];
+  const full = state.fullWidth ? [Math.floor(marked[0] * state.fullWidth), Math.floor(marked[1] * state.fullHeight)] : place;
+  if (isLayer() && layer && layer.name === channel()) {
+    const at = (Math.floor(marked[1] * layer.height) * layer.width + Math.floor(marked[0] * layer.width)) * layer.components;
+    $("readout").textContent = `pixel (${full}): ${[...layer.values.slice(at, at + layer.components)].map((v) => v.toPrecision(6)).join(" ")}`;
+    return;
+  }
   const i = 3 * (place[1] * shape.width + place[0]);
   const text = (halves) => [0, 1, 2].map((c) => numbers[halves[i + c]].toPrecision(4)).join(" ");
-  $("readout").textContent = `pixel (${place}): ${text(mean)}${error ? ` ± ${text(error)}` : ""}`;
+  $("readout").textContent = `pixel (${full}): ${text(mean)}${error ? ` ± ${text(error)}` : ""}`;
 }
 
 // --- the camera -------------------------------------------------------------------------------------------------------------
@@ -366,7 +440,8 @@ async function sendCamera(goingOn) {
     unsent = false;
     const c = camera;
     try {
-      await post("camera", { eye: c.eye, target: c.target, up: c.up, ...(c.fov === null ? {} : { fov: c.fov }), moving: going ? 1 : 0, mover });
+      await post("camera", { eye: c.eye, target: c.target, up: c.up, ...(c.fov === null ? {} : { fov: c.fov }),
+        ...(c.aperture === null ? {} : { aperture: c.aperture, focus: c.focus }), moving: going ? 1 : 0, mover });
     } catch { break; }  // told by the one who follows
   }
   sending = false;
@@ -381,12 +456,13 @@ function act(change, goingOn = false) {
 // --- pointers ---------------------------------------------------------------------------------------------------------------
 
 const pointers = new Map();
-let action = "";
+let action = "", pressed = null;  // where the button went down, while it may become a click
 
 canvas.addEventListener("pointerdown", (event) => {
   canvas.setPointerCapture(event.pointerId);
   pointers.set(event.pointerId, [event.clientX, event.clientY]);
   action = event.button === 2 ? "look" : event.button === 1 || event.shiftKey ? "pan" : $("drag").value;
+  pressed = event.button === 0 && pointers.size === 1 && !event.shiftKey ? [event.clientX, event.clientY] : null;
   if (event.button === 1) event.preventDefault();
 });
 
@@ -395,6 +471,8 @@ canvas.addEventListener("pointermove", (event) => {
   if (!last) { readAt(event); return; }
   const x = event.clientX - last[0], y = event.clientY - last[1], size = canvas.clientHeight || 1;
   if (x === 0 && y === 0) return;
+  if (pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < 4) return;  // a hand is never quite still
+  pressed = null;
   const before = [...pointers.values()];
   pointers.set(event.pointerId, [event.clientX, event.clientY]);
   if (pointers.size === 2) {
@@ -410,6 +488,8 @@ canvas.addEventListener("pointermove", (event) => {
 for (const end of ["pointerup", "pointercancel"]) {
   canvas.addEventListener(end, (event) => {
     if (!pointers.delete(event.pointerId)) return;
+    if (pressed && end === "pointerup") click(event);
+    pressed = null;
     if (pointers.size === 0 && going) sendCamera(false);
   });
 }
@@ -423,6 +503,74 @@ canvas.addEventListener("wheel", (event) => {
   clearTimeout(wheelEnd);
   wheelEnd = setTimeout(() => sendCamera(false), 200);
 }, { passive: false });
+
+// --- clicks -----------------------------------------------------------------------------------------------------------------
+
+async function ask(what, parameters) {
+  const answer = await fetch(`${what}?${new URLSearchParams(parameters)}`);
+  if (!answer.ok) throw new Error((await answer.text()).trim());
+  return answer.json();
+}
+
+async function click(event) {
+  readAt(event);
+  if (!marked || !state.fullWidth) return;
+  const x = Math.floor(marked[0] * state.fullWidth), y = Math.floor(marked[1] * state.fullHeight);
+  if ($("click").value === "explain") {
+    $("pixel-x").value = x;
+    $("pixel-y").value = y;
+    return explain();
+  }
+  try {
+    const point = await ask("point", { x, y });
+    if (!point.hit) { $("announcer").textContent = "There is nothing at that pixel."; return; }
+    if ($("click").value === "focus") act(() => { camera.focus = point.focus; });
+    else act(() => { camera.target = point.position; });
+  } catch (trouble) { problem(trouble.message); }
+}
+
+// The reference answers first: the device has to compile a kernel before its first answer.
+let explaining = 0;
+async function explain() {
+  const parameters = { x: $("pixel-x").value, y: $("pixel-y").value, sample: $("sample").value }, mine = ++explaining;
+  const told = {};
+  $("told").textContent = "…";
+  try {
+    await Promise.all(["reference", "device"].map(async (by) => {
+      told[by] = await ask("explain", { ...parameters, by });
+      if (mine === explaining) showPath(parameters, told);
+    }));
+  } catch (trouble) {
+    if (mine !== explaining) return;
+    $("told").textContent = trouble.message;
+    $("path").hidden = true;
+  }
+}
+
+// Both take the same random numbers, so that their paths are the same but for rounding.
+function showPath({ x, y, sample }, told) {
+  const table = $("path").firstElementChild, words = ["meets", "light", "reached", "lobe", "survives"];
+  const cells = (tag, texts) => texts.map((text) => { const cell = document.createElement(tag); cell.textContent = text; return cell; });
+  const number = (v) => v ? v.radiance.map((n) => n.toPrecision(4)).join(" ") : "–";
+  const head = document.createElement("tr"), both = told.device && told.reference;
+  const device = told.device ? told.device.path : [], reference = told.reference ? told.reference.path : [];
+  head.append(...cells("th", ["segment", "meets", "light", "reached", "lobe", "survives", "light so far: device", "reference"]));
+  table.replaceChildren(document.createElement("thead"), document.createElement("tbody"));
+  table.tHead.append(head);
+  let different = 0;
+  for (let i = 0; i < Math.max(device.length, reference.length); ++i) {
+    const row = document.createElement("tr"), a = device[i], b = reference[i];
+    const texts = words.map((word) => !both || (a && b && a[word] === b[word]) ? (a || b)[word] : `${a ? a[word] : "–"} / ${b ? b[word] : "–"}`);
+    if (both && texts.some((text) => text.includes(" / "))) { row.className = "differs"; ++different; }
+    row.append(...cells("td", [i + 1, ...texts, number(a), number(b)]));
+    table.tBodies[0].append(row);
+  }
+  $("path").hidden = false;
+  const where = `Pixel (${x}, ${y}), sample ${sample}`;
+  $("told").textContent = !both ? `${where}: ${told.reference ? "the reference; the device is asked" : "the device; the reference is asked"} …` :
+    `${where}, on ${told.device.device} and the reference: ${different ? `${different} vertices with another decision` : "the same decisions"}.`;
+}
+$("inspect").addEventListener("submit", (event) => { event.preventDefault(); explain(); });
 
 // --- keys -------------------------------------------------------------------------------------------------------------------
 
@@ -438,7 +586,7 @@ const motions = {
 const strokes = {
   "[": () => step("exposure", -0.25), "]": () => step("exposure", 0.25),
   c: () => $("false-color").click(), r: () => $("reset").click(), " ": () => $("pause").click(),
-  v: () => { $("channel").value = channel() === "error" ? "mean" : "error"; $("channel").dispatchEvent(new Event("change")); },
+  v: () => { $("channel").value = channel() === "mean" ? "error" : "mean"; $("channel").dispatchEvent(new Event("change")); },
 };
 
 function step(id, by) {
@@ -485,6 +633,11 @@ $("false-color").addEventListener("change", draw);
 $("channel").addEventListener("change", () => { draw(); refresh(); });
 $("fov").addEventListener("input", () => act(() => setFov(+$("fov").value), true));
 $("fov").addEventListener("change", () => act(() => setFov(+$("fov").value)));
+$("aperture").addEventListener("change", () => act(() => { if ($("aperture").value >= 0) camera.aperture = +$("aperture").value; }));
+$("focus").addEventListener("change", () => act(() => { if ($("focus").value > 0) camera.focus = +$("focus").value; }));
+$("max-depth").addEventListener("change", () => post("settings", { maxDepth: $("max-depth").value || 2 ** 30 }));
+$("rr-depth").addEventListener("change", () => post("settings", { rrDepth: $("rr-depth").value }));
+for (const id of ["nee", "mis"]) $(id).addEventListener("change", () => post("settings", { [id]: $(id).checked ? 1 : 0 }));
 $("nearer").addEventListener("click", () => act(() => dolly(0.8)));
 $("farther").addEventListener("click", () => act(() => dolly(1.25)));
 $("reset").addEventListener("click", () => { touched = -Infinity; post("reset"); });

@@ -1,0 +1,67 @@
+#include "cli/path_words.h"
+
+#include <fmt/core.h>
+
+namespace etendue::cli {
+namespace {
+
+constexpr std::uint32_t kNone = PathVertex::kNone;
+
+const char* lobe_name(const PathVertex& vertex) {
+  switch (vertex.lobe) {
+    case 0:
+      return "none";
+    case 1:
+      return "diffuse";
+    case 2:
+      return "reflection";
+    case 3:
+      return "transmission";
+    case 4:
+      return "glossy";
+    case 5:
+      return "glossy through";
+    default:
+      return "-";
+  }
+}
+
+std::string place(std::uint32_t instance, std::uint32_t primitive, const char* none) {
+  if (instance == PathVertex::kEnvironment) return fmt::format("sky, {}", primitive);
+  if (instance == PathVertex::kDeltaLight) return fmt::format("light {}", primitive);
+  return instance == kNone ? none : fmt::format("instance {}, {}", instance, primitive);
+}
+
+const char* yes_no(std::uint32_t decision) {
+  return decision == kNone ? "-" : decision == 1 ? "yes" : "no";
+}
+
+Json number_or_null(std::uint32_t value) {
+  return value == kNone ? Json() : Json(value);
+}
+
+}  // namespace
+
+Json light_json(std::uint32_t instance) {
+  if (instance == PathVertex::kEnvironment) return "sky";
+  if (instance == PathVertex::kDeltaLight) return "point";
+  return instance == kNone ? Json() : Json(instance);
+}
+
+VertexWords words_of(const PathVertex& v) {
+  return {place(v.instance, v.primitive, "nothing"), place(v.light_instance, v.light_primitive, "-"),
+          yes_no(v.light_contributed), lobe_name(v), yes_no(v.survived)};
+}
+
+Json to_json(const PathVertex& v) {
+  return {{"instance", number_or_null(v.instance)},
+          {"primitive", number_or_null(v.primitive)},
+          {"lightInstance", light_json(v.light_instance)},
+          {"lightPrimitive", number_or_null(v.light_primitive)},
+          {"lightReached", number_or_null(v.light_contributed)},
+          {"lobe", lobe_name(v)},
+          {"survived", number_or_null(v.survived)},
+          {"radiance", {v.radiance.x, v.radiance.y, v.radiance.z}}};
+}
+
+}  // namespace etendue::cli
