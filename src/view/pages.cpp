@@ -128,6 +128,9 @@ Json to_json(const State& state, const Parts& parts, const std::string& complain
           {"height", state.height},
           {"fullWidth", state.full_width},
           {"fullHeight", state.full_height},
+          {"crop", state.crop ? Json(std::vector<std::uint32_t>{state.crop->x, state.crop->y, state.crop->width,
+                                                                state.crop->height})
+                              : Json()},
           {"hasPicture", parts.mean != nullptr},
           {"hasError", parts.error != nullptr},
           {"layer", layer ? Json({{"number", parts.layer->number},
@@ -265,12 +268,34 @@ Response move_camera(Preview& preview, const Request& request) {
   return text_response(204, "");
 }
 
+/// Nothing when the text is no crop; an empty text is none.
+std::optional<std::optional<Crop>> crop_of(std::string_view text) {
+  if (text.empty()) return std::optional<Crop>();
+  Crop crop;
+  std::uint32_t* const numbers[] = {&crop.x, &crop.y, &crop.width, &crop.height};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t comma = text.find(',');
+    if ((comma == std::string_view::npos) != (i == 3)) return std::nullopt;
+    const std::optional<double> number = number_of(text.substr(0, comma));
+    if (!number || !(*number >= (i < 2 ? 0.0 : 1.0)) || *number > 1e6 || *number != std::floor(*number))
+      return std::nullopt;
+    *numbers[i] = static_cast<std::uint32_t>(*number);
+    text.remove_prefix(i == 3 ? 0 : comma + 1);
+  }
+  return crop;
+}
+
 Response change_settings(Preview& preview, const Request& request) {
   if (request.find("samples") != nullptr) {
     constexpr std::uint64_t kMost = 1u << 24;
     const std::optional<std::uint64_t> samples = count_in(request, "samples");
     if (!samples || *samples == 0 || *samples > kMost) return wrong(fmt::format("samples is from 1 to {}.", kMost));
     preview.set_samples(static_cast<std::uint32_t>(*samples));
+  }
+  if (const std::string* text = request.find("crop"); text != nullptr) {
+    const std::optional<std::optional<Crop>> crop = crop_of(*text);
+    if (!crop) return wrong("crop is x,y,width,height in pixels, or nothing for the whole film.");
+    preview.set_crop(*crop);
   }
   IntegratorChange change;
   for (const auto& [name, depth, least] : {std::tuple{"maxDepth", &change.max_depth, std::uint64_t{1}},

@@ -15,7 +15,7 @@ namespace etendue::view {
 ///     POST /camera              eye=X,Y,Z target=X,Y,Z up=X,Y,Z fov=DEGREES aperture=RADIUS focus=DISTANCE
 ///                               moving=0|1 mover=NUMBER
 ///     POST /reset /reload
-///     POST /settings            samples=N paused=0|1 maxDepth=N rrDepth=N nee=0|1 mis=0|1
+///     POST /settings            samples=N paused=0|1 crop=X,Y,W,H maxDepth=N rrDepth=N nee=0|1 mis=0|1
 ///     GET  /point               x, y: what the pixel shows, as JSON
 ///     GET  /explain             x, y, sample: what `etendue explain` tells, as JSON, by=device or by=reference
 ///     GET  /picture.exr         as `render` would write it; /picture.png: by exposure=STOPS tone=NAME

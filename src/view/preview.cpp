@@ -127,6 +127,22 @@ void Preview::set_samples(std::uint32_t samples) {
   });
 }
 
+void Preview::set_crop(const std::optional<Crop>& crop) {
+  edit("crop", [this, crop] {
+    crop_.reset();
+    if (crop && opened_) {
+      const Camera& film = opened_->scene->camera;
+      Crop cut = *crop;
+      cut.x = std::min(cut.x, film.width - 1);
+      cut.y = std::min(cut.y, film.height - 1);
+      cut.width = std::clamp(cut.width, 1u, film.width - cut.x);
+      cut.height = std::clamp(cut.height, 1u, film.height - cut.y);
+      if (cut.width < film.width || cut.height < film.height) crop_ = cut;
+    }
+    restart();
+  });
+}
+
 void Preview::change(const IntegratorChange& change) {
   edit("integrator", [this, change] {
     if (change.max_depth) integrator_.max_depth = *change.max_depth;
@@ -181,7 +197,7 @@ std::string Preview::write_snapshot(const std::string& extension, const Display&
   if (!opened_ || scale_ != 1 || done_ == 0)
     throw Error(ErrorKind::usage, "The picture is still coarse; ask again when it has its full size.");
   return snapshot_bytes({.scene = *opened_->scene,
-                         .camera = camera(),
+                         .camera = film_camera(),
                          .integrator = integrator_,
                          .seed = options_.seed,
                          .device = opened_->renderer->device_name(),
@@ -267,6 +283,9 @@ void Preview::load() {
       aperture_ = opened_->scene->camera.aperture;
     }
     integrator_ = opened_->scene->integrator;
+    if (const Camera& film = opened_->scene->camera;
+        crop_ && (crop_->x + crop_->width > film.width || crop_->y + crop_->height > film.height))
+      crop_.reset();
     restart();
     const std::lock_guard lock(mutex_);
     files_ = log.files();
@@ -317,6 +336,18 @@ Camera Preview::camera() const {
   return out;
 }
 
+/// The camera of what is rendered: the crop, if there is one.
+Camera Preview::film_camera() const {
+  Camera out = camera();
+  if (!crop_) return out;
+  const glm::dvec2 film(out.width, out.height);
+  out.window.origin += out.window.size * (glm::dvec2(crop_->x, crop_->y) / film);
+  out.window.size *= glm::dvec2(crop_->width, crop_->height) / film;
+  out.width = crop_->width;
+  out.height = crop_->height;
+  return out;
+}
+
 View Preview::full_view() const {
   return {camera(), opened_->scene->sampler, integrator_};
 }
@@ -324,13 +355,14 @@ View Preview::full_view() const {
 /// Of the scale that is rendered now.
 View Preview::present_view() const {
   View view = full_view();
+  view.camera = film_camera();
   view.camera.width = divided(view.camera.width, scale_);
   view.camera.height = divided(view.camera.height, scale_);
   return view;
 }
 
 std::uint32_t Preview::first_scale() const {
-  const Camera& camera = opened_->scene->camera;
+  const Camera camera = film_camera();
   const double set = opened_->scene->sampler.set_size();
   std::uint32_t scale = 1;
   while (scale < kCoarsest && divided(camera.width, scale) * static_cast<double>(divided(camera.height, scale)) * set >
@@ -340,7 +372,7 @@ std::uint32_t Preview::first_scale() const {
 }
 
 std::uint32_t Preview::next_scale() const {
-  const Camera& camera = opened_->scene->camera;
+  const Camera camera = film_camera();
   const double full = static_cast<double>(camera.width) * camera.height * opened_->scene->sampler.set_size();
   return full <= kFullAtOnceSeconds * rate_ ? 1 : std::max(1u, scale_ / 2);
 }
@@ -548,8 +580,9 @@ void Preview::tell(Phase phase) {
     s.pose = pose_;
     s.mover = mover_;
     s.integrator = integrator_;
-    s.full_width = s.camera.width;
-    s.full_height = s.camera.height;
+    s.crop = crop_;
+    s.full_width = crop_ ? crop_->width : s.camera.width;
+    s.full_height = crop_ ? crop_->height : s.camera.height;
   }
   changed_.notify_all();
 }

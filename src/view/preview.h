@@ -34,17 +34,25 @@ struct PreviewOptions {
 
 enum class Phase { opening, rendering, resting, done, stopped };
 
+/// A part of the film, in pixels of it from the top left.
+struct Crop {
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;
+  bool operator==(const Crop&) const = default;
+};
+
 /// What is there to be looked at. Pictures are shared and never change.
 struct State {
-  std::uint64_t version = 0;                      ///< grows with every change of any of this
-  std::uint64_t picture = 0;                      ///< grows with every new picture; 0: there is none yet
-  std::uint32_t width = 0, height = 0;            ///< of the picture
-  std::uint32_t full_width = 0, full_height = 0;  ///< of the film; more than that while the picture is coarse
-  Bytes mean, error;                              ///< `error` is empty when nobody asked for it
-  std::uint64_t samples = 0, target = 0;          ///< paths a pixel
-  double samples_per_second = 0;                  ///< of all pixels
-  double relative_error = 0;                      ///< see relative_standard_error; infinite while it is not known
-  double seconds_left = 0;                        ///< infinite while it is not known
+  std::uint64_t version = 0;            ///< grows with every change of any of this
+  std::uint64_t picture = 0;            ///< grows with every new picture; 0: there is none yet
+  std::uint32_t width = 0, height = 0;  ///< of the picture
+  std::optional<Crop> crop;             ///< all that is rendered; nothing: the whole film
+  std::uint32_t full_width = 0,
+                full_height = 0;          ///< of the film, or of the crop; more than that while the picture is coarse
+  Bytes mean, error;                      ///< `error` is empty when nobody asked for it
+  std::uint64_t samples = 0, target = 0;  ///< paths a pixel
+  double samples_per_second = 0;          ///< of all pixels
+  double relative_error = 0;              ///< see relative_standard_error; infinite while it is not known
+  double seconds_left = 0;                ///< infinite while it is not known
   std::uint64_t rejected = 0;
   Phase phase = Phase::opening;
   bool paused = false;
@@ -110,6 +118,8 @@ class Preview {
   /// Back to the scene's own camera.
   void reset_camera();
   void set_samples(std::uint32_t samples);
+  /// Renders that part of the film alone, cut to the film; nothing: all of it.
+  void set_crop(const std::optional<Crop>& crop);
   /// Until the scene is read again. Nothing of the scene is compiled again.
   void change(const IntegratorChange& change);
   void set_paused(bool paused);
@@ -173,6 +183,7 @@ class Preview {
   void fail(const std::string& sentence);
   std::uint32_t target_sets() const;
   Camera camera() const;
+  Camera film_camera() const;
   std::string write_snapshot(const std::string& extension, const Display& display);
 
   PreviewOptions options_;
@@ -194,6 +205,7 @@ class Preview {
   Pose pose_;
   double fov_ = 0;
   Aperture aperture_;
+  std::optional<Crop> crop_;  // inside of the film
   Integrator integrator_;
   std::uint64_t layers_made_ = 0;
   bool moved_ = false;

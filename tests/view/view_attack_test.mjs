@@ -103,7 +103,7 @@ const tests = {
       "eye=0,0,0&target=0,0,0&up=0,1,0", "eye=0,0,-1&target=0,0,0&up=0,0,1", "eye=0,0,-1&target=0,0,0&up=0,0,0", "eye=1,2,3,4&target=0,0,0&up=0,1,0", `${place}&fov=0`, `${place}&fov=180`, `${place}&fov=x`, `${place}&fov=nan`])
       assert.equal(status(await ask("POST", ownPath("camera?" + query))), 400, query);
     for (const query of ["samples=0", "samples=-1", "samples=1e30", "samples=1.5", "samples=x", "samples="]) assert.equal(status(await ask("POST", ownPath("settings?" + query))), 400, query);
-    for (const query of ["maxDepth=0", "maxDepth=-1", "maxDepth=1e12", "rrDepth=x"]) assert.equal(status(await ask("POST", ownPath("settings?" + query))), 400, query);
+    for (const query of ["crop=1", "crop=1,2,3", "crop=0,0,0,1", "crop=1,2,3,4,5", "crop=-1,0,1,1", "crop=0,0,1e9,1", "crop=a,b,c,d", "maxDepth=0", "maxDepth=-1", "maxDepth=1e12", "rrDepth=x"]) assert.equal(status(await ask("POST", ownPath("settings?" + query))), 400, query);
     for (const query of ["aperture=-1", "aperture=nan", "focus=0", "focus=1e300"]) assert.equal(status(await ask("POST", ownPath(`camera?${place}&${query}`))), 400, query);
     for (const query of ["", "x=1", "x=-1&y=0", "x=1&y=1e12", "x=a&y=b"]) for (const page of ["point", "explain"]) assert.equal(status(await ask("GET", ownPath(`${page}?${query}`))), 400, query);
     assert.equal(status(await ask("GET", ownPath("explain?x=4000&y=0&by=reference"))), 409);

@@ -197,6 +197,29 @@ const tests = {
     await reset();
     assert.equal((await camera()).aperture, 0);
   },
+  async "a crop gets all samples: marked by the mouse, or by its numbers"() {
+    const before = await shown();
+    const box = await b.js("const r = document.getElementById('view').getBoundingClientRect(); return [r.left, r.top, r.width, r.height]");
+    const k = Math.min(box[2] / 160, box[3] / 120), corner = (x, y) => [box[0] + box[2] / 2 + (x - 80) * k, box[1] + box[3] / 2 + (y - 60) * k];
+    await choose("drag", "crop");
+    await b.mouse(corner(100, 40), corner(140, 70));
+    await b.until("state.crop !== null && state.phase === 'done' && shape.width === state.crop[2] && shape.height === state.crop[3]");
+    const crop = await b.js("return state.crop");
+    for (const [i, n] of [100, 40, 40, 30].entries()) assert.ok(Math.abs(crop[i] - n) <= 1, `${crop}`);
+    assert.equal(await b.js("return document.getElementById('drag').value"), "orbit");
+    await b.shot("crop");
+    // What the crop shows is what the picture showed there: red and green keep their places.
+    const colors = await b.js("const i = 3 * (15 * shape.width + 20); return [numbers[mean[i]], numbers[mean[i + 1]]]");
+    assert.ok(colors[0] > 2 * colors[1], "the red sphere");
+    await b.mouse(await middle());
+    assert.match(await text("readout"), /pixel \(1[12]\d,5\d\)/);
+    await b.js("const e = document.getElementById('crop'); e.value = '0, 40 30x20'; e.dispatchEvent(new Event('change'))");
+    await b.until("String(state.crop) === '0,40,30,20' && state.phase === 'done'");
+    await b.js("const e = document.getElementById('crop'); e.value = ''; e.dispatchEvent(new Event('change'))");
+    await b.until("state.crop === null && state.phase === 'done' && shape.width === 160");
+    await settled();
+    assert.equal(await shown(), before, "the whole picture again, to the byte");
+  },
   async "parameters of the integrator"() {
     const before = await shown();
     await b.js("const e = document.getElementById('max-depth'); e.value = 2; e.dispatchEvent(new Event('change'))");

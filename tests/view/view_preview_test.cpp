@@ -274,6 +274,25 @@ TEST(ViewPreview, ParametersOfTheIntegratorCompileNothingOfTheScene) {
   EXPECT_EQ(scene_compilations() - before, 2u) << "one of them for the render beside it";
 }
 
+// A crop looks at what that part of the film looks at, and at nothing else.
+TEST(ViewPreview, ACropIsAFilmOfThatPart) {
+  Preview preview({.read_scene = small_scene, .device = {}});
+  until(preview, [](const State& s) { return s.phase == Phase::done; });
+  preview.set_crop(Crop{80, 60, 100, 50});
+  const State state = until(preview, [](const State& s) { return s.crop && s.phase == Phase::done; });
+  EXPECT_EQ(state.width, 100u);
+  EXPECT_EQ(state.full_height, 50u);
+  Scene scene = small_scene();
+  scene.camera.window = {.origin = {0.25, 0.25}, .size = {100.0 / 320.0, 50.0 / 240.0}};
+  scene.camera.width = 100;
+  scene.camera.height = 50;
+  EXPECT_EQ(*state.mean, *packed(render(scene, {}).film, Channel::mean));
+  preview.set_crop(Crop{300, 230, 4000, 4000});
+  EXPECT_EQ(until(preview, [](const State& s) { return s.crop && s.crop->x == 300; }).crop, (Crop{300, 230, 20, 10}));
+  preview.set_crop(Crop{0, 0, 320, 240});
+  until(preview, [](const State& s) { return !s.crop && s.phase == Phase::done && s.width == 320; });
+}
+
 TEST(ViewPreview, ASnapshotIsWhatRenderWrites) {
   Preview preview({.read_scene = small_scene, .device = {}, .seed = 7});
   until(preview, [](const State& s) { return s.phase == Phase::done; });

@@ -131,6 +131,7 @@ function tellSettings(s) {
   $("mis").disabled = !s.integrator.nee;
   const lens = s.camera.aperture !== null;
   $("aperture").disabled = $("focus").disabled = !lens;
+  fill("crop", s.crop ? s.crop.join(", ") : "");
   fill("aperture", lens ? +s.camera.aperture.toPrecision(6) : "");
   fill("focus", lens ? +s.camera.focus.toPrecision(6) : "");
 }
@@ -328,10 +329,16 @@ function readAt(event) {
   read();
 }
 
+// Of the whole film, whatever part of it is on show.
+function filmPixel() {
+  const [x, y] = state.crop || [0, 0];
+  return [x + Math.floor(marked[0] * state.fullWidth), y + Math.floor(marked[1] * state.fullHeight)];
+}
+
 function read() {
   if (!marked) return;
   const place = [Math.floor(marked[0] * shape.width), Math.floor(marked[1] * shape.height)];
-  const full = state.fullWidth ? [Math.floor(marked[0] * state.fullWidth), Math.floor(marked[1] * state.fullHeight)] : place;
+  const full = filmPixel();
   if (isLayer() && layer && layer.name === channel()) {
     const at = (Math.floor(marked[1] * layer.height) * layer.width + Math.floor(marked[0] * layer.width)) * layer.components;
     $("readout").textContent = `pixel (${full}): ${[...layer.values.slice(at, at + layer.components)].map((v) => v.toPrecision(6)).join(" ")}`;
@@ -456,12 +463,14 @@ function act(change, goingOn = false) {
 // --- pointers ---------------------------------------------------------------------------------------------------------------
 
 const pointers = new Map();
+let corner = null;  // of a crop in the making
 let action = "", pressed = null;  // where the button went down, while it may become a click
 
 canvas.addEventListener("pointerdown", (event) => {
   canvas.setPointerCapture(event.pointerId);
   pointers.set(event.pointerId, [event.clientX, event.clientY]);
   action = event.button === 2 ? "look" : event.button === 1 || event.shiftKey ? "pan" : $("drag").value;
+  corner = [event.clientX, event.clientY];
   pressed = event.button === 0 && pointers.size === 1 && !event.shiftKey ? [event.clientX, event.clientY] : null;
   if (event.button === 1) event.preventDefault();
 });
@@ -475,7 +484,9 @@ canvas.addEventListener("pointermove", (event) => {
   pressed = null;
   const before = [...pointers.values()];
   pointers.set(event.pointerId, [event.clientX, event.clientY]);
-  if (pointers.size === 2) {
+  if (action === "crop" && pointers.size === 1) {
+    showMark(event);
+  } else if (pointers.size === 2) {
     const after = [...pointers.values()], span = (p) => Math.hypot(p[0][0] - p[1][0], p[0][1] - p[1][1]) || 1;
     act(() => { dolly(span(before) / span(after)); pan(x / 2 / size, y / 2 / size); }, true);
   } else if (action === "pan") {
@@ -489,11 +500,40 @@ for (const end of ["pointerup", "pointercancel"]) {
   canvas.addEventListener(end, (event) => {
     if (!pointers.delete(event.pointerId)) return;
     if (pressed && end === "pointerup") click(event);
+    if (!pressed && action === "crop") endMark(end === "pointerup" ? event : null);
     pressed = null;
     if (pointers.size === 0 && going) sendCamera(false);
   });
 }
 canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+
+// The pixel of the film at a place of the window, cut to what is on show.
+function cornerAt(x, y) {
+  const box = canvas.getBoundingClientRect(), scale = Math.min(box.width / state.fullWidth, box.height / state.fullHeight);
+  const [left, top] = state.crop || [0, 0], cut = (v, most) => Math.max(0, Math.min(most, Math.round(v)));
+  return [left + cut((x - box.left - (box.width - state.fullWidth * scale) / 2) / scale, state.fullWidth),
+    top + cut((y - box.top - (box.height - state.fullHeight * scale) / 2) / scale, state.fullHeight)];
+}
+
+function showMark(event) {
+  const stage = $("stage").getBoundingClientRect(), mark = $("mark");
+  mark.hidden = false;
+  mark.style.left = `${Math.min(corner[0], event.clientX) - stage.left}px`;
+  mark.style.top = `${Math.min(corner[1], event.clientY) - stage.top}px`;
+  mark.style.width = `${Math.abs(corner[0] - event.clientX)}px`;
+  mark.style.height = `${Math.abs(corner[1] - event.clientY)}px`;
+}
+
+function endMark(event) {
+  $("mark").hidden = true;
+  if (!event || !state.fullWidth) return;
+  const a = cornerAt(...corner), c = cornerAt(event.clientX, event.clientY);
+  const size = [Math.abs(a[0] - c[0]), Math.abs(a[1] - c[1])];
+  if (size[0] > 0 && size[1] > 0) post("settings", { crop: [Math.min(a[0], c[0]), Math.min(a[1], c[1]), ...size].join() });
+  $("drag").value = "orbit";  // a second crop is rarely meant
+}
+
+$("crop").addEventListener("change", () => post("settings", { crop: $("crop").value.replace(/[\s;×x]+/g, ",").replace(/,+/g, ",").replace(/^,|,$/g, "") }));
 
 let wheelEnd = 0;
 canvas.addEventListener("wheel", (event) => {
@@ -515,7 +555,7 @@ async function ask(what, parameters) {
 async function click(event) {
   readAt(event);
   if (!marked || !state.fullWidth) return;
-  const x = Math.floor(marked[0] * state.fullWidth), y = Math.floor(marked[1] * state.fullHeight);
+  const [x, y] = filmPixel();
   if ($("click").value === "explain") {
     $("pixel-x").value = x;
     $("pixel-y").value = y;
