@@ -12,6 +12,7 @@
 #include <list>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <httplib.h>
@@ -47,10 +48,10 @@ class BoundedStream final : public httplib::Stream {
         until_(Clock::now() + limits.head_time) {}
 
   bool is_readable() const override { return left_ > 0; }
-  bool is_writable() const override { return !broken_; }
-  // Later versions of the library ask for these, too.
+  // Versions of the library ask for this, or for the other three.
+  bool is_writable() const { return !broken_; }
   bool wait_readable() const { return is_readable(); }
-  bool wait_writable() const { return is_writable(); }
+  bool wait_writable() const { return !broken_; }
   time_t duration() const { return 0; }
   ssize_t read(char* data, std::size_t size) override {
     if (at_ == end_ && !fill()) return -1;
@@ -152,7 +153,16 @@ class TaskThreads final : public httplib::TaskQueue {
  public:
   explicit TaskThreads(std::size_t most) : most_(most) {}
 
-  void enqueue(std::function<void()> task) override {
+  /// Later versions of the library want to know whether it will be done.
+  using Enqueued = decltype(std::declval<httplib::TaskQueue&>().enqueue({}));
+  Enqueued enqueue(std::function<void()> task) override { return static_cast<Enqueued>(start(std::move(task))); }
+  void shutdown() override {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return running_ == 0; });
+  }
+
+ private:
+  bool start(std::function<void()> task) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return running_ < most_; });
     ++running_;
@@ -165,14 +175,11 @@ class TaskThreads final : public httplib::TaskQueue {
       }).detach();
     } catch (const std::system_error&) {
       --running_;  // no thread to be had: the connection is dropped
+      return false;
     }
-  }
-  void shutdown() override {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return running_ == 0; });
+    return true;
   }
 
- private:
   const std::size_t most_;
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -265,6 +265,7 @@ function drawLayer() {
   const legend = paintLayer(image.data, +$("exposure").value);
   context.putImageData(image, 0, 0);
   showLegend(legend, "#000, #fff");
+  sharpen();
   read();
   return true;
 }
@@ -298,6 +299,7 @@ function draw() {
   markWrong(out);
   context.putImageData(image, 0, 0);
   showLegend(legend);
+  sharpen();
   read();
 }
 
@@ -310,6 +312,13 @@ function showLegend(legend, gradient) {
   $("legend-what").textContent = legend[1];
   document.querySelector("#legend i").style.background = `linear-gradient(to right, ${colors})`;
 }
+
+// Enlarged pixels are shown as such when they are all there are; a coarse picture is better smooth.
+function sharpen() {
+  const enlarged = Math.min(canvas.clientWidth / canvas.width, canvas.clientHeight / canvas.height) * devicePixelRatio;
+  canvas.style.imageRendering = enlarged >= 2 && canvas.width >= (state.fullWidth || 0) ? "pixelated" : "auto";
+}
+addEventListener("resize", () => state && sharpen());
 
 // --- reading values ---------------------------------------------------------------------------------------------------------
 
