@@ -1,8 +1,9 @@
 # Flags every target of the project gets. Contraction is off: a*b+c on the host is what the source says, so that host-side
-# integers derived from floats (BVH bytes, thresholds) are the same on every machine.
+# integers derived from floats (BVH bytes, thresholds) are the same on every machine. OpenEXR asks for -pthread, and precompiled headers
+# serve those only who were compiled alike.
 add_library(etendue_flags INTERFACE)
 target_compile_options(etendue_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-                       -Wno-missing-field-initializers -ffp-contract=off)
+                       -Wno-missing-field-initializers -ffp-contract=off -pthread)
 foreach(sanitizer IN LISTS ETENDUE_SANITIZE)
   target_compile_options(etendue_flags INTERFACE -fsanitize=${sanitizer} -fno-omit-frame-pointer)
   target_link_options(etendue_flags INTERFACE -fsanitize=${sanitizer})

@@ -10,13 +10,13 @@
 #include <variant>
 
 #include "core/errors.h"
+#include "image/vectors.h"
 #include "scene/placed.h"
 
 namespace etendue {
 namespace {
 
 using glm::dvec3;
-constexpr double kPi = std::numbers::pi;
 constexpr std::uint32_t kTile = 8;  // pixels, as in the film of the device
 
 // The same numbers on every platform: the standard fixes the engine, but not its distributions.
@@ -35,10 +35,6 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
-
-double largest_coordinate(const dvec3& v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 // A surface point in normalised coordinates.
 struct Point {

@@ -20,7 +20,7 @@ using Lanes = float __attribute__((vector_size(16)));
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kMax = std::numeric_limits<float>::max();
 
-struct Bounds {
+struct LaneBox {
   Lanes lower{kInf, kInf, kInf, kInf};
   Lanes upper{-kInf, -kInf, -kInf, -kInf};
 
@@ -28,7 +28,7 @@ struct Bounds {
     lower = from < lower ? from : lower;
     upper = to > upper ? to : upper;
   }
-  void extend(const Bounds& other) { extend(other.lower, other.upper); }
+  void extend(const LaneBox& other) { extend(other.lower, other.upper); }
   Lanes center() const { return 0.5f * (lower + upper); }
   Lanes extent() const { return upper - lower; }
   float half_area() const {
@@ -42,7 +42,7 @@ struct Bounds {
 // slow to add.
 constexpr std::uint32_t kItemExponent = 0x40000000u;
 struct Item {
-  Bounds box;
+  LaneBox box;
 
   Item(const Box& b, std::uint32_t primitive)
       : box{{b.lower.x, b.lower.y, b.lower.z, std::bit_cast<float>(kItemExponent | primitive)},
@@ -52,7 +52,7 @@ struct Item {
 static_assert(sizeof(Item) == 32);
 
 struct Bin {
-  Bounds box;
+  LaneBox box;
   std::uint32_t count = 0;
 };
 using AxisBins = std::array<std::array<Bin, kMaxBins>, 3>;
@@ -79,7 +79,7 @@ struct BinMap {
   std::uint32_t bins;
 
   // Small nodes do not need many planes.
-  BinMap(const Bounds& centroids, const Work& work, const BvhConfig& config)
+  BinMap(const LaneBox& centroids, const Work& work, const BvhConfig& config)
       : origin(centroids.lower), scale{}, bins(std::min({config.bins, kMaxBins, std::max(4u, 2 * work.count())})) {
     const Lanes extent = centroids.extent();
     // Finite, so that 0 · scale is 0 also where the extent is denormal.
@@ -92,9 +92,9 @@ struct BinMap {
   }
 };
 
-class Builder {
+class BvhBuilder {
  public:
-  Builder(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& without, const BvhConfig& config)
+  BvhBuilder(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& without, const BvhConfig& config)
       : config_(config) {
     items_.reserve(boxes.size() - without.size());
     auto next = without.begin();
@@ -175,8 +175,8 @@ class Builder {
   }
 
   // Bounds of the items and of their centres.
-  std::array<Bounds, 2> bounds(const Work& work) {
-    using Pair = std::array<Bounds, 2>;
+  std::array<LaneBox, 2> bounds(const Work& work) {
+    using Pair = std::array<LaneBox, 2>;
     return reduce(
         work, Pair{},
         [](std::span<const Item> items, Pair& pair) {
@@ -195,7 +195,7 @@ class Builder {
   }
 
   // Sorts the items into the two halves of the best split, returns the first of the second half.
-  std::uint32_t partition(const Work& work, const Bounds& centroids) {
+  std::uint32_t partition(const Work& work, const LaneBox& centroids) {
     if (work.count() == 2) return work.begin + 1;
     const BinMap map(centroids, work, config_);
     const Split split = work.depth < config_.median_depth ? find_split(work, map) : Split{};
@@ -249,7 +249,7 @@ class Builder {
 
   static void sweep(const std::array<Bin, kMaxBins>& bins, std::uint32_t count, int axis, Split& best) {
     std::array<float, kMaxBins> right_cost;
-    Bounds box;
+    LaneBox box;
     std::uint32_t n = 0;
     for (std::uint32_t i = count - 1; i > 0; --i) {
       box.extend(bins[i].box);
@@ -269,7 +269,7 @@ class Builder {
   }
 
   // Halves the items along the longest axis of their centres.
-  std::uint32_t median(const Work& work, const Bounds& centroids) {
+  std::uint32_t median(const Work& work, const LaneBox& centroids) {
     const Lanes extent = centroids.extent();
     const int axis = extent[0] >= extent[1] && extent[0] >= extent[2] ? 0 : extent[1] >= extent[2] ? 1 : 2;
     const std::uint32_t middle = work.begin + work.count() / 2;
@@ -289,7 +289,7 @@ class Builder {
 }  // namespace
 
 Bvh build_bvh(std::vector<Box> boxes, const std::vector<std::uint32_t>& without, const BvhConfig& config) {
-  Builder builder(boxes, without, config);
+  BvhBuilder builder(boxes, without, config);
   release(boxes);  // the memory is needed for the nodes
   return builder.build();
 }

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "image/vectors.h"
+
 namespace etendue {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 double fresnel(double cosine, double eta) {
   const double sin2 = (1.0 - cosine * cosine) / (eta * eta);

@@ -26,6 +26,7 @@
 #include "compile/wide_bvh.h"
 #include "core/errors.h"
 #include "core/memory.h"
+#include "image/vectors.h"
 #include "scene/film_unit.h"
 #include "scene/invariants.h"
 #include "scene/materials.h"
@@ -36,12 +37,6 @@
 
 namespace etendue {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-double luminance(const glm::dvec3& rgb) {
-  return glm::dot(rgb, glm::dvec3(0.212671, 0.715160, 0.072169));
-}
 
 // A shape where its instance puts it: one of these, as the shape is.
 struct Placed {

@@ -6,12 +6,11 @@
 #include <stdexcept>
 
 #include "compile/filter_table.h"
+#include "image/vectors.h"
 #include "scene/film_unit.h"
 
 namespace etendue {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // A power of two that brings the camera's axes to where their squares fit a float; 1 for any usual camera. toWorld may
 // scale by whatever a double holds, and only the directions count.

@@ -4,17 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "image/vectors.h"
 #include "scene/texture_facts.h"
 
 namespace etendue {
 namespace {
-
-using Type = DeltaLight::Type;
-constexpr double kPi = std::numbers::pi;
-
-double luminance(const glm::dvec3& rgb) {
-  return glm::dot(rgb, glm::dvec3(0.212671, 0.715160, 0.072169));
-}
 
 double cos_degrees(double angle) {
   return std::cos(angle * kPi / 180.0);
@@ -23,13 +17,13 @@ double cos_degrees(double angle) {
 gpu::uint header_of(const DeltaLight& light) {
   const gpu::uint picture = light.intensity.texture ? gpu::kDeltaTextured : 0u;
   switch (light.type) {
-    case Type::point:
+    case DeltaLight::Type::point:
       return gpu::kDeltaPoint | picture;
-    case Type::projector:
+    case DeltaLight::Type::projector:
       return gpu::kDeltaProjector | picture;
-    case Type::directional:
+    case DeltaLight::Type::directional:
       return gpu::kDeltaDirectional;
-    case Type::spot:
+    case DeltaLight::Type::spot:
       break;
   }
   const gpu::uint fades = light.falloff == DeltaLight::Falloff::smooth    ? gpu::kDeltaSmooth
@@ -52,7 +46,7 @@ void flatten_spot(const DeltaLight& light, gpu::DeltaLight& flat) {
 /// where the frame is a mirror image.
 glm::vec2 picture_scale(const DeltaLight& light) {
   const double up = glm::determinant(glm::dmat3(light.world_from_light)) < 0.0 ? -1.0 : 1.0;
-  if (light.type == Type::projector) return glm::vec2(-0.5 / light.slope.x, 0.5 * up / light.slope.y);
+  if (light.type == DeltaLight::Type::projector) return glm::vec2(-0.5 / light.slope.x, 0.5 * up / light.slope.y);
   const double edge = std::tan(light.cutoff * kPi / 180.0);
   return glm::vec2(0.5 / edge, -0.5 * up / edge);
 }
@@ -65,14 +59,14 @@ gpu::DeltaLight flatten_delta_light(const Scene& scene, std::uint32_t number, co
   flat.number = number;
   flat.header = header_of(light);
   flat.texture_index = light.intensity.texture.value_or(gpu::kNone);
-  const bool directional = light.type == Type::directional;
+  const bool directional = light.type == DeltaLight::Type::directional;
   const double unit = directional ? 1.0 : normalization.scale * normalization.scale;
   flat.intensity = glm::vec3(light.intensity.value * unit);
   flat.p = directional ? glm::vec3(-light.axis(2)) : normalization.point(light.origin());
   flat.forward = glm::vec3(light.axis(2));
   flat.across = glm::vec3(light.axis(0));
-  if (light.type == Type::spot) flatten_spot(light, flat);
-  if (light.type == Type::projector || (light.type == Type::spot && light.intensity.texture))
+  if (light.type == DeltaLight::Type::spot) flatten_spot(light, flat);
+  if (light.type == DeltaLight::Type::projector || (light.type == DeltaLight::Type::spot && light.intensity.texture))
     flat.picture_scale = picture_scale(light);
   return flat;
 }
@@ -80,12 +74,12 @@ gpu::DeltaLight flatten_delta_light(const Scene& scene, std::uint32_t number, co
 double delta_light_power(const Scene& scene, const DeltaLight& light) {
   const double mean = luminance(mean_intensity(scene, light));
   switch (light.type) {
-    case Type::point:
-    case Type::spot:
+    case DeltaLight::Type::point:
+    case DeltaLight::Type::spot:
       return 4.0 * mean;
-    case Type::projector:
+    case DeltaLight::Type::projector:
       return 4.0 * mean * light.slope.x * light.slope.y / kPi;
-    case Type::directional:
+    case DeltaLight::Type::directional:
       break;
   }
   return mean;
@@ -95,10 +89,10 @@ LightLeaf delta_light_leaf(const Scene& scene, const DeltaLight& light) {
   LightLeaf leaf;
   leaf.power = luminance(mean_intensity(scene, light));
   leaf.lower = leaf.upper = light.origin();
-  if (light.type == Type::point) return leaf;
+  if (light.type == DeltaLight::Type::point) return leaf;
   leaf.normal = light.axis(2);
-  leaf.cos_cone =
-      light.type == Type::spot ? cos_degrees(light.cutoff) : 1.0 / std::sqrt(1.0 + glm::dot(light.slope, light.slope));
+  leaf.cos_cone = light.type == DeltaLight::Type::spot ? cos_degrees(light.cutoff)
+                                                       : 1.0 / std::sqrt(1.0 + glm::dot(light.slope, light.slope));
   return leaf;
 }
 
@@ -107,8 +101,8 @@ std::vector<std::uint32_t> delta_light_order(const Scene& scene) {
   for (std::uint32_t i = 0; i < scene.delta_lights.size(); ++i) {
     if (delta_light_power(scene, scene.delta_lights[i]) > 0.0) order.push_back(i);
   }
-  std::ranges::stable_partition(order,
-                                [&](std::uint32_t i) { return scene.delta_lights[i].type == Type::directional; });
+  std::ranges::stable_partition(
+      order, [&](std::uint32_t i) { return scene.delta_lights[i].type == DeltaLight::Type::directional; });
   return order;
 }
 

@@ -8,17 +8,13 @@
 #include "compile/delta_lights.h"
 #include "compile/discrete.h"
 #include "core/parallel.h"
+#include "image/vectors.h"
 #include "scene/bounds.h"
 
 namespace etendue {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::uint32_t kGradientRows = 32;  // above the horizon
-
-double luminance(const glm::dvec3& rgb) {
-  return glm::dot(rgb, glm::dvec3(0.212671, 0.715160, 0.072169));
-}
 
 // The edges of a row of cells: sin²(θ/2) from the north pole, and from the south pole.
 struct RowEdges {

@@ -49,9 +49,9 @@ double farthest_cosine(const glm::dvec3& axis, const LightLeaf& leaf) {
   return c * leaf.cos_cone - std::sqrt(across);
 }
 
-class Builder {
+class LightTreeBuilder {
  public:
-  Builder(const std::vector<LightLeaf>& leaves, const Normalization& normalization)
+  LightTreeBuilder(const std::vector<LightLeaf>& leaves, const Normalization& normalization)
       : leaves_(leaves), normalization_(normalization), corners_(quantise(leaves)), order_(leaves.size()) {
     std::iota(order_.begin(), order_.end(), Index{0});
     for (const LightLeaf& leaf : leaves) total_power_ += leaf.power;
@@ -151,7 +151,7 @@ class Builder {
 }  // namespace
 
 FlatLightTree build_light_tree(const std::vector<LightLeaf>& leaves, const Normalization& normalization) {
-  return Builder(leaves, normalization).build();
+  return LightTreeBuilder(leaves, normalization).build();
 }
 
 }  // namespace etendue

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 
 #include "compile/coats.h"
@@ -187,6 +189,10 @@ struct Place {
 
 // Where flatten() puts the parameters, by their names in each_parameter().
 constexpr Place kPlaces[] = {
+    {"albedo", color_at(0)},
+    {"kd", color_at(0)},
+    {"diffuse_reflectance", color_at(0)},
+    {"specular_transmittance", color_at(0)},
     {"specular_reflectance", color_at(1)},
     {"alpha", number_at(2, 3) | number_at(3, 3)},
     {"alpha_u", number_at(2, 3)},
@@ -195,13 +201,17 @@ constexpr Place kPlaces[] = {
     {"k", color_at(3)},
 };
 constexpr Place kPrincipledPlaces[] = {
-    {"metallic", number_at(1, 0)},  {"diff_trans", number_at(1, 0)},  {"spec_trans", number_at(1, 1)},
-    {"spec_tint", number_at(1, 2)}, {"anisotropic", number_at(1, 3)}, {"eta", number_at(2, 0)},
-    {"roughness", number_at(2, 1)}, {"flatness", number_at(2, 2)},    {"clearcoat_gloss", number_at(2, 3)},
-    {"sheen", number_at(3, 0)},     {"sheen_tint", number_at(3, 1)},  {"clearcoat", number_at(3, 2)},
+    {"base_color", color_at(0)},     {"metallic", number_at(1, 0)},
+    {"diff_trans", number_at(1, 0)}, {"spec_trans", number_at(1, 1)},
+    {"spec_tint", number_at(1, 2)},  {"anisotropic", number_at(1, 3)},
+    {"eta", number_at(2, 0)},        {"roughness", number_at(2, 1)},
+    {"flatness", number_at(2, 2)},   {"clearcoat_gloss", number_at(2, 3)},
+    {"sheen", number_at(3, 0)},      {"sheen_tint", number_at(3, 1)},
+    {"clearcoat", number_at(3, 2)},
 };
 
 constexpr Place kGltfPlaces[] = {
+    {"base_color", color_at(0)},
     {"specular_color", color_at(1)},
     {"specular", number_at(1, 3)},
     {"ior", number_at(2, 0)},
@@ -220,11 +230,12 @@ constexpr Place kGltfPlaces[] = {
     {"iridescence_thickness", number_at(6, 1)},
 };
 
-// What is in no list comes first in the record: albedo, transmittance, base colour.
 template <std::size_t N>
 gpu::uint find_place(const Place (&places)[N], std::string_view name) {
   const Place* found = std::ranges::find(places, name, &Place::name);
-  return found == std::end(places) ? color_at(0) : found->floats;
+  if (found == std::end(places))
+    throw std::logic_error("'" + std::string(name) + "' has no place in a material's record");
+  return found->floats;
 }
 template <typename T>
 gpu::uint floats_of(const T&, std::string_view name) {

@@ -8,8 +8,8 @@
 namespace etendue {
 namespace {
 
-constexpr std::size_t kChunk = 1u << 18;   // samples or queries of one dispatch
-constexpr double kDispatchTimeout = 60.0;  // seconds
+constexpr std::size_t kProbesAtATime = 1u << 18;  // samples or queries of one dispatch
+constexpr double kProbeTimeout = 60.0;            // seconds
 
 // A scene that holds nothing but the material, so that it reaches the device the way every material does.
 CompiledScene compile_material(const Bsdf& bsdf) {
@@ -31,9 +31,9 @@ class GpuBsdfProbe final : public BsdfProbe {
         scene_(open_device(options), compile_material(bsdf), TableLoads::texel_buffer),
         kernel_(context(), scene_.request_kernels().pipeline, kernels_.bsdf_samples,
                 joined(scene_.constants(), kernels_.constants), "bsdf_samples"),
-        queries_(context(), kChunk * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+        queries_(context(), kProbesAtATime * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "directions"),
-        results_(context(), kChunk * sizeof(gpu::BsdfProbeResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+        results_(context(), kProbesAtATime * sizeof(gpu::BsdfProbeResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "material samples"),
         set_(context(), scene_.request_kernels().set) {
     set_.bind(gpu::kBindingRequests, queries_);
@@ -47,8 +47,8 @@ class GpuBsdfProbe final : public BsdfProbe {
                                std::uint32_t count) override {
     std::vector<BsdfDraw> draws;
     draws.reserve(count);
-    for (std::uint32_t done = 0; done < count; done += kChunk) {
-      const auto n = static_cast<std::uint32_t>(std::min<std::size_t>(kChunk, count - done));
+    for (std::uint32_t done = 0; done < count; done += kProbesAtATime) {
+      const auto n = static_cast<std::uint32_t>(std::min<std::size_t>(kProbesAtATime, count - done));
       for (const gpu::BsdfProbeResult& r : run({wo, seed, first + done, n, 0, 0})) {
         draws.push_back({r.wi, r.pdf, r.weight, static_cast<ProbeLobe>(r.lobe)});
       }
@@ -59,8 +59,8 @@ class GpuBsdfProbe final : public BsdfProbe {
   std::vector<BsdfValue> evaluate(const glm::dvec3& wo, std::span<const glm::dvec3> wi) override {
     std::vector<BsdfValue> values;
     values.reserve(wi.size());
-    for (std::size_t done = 0; done < wi.size(); done += kChunk) {
-      const auto chunk = wi.subspan(done, std::min(kChunk, wi.size() - done));
+    for (std::size_t done = 0; done < wi.size(); done += kProbesAtATime) {
+      const auto chunk = wi.subspan(done, std::min(kProbesAtATime, wi.size() - done));
       std::vector<gpu::vec4> directions;
       for (const glm::dvec3& w : chunk) directions.emplace_back(w, 0.0);
       commands().upload(queries_, 0, std::as_bytes(std::span(directions)));
@@ -77,7 +77,7 @@ class GpuBsdfProbe final : public BsdfProbe {
   std::vector<gpu::BsdfProbeResult> run(const gpu::BsdfProbePass& pass) {
     const std::uint32_t groups = (pass.count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize;
     commands().dispatch(scene_.request_kernels().pipeline, kernel_, {&scene_.set(), &set_},
-                        std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
+                        std::as_bytes(std::span(&pass, 1)), groups, kProbeTimeout);
     std::vector<gpu::BsdfProbeResult> results(pass.count);
     commands().download(results_, 0, std::as_writable_bytes(std::span(results)));
     return results;

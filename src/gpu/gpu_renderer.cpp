@@ -31,8 +31,8 @@ constexpr std::uint32_t kCpuIterationsDivergent = kCpuIterations / 8;
 // lanes wait.
 constexpr std::uint32_t kTurnsNee = 2, kStepsNee = 6;
 constexpr std::uint32_t kTurnsNaive = 1, kStepsNaive = 8;
-constexpr double kCpuPassSeconds = 0.5;     // no watchdog there, and fewer dispatches waste less
-constexpr double kDispatchTimeout = 300.0;  // seconds; passes are sized to a fraction of one
+constexpr double kCpuPassSeconds = 0.5;  // no watchdog there, and fewer dispatches waste less
+constexpr double kPassTimeout = 300.0;   // seconds; passes are sized to a fraction of one
 
 bool traces_occlusion(Integrator::Type type) {
   using enum Integrator::Type;
@@ -167,7 +167,7 @@ class GpuRenderer final : public Renderer {
   };
   double dispatch(const Work& work, const gpu::Pass& pass, std::uint32_t groups) {
     return commands().dispatch(work.layout.pipeline, work.kernel, {&scene_->set(), &work.set},
-                               std::as_bytes(std::span(&pass, 1)), groups, kDispatchTimeout);
+                               std::as_bytes(std::span(&pass, 1)), groups, kPassTimeout);
   }
   void check_film(const Film& film) const;
   void prepare_film(const SlotLayout& slots, SampleRange range);

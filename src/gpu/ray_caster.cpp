@@ -15,7 +15,7 @@ static_assert(sizeof(CastRay) == sizeof(gpu::RayRequest) && sizeof(CastHit) == s
 static_assert(CastHit::kNone == gpu::kNone);
 
 constexpr std::size_t kMostRays = std::size_t{1} << 22;
-constexpr double kDispatchTimeout = 60.0;  // seconds
+constexpr double kCastTimeout = 60.0;  // seconds
 // Steps of one ray. lavapipe ends loops silently after 65 535 iterations of a group of 8 lanes, and walks may be laid
 // end to end; a tree of 64 levels is left long before that.
 constexpr std::uint32_t kMostSteps = 7500;
@@ -68,7 +68,7 @@ class GpuRayCaster final : public RayCaster {
     const vulkan::Kernel& kernel = query == RayQuery::any ? any_ : closest_;
     return device_->commands.dispatch(scene_->request_kernels().pipeline, kernel, {&scene_->set(), &*set_},
                                       std::as_bytes(std::span(&pass, 1)),
-                                      (count_ + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, kDispatchTimeout);
+                                      (count_ + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, kCastTimeout);
   }
 
   std::vector<CastHit> hits() override {

@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/printable.h"
+#include "core/text.h"
 
 namespace etendue {
 namespace {
@@ -50,12 +51,6 @@ std::string names() {
     if (row.aov != Aov::hit) all += fmt::format("{}{}", all.empty() ? "" : ", ", row.name);
   }
   return all;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
-  const std::size_t end = text.find_last_not_of(' ');
-  return begin == text.size() ? std::string_view{} : text.substr(begin, end - begin + 1);
 }
 
 // Numbers come as two halves of 16 bits, which floats hold exactly.
@@ -112,7 +107,7 @@ std::vector<Aov> parse_aovs(std::string_view list) {
   std::vector<Aov> aovs;
   while (!list.empty()) {
     const std::size_t comma = std::min(list.find(','), list.size());
-    const std::string_view name = trimmed(list.substr(0, comma));
+    const std::string_view name = text::trim(list.substr(0, comma));
     const std::optional<Aov> aov = aov_named(name);
     if (!aov || aov == Aov::hit) {
       constexpr std::size_t kMostShown = 40;

@@ -19,11 +19,6 @@ namespace {
 
 constexpr std::array<const char*, 3> kColor = {"R", "G", "B"};
 constexpr std::array<const char*, 3> kStandardError = {"StdErr.R", "StdErr.G", "StdErr.B"};
-constexpr const char* kSampleCount = "SampleCount";
-
-[[noreturn]] void fail(const std::string& path, const std::string& reason) {
-  throw Error(ErrorKind::file, fmt::format("{}: {}", path, reason));
-}
 
 void check_complete(const Image& image, const std::string& path) {
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
@@ -55,10 +50,11 @@ void add_statistics(Imf::FrameBuffer& buffer, const Image& image, const Imath::B
 /// Throws unless the channel holds one real number for every pixel.
 void check_color_channel(const Imf::ChannelList& channels, const char* name, const std::string& path) {
   const Imf::Channel& channel = channels[name];
-  if (channel.type == Imf::UINT) fail(path, fmt::format("channel {} holds integers; expected float or half", name));
+  if (channel.type == Imf::UINT)
+    fail_on_file(path, fmt::format("channel {} holds integers; expected float or half", name));
   if (channel.xSampling != 1 || channel.ySampling != 1) {
-    fail(path, fmt::format("channel {} is stored at {}x{} times lower resolution; only full resolution is read", name,
-                           channel.xSampling, channel.ySampling));
+    fail_on_file(path, fmt::format("channel {} is stored at {}x{} times lower resolution; only full resolution is read",
+                                   name, channel.xSampling, channel.ySampling));
   }
 }
 
@@ -87,7 +83,7 @@ Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path
   const bool color =
       std::all_of(kColor.begin(), kColor.end(), [&](auto* name) { return channels.findChannel(name) != nullptr; });
   if (!color && channels.findChannel("Y") == nullptr)
-    fail(path, "has neither the channels R, G and B nor the channel Y");
+    fail_on_file(path, "has neither the channels R, G and B nor the channel Y");
   const auto names = color ? kColor : std::array<const char*, 3>{"Y", "Y", "Y"};
   for (const char* name : names) check_color_channel(channels, name, path);
 

@@ -16,10 +16,6 @@
 namespace etendue {
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const std::string& reason) {
-  throw Error(ErrorKind::file, fmt::format("{}: {}", path, reason));
-}
-
 /// The channels of a picture in its order, with `prefix` before their names; none if it has neither R, G and B nor Y.
 std::vector<std::string> picture_channels(const Imf::ChannelList& channels, const std::string& prefix) {
   const auto has = [&](const char* name) { return channels.findChannel(prefix + name) != nullptr; };
@@ -61,10 +57,11 @@ std::vector<std::string> choose_channels(const Imf::ChannelList& channels, const
     notes.push_back(fmt::format("{}: the picture is that of its only layer, {}", path, text::quoted(layers[0])));
     return picture_channels(channels, layers[0] + ".");
   }
-  if (layers.empty()) fail(path, "has neither the channels R, G and B nor the channel Y, in no layer");
-  if (layer.empty()) fail(path, fmt::format("has its pictures in the layers {}; name one of them", list_of(layers)));
-  fail(path,
-       fmt::format("has no picture in a layer {}; those that have one are {}", text::quoted(layer), list_of(layers)));
+  if (layers.empty()) fail_on_file(path, "has neither the channels R, G and B nor the channel Y, in no layer");
+  if (layer.empty())
+    fail_on_file(path, fmt::format("has its pictures in the layers {}; name one of them", list_of(layers)));
+  fail_on_file(path, fmt::format("has no picture in a layer {}; those that have one are {}", text::quoted(layer),
+                                 list_of(layers)));
 }
 
 /// The format that holds all of the channels. Throws where one has not a number for every pixel.
@@ -75,8 +72,8 @@ BitmapFormat common_format(const Imf::ChannelList& channels, const std::vector<s
   for (const std::string& name : names) {
     const Imf::Channel& channel = channels[name];
     if (channel.xSampling != 1 || channel.ySampling != 1) {
-      fail(path, fmt::format("channel {} is stored at {}x{} times lower resolution; save it at full resolution",
-                             text::quoted(name), channel.xSampling, channel.ySampling));
+      fail_on_file(path, fmt::format("channel {} is stored at {}x{} times lower resolution; save it at full resolution",
+                                     text::quoted(name), channel.xSampling, channel.ySampling));
     }
   }
   return halves ? BitmapFormat::f16 : BitmapFormat::f32;

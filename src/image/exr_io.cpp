@@ -26,10 +26,6 @@
 namespace etendue {
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const std::string& reason) {
-  throw Error(ErrorKind::file, fmt::format("{}: {}", path, reason));
-}
-
 /// Names that the EXR format gives a meaning and a type of its own; as metadata they carry a prefix.
 constexpr std::array<const char*, 12> kReservedNames = {
     "channels",           "compression",       "dataWindow", "displayWindow", "lineOrder", "pixelAspectRatio",
@@ -66,8 +62,8 @@ std::uint64_t pixel_bytes(const Imf::ChannelList& channels) {
 void check_dimensions(std::int64_t width, std::int64_t height, const std::string& path) {
   if (width < 1 || height < 1 || width > kMaxImageSide || height > kMaxImageSide ||
       static_cast<std::uint64_t>(width * height) > kMaxImagePixels) {
-    fail(path, fmt::format("has {}x{} pixels; files hold 1 to {} a side and at most {} in all", width, height,
-                           kMaxImageSide, kMaxImagePixels));
+    fail_on_file(path, fmt::format("has {}x{} pixels; files hold 1 to {} a side and at most {} in all", width, height,
+                                   kMaxImageSide, kMaxImagePixels));
   }
 }
 
@@ -94,14 +90,15 @@ class AttributeWalker {
 
  private:
   [[noreturn]] void truncated() const {
-    fail(path_, "is a damaged EXR file: its header runs past the end of the file");
+    fail_on_file(path_, "is a damaged EXR file: its header runs past the end of the file");
   }
 
   std::string word() {
     std::string result;
     while (position_ < bytes_.size() && bytes_[position_] != std::byte{0}) {
       result += static_cast<char>(bytes_[position_++]);
-      if (result.size() > 255) fail(path_, "is a damaged EXR file: a name in its header has more than 255 bytes");
+      if (result.size() > 255)
+        fail_on_file(path_, "is a damaged EXR file: a name in its header has more than 255 bytes");
     }
     if (position_ == bytes_.size()) truncated();
     ++position_;
@@ -130,6 +127,10 @@ std::uint64_t largest_ratio(Imf::Compression method) {
 
 }  // namespace
 
+void fail_on_file(const std::string& path, const std::string& reason) {
+  throw Error(ErrorKind::file, fmt::format("{}: {}", path, reason));
+}
+
 void MemoryOStream::write(const char bytes[], int count) {
   const auto size = static_cast<std::size_t>(count);
   if (position_ + size > bytes_.size()) bytes_.resize(position_ + size);
@@ -151,12 +152,12 @@ bool is_exr(std::span<const std::byte> bytes) {
 }
 
 std::vector<ExrAttribute> exr_attributes(std::span<const std::byte> bytes, const std::string& path) {
-  if (!is_exr(bytes)) fail(path, "is not an EXR file");
-  if (bytes.size() < 8) fail(path, "is a damaged EXR file: it ends inside its header");
+  if (!is_exr(bytes)) fail_on_file(path, "is not an EXR file");
+  if (bytes.size() < 8) fail_on_file(path, "is a damaged EXR file: it ends inside its header");
   const auto flags = std::to_integer<unsigned>(bytes[5]);
   // Bits 11 and 12 of the version field: deep data, several parts.
   if ((flags & 0x18u) != 0)
-    fail(path, "is an EXR file with deep data or several parts; only flat single-part files are read");
+    fail_on_file(path, "is an EXR file with deep data or several parts; only flat single-part files are read");
   AttributeWalker walker(bytes, 8, path);
   std::vector<ExrAttribute> attributes;
   for (ExrAttribute attribute; walker.next(attribute);) attributes.push_back(attribute);
@@ -171,14 +172,14 @@ Imf::Header read_exr_header(std::span<const std::byte> bytes, const std::string&
     stream.seekg(4);
     int version = static_cast<int>(std::to_integer<unsigned>(bytes[4]) | std::to_integer<unsigned>(bytes[5]) << 8);
     if (Imf::getVersion(version) != Imf::EXR_VERSION)
-      fail(path, fmt::format("has EXR version {}, not 2", Imf::getVersion(version)));
+      fail_on_file(path, fmt::format("has EXR version {}, not 2", Imf::getVersion(version)));
     stream.seekg(8);
     header.readFrom(stream, version);
     header.sanityCheck(Imf::isTiled(version), false);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
-    fail(path, fmt::format("is a damaged EXR file: {}", error.what()));
+    fail_on_file(path, fmt::format("is a damaged EXR file: {}", error.what()));
   }
   const Imath::Box2i& window = header.dataWindow();
   check_dimensions(std::int64_t{window.max.x} - window.min.x + 1, std::int64_t{window.max.y} - window.min.y + 1, path);
@@ -210,8 +211,8 @@ void check_exr_size(const Imf::Header& header, std::uint64_t file_size, const st
   const std::uint64_t height = static_cast<std::uint64_t>(window.max.y - window.min.y) + 1;
   const std::uint64_t raw = width * height * pixel_bytes(header.channels());
   if (raw / largest_ratio(header.compression()) > file_size) {
-    fail(path,
-         fmt::format("announces {} bytes of pixels but has only {} bytes: it is damaged or truncated", raw, file_size));
+    fail_on_file(path, fmt::format("announces {} bytes of pixels but has only {} bytes: it is damaged or truncated",
+                                   raw, file_size));
   }
 }
 
@@ -224,7 +225,7 @@ Imf::Header make_exr_header(std::uint32_t width, std::uint32_t height, const Met
     const std::string name = attribute_name(key);
     if (key.empty() || name.size() > 255 || name.find('\0') != std::string::npos ||
         header.find(name.c_str()) != header.end()) {
-      fail(path, fmt::format("{} cannot be the name of a header attribute", text::quoted(key)));
+      fail_on_file(path, fmt::format("{} cannot be the name of a header attribute", text::quoted(key)));
     }
     header.insert(name, Imf::StringAttribute(value));
   }
@@ -273,7 +274,7 @@ std::vector<std::byte> encode_exr(Imf::Header header, const Imf::FrameBuffer& bu
     }
     return std::move(stream.bytes());
   } catch (const std::exception& error) {
-    fail(path, fmt::format("cannot be encoded as EXR: {}", error.what()));
+    fail_on_file(path, fmt::format("cannot be encoded as EXR: {}", error.what()));
   }
 }
 
@@ -290,9 +291,9 @@ void decode_exr(std::span<const std::byte> bytes, const Imf::FrameBuffer& buffer
       file.readPixels(window.min.y, window.max.y);
     }
   } catch (const std::exception& error) {
-    fail(path, fmt::format("is a damaged EXR file: {}", error.what()));
+    fail_on_file(path, fmt::format("is a damaged EXR file: {}", error.what()));
   }
-  if (!complete) fail(path, "is an unfinished or truncated EXR file: parts of the picture are missing");
+  if (!complete) fail_on_file(path, "is an unfinished or truncated EXR file: parts of the picture are missing");
 }
 
 }  // namespace etendue

@@ -23,6 +23,11 @@ inline constexpr const char* kChecksumAttribute = "filmChecksum";
 inline constexpr const char* kAovsAttribute = "filmAovs";
 /// Integer attribute that only film files have: the version of their layout.
 inline constexpr const char* kFormatAttribute = "filmFormat";
+/// Channel of pictures and films.
+inline constexpr const char* kSampleCount = "SampleCount";
+
+/// Throws Error(file): "PATH: REASON".
+[[noreturn]] void fail_on_file(const std::string& path, const std::string& reason);
 
 class MemoryOStream : public Imf::OStream {
  public:

@@ -29,12 +29,7 @@ namespace {
 constexpr int kFilmFormat = 1, kFilmFormatWithAovs = 2;
 constexpr const char* kExponentAttribute = "filmExponent";
 constexpr std::size_t kChecksumDigits = 32;
-constexpr const char* kSampleCount = "SampleCount";
 constexpr std::array<char, 3> kColors = {'R', 'G', 'B'};
-
-[[noreturn]] void fail(const std::string& path, const std::string& reason) {
-  throw Error(ErrorKind::file, fmt::format("{}: {}", path, reason));
-}
 
 /// One unsigned channel of a film file and the member of FilmPixel it holds.
 struct Limb {
@@ -128,8 +123,8 @@ std::string file_checksum(std::span<const std::byte> bytes, const ExrAttribute& 
 /// Throws unless every pixel has seen exactly the samples of the ranges.
 void check_counts(const FilmFile& file, const std::string& path) {
   if (!is_canonical(file.samples)) {
-    fail(path,
-         fmt::format("its sample ranges {} are not sorted, disjoint and joined", text::quoted(to_text(file.samples))));
+    fail_on_file(path, fmt::format("its sample ranges {} are not sorted, disjoint and joined",
+                                   text::quoted(to_text(file.samples))));
   }
   const std::uint64_t expected = sample_count(file.samples);
   const auto check = [&](const Film& film, std::uint64_t wanted, const std::string& what) {
@@ -137,8 +132,9 @@ void check_counts(const FilmFile& file, const std::string& path) {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const std::uint64_t seen = std::uint64_t{pixels[i].count} + pixels[i].rejected;
       if (seen == wanted) continue;
-      fail(path, fmt::format("pixel ({}, {}) has {} samples{}, but the sample ranges {} hold {}", i % film.width(),
-                             i / film.width(), seen, what, text::quoted(to_text(file.samples)), wanted));
+      fail_on_file(path,
+                   fmt::format("pixel ({}, {}) has {} samples{}, but the sample ranges {} hold {}", i % film.width(),
+                               i / film.width(), seen, what, text::quoted(to_text(file.samples)), wanted));
     }
   };
   check(file.film, expected, "");
@@ -153,14 +149,14 @@ bool is_exponent(int exponent) {
   return exponent >= -149 && exponent <= 128;  // of the smallest and the largest float32
 }
 
-std::string to_text(const std::vector<AovHeader>& aovs) {
+std::string list_of_headers(const std::vector<AovHeader>& aovs) {
   std::string list;
   for (const AovHeader& aov : aovs)
     list += fmt::format("{}{}:{}", list.empty() ? "" : " ", traits(aov.aov).name, aov.exponent);
   return list;
 }
 
-/// Nothing unless `list` is what to_text() makes of a complete list.
+/// Nothing unless `list` is what list_of_headers() makes of a complete list.
 std::optional<std::vector<AovHeader>> parse_aov_headers(const std::string& list) {
   std::vector<AovHeader> headers;
   std::vector<Aov> aovs;
@@ -176,45 +172,46 @@ std::optional<std::vector<AovHeader>> parse_aov_headers(const std::string& list)
     aovs.push_back(*aov);
     start = end + 1;
   }
-  if (headers.empty() || aovs != complete(aovs) || to_text(headers) != list) return {};
+  if (headers.empty() || aovs != complete(aovs) || list_of_headers(headers) != list) return {};
   return headers;
 }
 
 int film_integer(const Imf::Header& header, const char* name, const std::string& path) {
   const auto* attribute = header.findTypedAttribute<Imf::IntAttribute>(name);
-  if (attribute == nullptr) fail(path, fmt::format("holds no film: its header has no integer \"{}\"", name));
+  if (attribute == nullptr) fail_on_file(path, fmt::format("holds no film: its header has no integer \"{}\"", name));
   return attribute->value();
 }
 
 FilmHeader film_header(const Imf::Header& header, const std::string& path) {
   const int format = film_integer(header, kFormatAttribute, path);
   if (format != kFilmFormat && format != kFilmFormatWithAovs) {
-    fail(path, fmt::format("holds a film of format {}; this program reads the formats {} and {}", format, kFilmFormat,
-                           kFilmFormatWithAovs));
+    fail_on_file(path, fmt::format("holds a film of format {}; this program reads the formats {} and {}", format,
+                                   kFilmFormat, kFilmFormatWithAovs));
   }
   FilmHeader film;
   film.exponent = film_integer(header, kExponentAttribute, path);
   if (!is_exponent(film.exponent)) {
-    fail(path, fmt::format("has the film exponent {}; -149 to 128 are possible", film.exponent));
+    fail_on_file(path, fmt::format("has the film exponent {}; -149 to 128 are possible", film.exponent));
   }
   film.metadata = exr_metadata(header);
   if (format == kFilmFormatWithAovs) {
     const auto* list = header.findTypedAttribute<Imf::StringAttribute>(kAovsAttribute);
     const auto aovs = list != nullptr ? parse_aov_headers(list->value()) : std::nullopt;
     if (!aovs)
-      fail(path, fmt::format("has {} as its list of AOVs; expected one like \"depth:7 normal:0\"",
-                             list != nullptr ? text::quoted(list->value()) : "nothing"));
+      fail_on_file(path, fmt::format("has {} as its list of AOVs; expected one like \"depth:7 normal:0\"",
+                                     list != nullptr ? text::quoted(list->value()) : "nothing"));
     film.aovs = *aovs;
   }
   const auto samples = film.metadata.find("samples");
-  if (samples == film.metadata.end()) fail(path, "holds no film: its header has no text \"samples\"");
+  if (samples == film.metadata.end()) fail_on_file(path, "holds no film: its header has no text \"samples\"");
   const std::optional<SampleRanges> ranges = parse_sample_ranges(samples->second);
   if (!ranges)
-    fail(path, fmt::format("has the sample ranges {}; expected sorted ones like 0:64,128:192",
-                           text::quoted(samples->second)));
+    fail_on_file(path, fmt::format("has the sample ranges {}; expected sorted ones like 0:64,128:192",
+                                   text::quoted(samples->second)));
   film.samples = *ranges;
   const Imath::Box2i& window = header.dataWindow();
-  if (window.min.x != 0 || window.min.y != 0) fail(path, "holds no film: its data window does not begin at (0, 0)");
+  if (window.min.x != 0 || window.min.y != 0)
+    fail_on_file(path, "holds no film: its data window does not begin at (0, 0)");
   film.width = static_cast<std::uint32_t>(window.max.x) + 1;
   film.height = static_cast<std::uint32_t>(window.max.y) + 1;
   return film;
@@ -233,15 +230,15 @@ void check_channels(const Imf::ChannelList& channels, const std::vector<AovHeade
     known[std::string(1, color)] = known[fmt::format("StdErr.{}", color)] = Imf::FLOAT;
     if (channels.findChannel(std::string(1, color)) == nullptr ||
         channels.findChannel(fmt::format("StdErr.{}", color)) == nullptr) {
-      fail(path, fmt::format("holds no film: it lacks the channels {} and StdErr.{}", color, color));
+      fail_on_file(path, fmt::format("holds no film: it lacks the channels {} and StdErr.{}", color, color));
     }
   }
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
     const auto expected = known.find(channel.name());
     const Imf::Channel& c = channel.channel();
     if (expected == known.end() || c.type != expected->second || c.xSampling != 1 || c.ySampling != 1) {
-      fail(path, fmt::format("holds no film: channel {} does not belong into one or has the wrong type",
-                             text::quoted(channel.name())));
+      fail_on_file(path, fmt::format("holds no film: channel {} does not belong into one or has the wrong type",
+                                     text::quoted(channel.name())));
     }
   }
 }
@@ -251,10 +248,10 @@ std::vector<std::byte> encode_film(const FilmFile& file, const std::string& path
   const Metadata metadata = film_metadata(file);
   Imf::Header header = make_exr_header(film.width(), film.height(), metadata, path);
   for (const char* name : {kFormatAttribute, kExponentAttribute, kChecksumAttribute, kAovsAttribute}) {
-    if (metadata.contains(name)) fail(path, fmt::format("{} cannot be metadata of a film", text::quoted(name)));
+    if (metadata.contains(name)) fail_on_file(path, fmt::format("{} cannot be metadata of a film", text::quoted(name)));
   }
   header.insert(kFormatAttribute, Imf::IntAttribute(file.aovs.empty() ? kFilmFormat : kFilmFormatWithAovs));
-  if (!file.aovs.empty()) header.insert(kAovsAttribute, Imf::StringAttribute(to_text(header_of(file).aovs)));
+  if (!file.aovs.empty()) header.insert(kAovsAttribute, Imf::StringAttribute(list_of_headers(header_of(file).aovs)));
   header.insert(kExponentAttribute, Imf::IntAttribute(film.exponent()));
   header.insert(kChecksumAttribute, Imf::StringAttribute(std::string(kChecksumDigits, '0')));
   // The limbs are mostly noise or zero: deflate saves 8 % more but takes two to three times as long, and checkpoints
@@ -268,7 +265,7 @@ std::vector<std::byte> encode_film(const FilmFile& file, const std::string& path
   for (const AovFilm& aov : file.aovs) add_sums(buffer, aov.film, traits(aov.aov).name, header.dataWindow());
   std::vector<std::byte> bytes = encode_exr(header, buffer, path);
   const std::optional<ExrAttribute> attribute = find_checksum(bytes, path);
-  if (!attribute) fail(path, "cannot be encoded: the checksum has no place in the header");
+  if (!attribute) fail_on_file(path, "cannot be encoded: the checksum has no place in the header");
   const std::string checksum = file_checksum(bytes, *attribute);
   std::memcpy(bytes.data() + attribute->offset, checksum.data(), checksum.size());
   return bytes;
@@ -296,7 +293,7 @@ Metadata film_metadata(const FilmFile& file) {
 }
 
 void write_film(const std::string& path, const FilmFile& file) {
-  if (file.film.pixels().empty()) fail(path, "cannot write a film without pixels");
+  if (file.film.pixels().empty()) fail_on_file(path, "cannot write a film without pixels");
   check_counts(file, path);
   write_file_atomically(path, encode_film(file, path));
 }
@@ -310,15 +307,15 @@ namespace {
 ExrAttribute checksum_of_film(std::span<const std::byte> bytes, const std::string& path) {
   const std::optional<ExrAttribute> attribute = find_checksum(bytes, path);
   if (!attribute)
-    fail(path, fmt::format("holds no film: its header has no \"{}\"; pictures cannot be merged or resumed",
-                           kChecksumAttribute));
+    fail_on_file(path, fmt::format("holds no film: its header has no \"{}\"; pictures cannot be merged or resumed",
+                                   kChecksumAttribute));
   return *attribute;
 }
 
 void verify_checksum(std::span<const std::byte> bytes, const ExrAttribute& attribute, const std::string& path) {
   const std::string stored(reinterpret_cast<const char*>(bytes.data()) + attribute.offset, kChecksumDigits);
   if (const std::string actual = file_checksum(bytes, attribute); actual != stored)
-    fail(path, fmt::format("is truncated or was changed: its checksum is {}, but it says {}", actual, stored));
+    fail_on_file(path, fmt::format("is truncated or was changed: its checksum is {}, but it says {}", actual, stored));
 }
 
 }  // namespace
@@ -328,7 +325,7 @@ void verify_film(std::span<const std::byte> bytes, const std::string& path) {
 }
 
 FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, bool verify) {
-  if (!is_exr(bytes)) fail(path, "holds no film: it is not an EXR file");
+  if (!is_exr(bytes)) fail_on_file(path, "holds no film: it is not an EXR file");
   const ExrAttribute checksum = checksum_of_film(bytes, path);
   if (verify) verify_checksum(bytes, checksum, path);
   const Imf::Header header = read_exr_header(bytes, path);
@@ -348,10 +345,10 @@ FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, 
 
 FilmFile read_film(const std::string& path) {
   try {
-    if (!is_exr(read_file(path, 4))) fail(path, "holds no film: it is not an EXR file");
+    if (!is_exr(read_file(path, 4))) fail_on_file(path, "holds no film: it is not an EXR file");
     return decode_film(read_whole_image(path), path, true);
   } catch (const std::bad_alloc&) {
-    fail(path, "is too large for the memory of this machine");
+    fail_on_file(path, "is too large for the memory of this machine");
   }
 }
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kLongestLine = 4096;  // of a header; a command line in it may be long
 constexpr std::size_t kMostLines = 4096;
-constexpr std::size_t kMostShown = 60;
+constexpr std::size_t kMostQuoted = 60;
 
 using Rgbe = std::array<std::uint8_t, 4>;
 
@@ -85,7 +85,7 @@ double HdrReader::positive(std::string_view token, const char* name) {
   const text::NumberError error = text::parse_double(token, value);
   if (error != text::NumberError::none || !(value > 0))
     fail(fmt::format("{} is {}; expected a number above 0", name,
-                     text::quoted(std::string(token.substr(0, kMostShown)))));
+                     text::quoted(std::string(token.substr(0, kMostQuoted)))));
   return value;
 }
 
@@ -96,7 +96,7 @@ void HdrReader::variable(std::string_view line, HdrHeader& header) {
     header.xyz = format == "32-bit_rle_xyze";
     if (!header.xyz && format != "32-bit_rle_rgbe") {
       fail(fmt::format("FORMAT is {}; expected 32-bit_rle_rgbe or 32-bit_rle_xyze",
-                       text::quoted(std::string(format.substr(0, kMostShown)))));
+                       text::quoted(std::string(format.substr(0, kMostQuoted)))));
     }
   } else if (line.starts_with("EXPOSURE=")) {
     header.exposure *= positive(value_of("EXPOSURE="), "EXPOSURE");
@@ -132,7 +132,7 @@ void HdrReader::resolution(std::string_view line, HdrHeader& header) {
                      text::parse_integer(words[3], length) == text::NumberError::none && length > 0;
   if (!valid) {
     fail(fmt::format("its size is {}; expected something like \"-Y 512 +X 1024\"",
-                     text::quoted(std::string(line.substr(0, kMostShown)))));
+                     text::quoted(std::string(line.substr(0, kMostQuoted)))));
   }
   const auto backward = [](std::string_view axis) { return (axis[0] == '+') == (axis[1] == 'Y'); };
   header.line_backward = backward(words[0]);

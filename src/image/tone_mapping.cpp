@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "image/vectors.h"
+
 namespace etendue {
 namespace {
 
@@ -40,9 +42,9 @@ glm::dvec3 tone_mapped(const glm::vec3& linear, const Display& display) {
   glm::dvec3 c(at_least_zero(exposed.x), at_least_zero(exposed.y), at_least_zero(exposed.z));
   if (display.tone_map == ToneMap::aces) return {aces_curve(c.x), aces_curve(c.y), aces_curve(c.z)};
   // All channels by one factor, so that the hue stays.
-  const double luminance = glm::dot(c, glm::dvec3(0.212671, 0.715160, 0.072169));
-  if (std::isinf(luminance)) return {c.x > 0.0 ? 1.0 : 0.0, c.y > 0.0 ? 1.0 : 0.0, c.z > 0.0 ? 1.0 : 0.0};
-  return c / (1.0 + luminance);
+  const double y = luminance(c);
+  if (std::isinf(y)) return {c.x > 0.0 ? 1.0 : 0.0, c.y > 0.0 ? 1.0 : 0.0, c.z > 0.0 ? 1.0 : 0.0};
+  return c / (1.0 + y);
 }
 
 }  // namespace etendue

@@ -94,6 +94,15 @@ Vec3 eval(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 double pdf(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 BsdfSample sample(const GltfBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
 
+/// What `sample` returns of a material whose lobes overlap: whichever of them, `lobe`, proposed `wi`, it is weighed
+/// with the density of all. No sample, where that is zero.
+template <typename T>
+BsdfSample weighed_by_all_lobes(const T& bsdf, const Vec3& wo, const Vec3& wi, Lobe lobe, double eta = 1.0) {
+  const double density = pdf(bsdf, wo, wi);
+  if (density == 0.0) return {};
+  return {.wi = wi, .weight = eval(bsdf, wo, wi) / density, .pdf = density, .lobe = lobe, .eta = eta};
+}
+
 inline Vec3 eval(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   return std::visit([&](const auto& b) { return eval(b, wo, wi); }, bsdf);
 }

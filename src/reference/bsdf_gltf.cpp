@@ -42,12 +42,12 @@ double grazing_share(double cosine, double alpha) {
 }
 
 /// The material seen from the side of `wo`. Directions are those of the frame of its tangent, z > 0 where wo is.
-struct Seen {
+struct GltfView {
   /// In the order of sampling.
   enum Part { facets, front, behind, coat, sheen };
   static constexpr std::size_t kParts = 5;
 
-  Seen(const GltfBsdf& b, const Vec3& o)
+  GltfView(const GltfBsdf& b, const Vec3& o)
       : bsdf(b),
         side(o.z < 0.0 ? -1.0 : 1.0),
         all_layers(side > 0.0 || b.thin),
@@ -124,8 +124,8 @@ struct Seen {
 };
 
 /// A direction as the material sees it, with the half vector.
-struct Meeting {
-  Meeting(const Seen& s, const Vec3& i) : wi(s.inward(i)), through(wi.z < 0.0) {
+struct GltfMeeting {
+  GltfMeeting(const GltfView& s, const Vec3& i) : wi(s.inward(i)), through(wi.z < 0.0) {
     image = s.bsdf.thin && through ? Vec3(wi.x, wi.y, -wi.z) : wi;
     h = glm::normalize(image.z > 0.0 ? s.wo + image : s.n_o * s.wo + s.n_i * image);
     if (h.z < 0.0) h = -h;
@@ -134,7 +134,7 @@ struct Meeting {
     met = wo_h > 0.0 && wi_h * image.z > 0.0;
     possible = wi.z != 0.0 && (!through || may_refract(s.bsdf));
   }
-  double normals_by_directions(const Seen& s) const {
+  double normals_by_directions(const GltfView& s) const {
     if (image.z > 0.0) return 1.0 / (4.0 * wo_h);
     const double sum = s.n_o * wo_h + s.n_i * wi_h;
     return s.n_i * s.n_i * std::abs(wi_h) / (sum * sum);
@@ -146,7 +146,7 @@ struct Meeting {
 
 /// What coat and sheen leave to what lies below them, and what keeps the sheen from reflecting more than arrives.
 struct Layers {
-  Layers(const Seen& s, const Meeting& m) {
+  Layers(const GltfView& s, const GltfMeeting& m) {
     if (!s.all_layers && !m.through) return;
     double a = s.wo.z, b = std::abs(m.wi.z);
     if (m.through && !s.bsdf.thin) (s.side > 0.0 ? b : a) = s.side > 0.0 ? a : b;  // the layers are on one side
@@ -160,19 +160,19 @@ struct Layers {
   double below_coat = 1.0, below_sheen = 1.0, norm = 1.0;
 };
 
-Vec3 base(const Seen& s, const Meeting& m) {
+Vec3 base(const GltfView& s, const GltfMeeting& m) {
   const double cos_i = std::abs(m.wi.z), shared = s.bsdf.diffuse_transmission.value;
   const double lit = s.opaque * (1.0 - std::max(s.boundary_albedo(s.wo.z), s.boundary_albedo(cos_i))) * cos_i / kPi;
   if (m.through) return lit * shared * s.bsdf.diffuse_transmission_color.value;
   return s.all_layers ? lit * (1.0 - shared) * s.bsdf.base_color.value : Vec3(0.0);
 }
 
-double seen_facets(const Roughness& roughness, const Seen& s, const Meeting& m) {
+double seen_facets(const Roughness& roughness, const GltfView& s, const GltfMeeting& m) {
   const MicrofacetDistribution d(roughness);
   return d.density(m.h) * d.masking(s.wo, m.h) * d.masking(m.image, m.h) * m.wo_h * m.normals_by_directions(s) / s.wo.z;
 }
 
-Vec3 microfacets(const Seen& s, const Meeting& m) {
+Vec3 microfacets(const GltfView& s, const GltfMeeting& m) {
   if (!m.met) return Vec3(0.0);
   const Vec3& color = s.bsdf.base_color.value;
   const Vec3 dielectric = s.dielectric(s.outside(m.wo_h));
@@ -185,9 +185,9 @@ Vec3 microfacets(const Seen& s, const Meeting& m) {
 }  // namespace
 
 Vec3 eval(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
-  const Seen s(bsdf, wo);
+  const GltfView s(bsdf, wo);
   if (s.black() || s.total() == 0.0) return Vec3(0.0);
-  const Meeting m(s, wi);
+  const GltfMeeting m(s, wi);
   if (!m.possible) return Vec3(0.0);
   const Layers layers(s, m);
   Vec3 value = layers.below_coat * layers.below_sheen * (base(s, m) + microfacets(s, m));
@@ -198,20 +198,20 @@ Vec3 eval(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
 }
 
 double pdf(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
-  const Seen s(bsdf, wo);
+  const GltfView s(bsdf, wo);
   if (s.black() || s.total() == 0.0) return 0.0;
-  const Meeting m(s, wi);
+  const GltfMeeting m(s, wi);
   if (!m.possible) return 0.0;
-  double density = s.weights[m.through ? Seen::behind : Seen::front] * std::abs(m.wi.z) / kPi;
+  double density = s.weights[m.through ? GltfView::behind : GltfView::front] * std::abs(m.wi.z) / kPi;
   if (m.met) {
     const double passing = s.passing(m.wo_h), chosen = m.through ? passing : 1.0 - passing;
-    density += s.weights[Seen::facets] * chosen * MicrofacetDistribution(s.surface).visible_density(s.wo, m.h) *
+    density += s.weights[GltfView::facets] * chosen * MicrofacetDistribution(s.surface).visible_density(s.wo, m.h) *
                m.normals_by_directions(s);
   }
   if (!m.through) {
     const MicrofacetDistribution coat({Roughness::Distribution::ggx, s.coat_alpha, s.coat_alpha});
-    density +=
-        s.weights[Seen::coat] * coat.visible_density(s.wo, m.h) / (4.0 * m.wo_h) + s.weights[Seen::sheen] / (2.0 * kPi);
+    density += s.weights[GltfView::coat] * coat.visible_density(s.wo, m.h) / (4.0 * m.wo_h) +
+               s.weights[GltfView::sheen] / (2.0 * kPi);
   }
   return density / s.total();
 }
@@ -219,11 +219,11 @@ double pdf(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
 namespace {
 
 /// A direction by microfacets; z = 0 where there is none.
-Vec3 sample_facets(const Seen& s, double x, const Vec2& u, Lobe& lobe) {
+Vec3 sample_facets(const GltfView& s, double x, const Vec2& u, Lobe& lobe) {
   const Vec3 h = MicrofacetDistribution(s.surface).sample_visible(s.wo, u);
   const double wo_h = glm::dot(s.wo, h);
   const Vec3 reflected = 2.0 * wo_h * h - s.wo;
-  if (x < s.weights[Seen::facets] * (1.0 - s.passing(wo_h))) {
+  if (x < s.weights[GltfView::facets] * (1.0 - s.passing(wo_h))) {
     lobe = Lobe::glossy_reflection;
     return reflected;
   }
@@ -234,16 +234,16 @@ Vec3 sample_facets(const Seen& s, double x, const Vec2& u, Lobe& lobe) {
 }
 
 /// A direction of the other lobe that x chooses.
-Vec3 sample_rest(const Seen& s, double x, const Vec2& u, Lobe& lobe) {
+Vec3 sample_rest(const GltfView& s, double x, const Vec2& u, Lobe& lobe) {
   lobe = Lobe::diffuse_reflection;
-  if (x < s.weights[Seen::front]) return square_to_cosine_hemisphere(u);
-  x -= s.weights[Seen::front];
-  if (x < s.weights[Seen::behind]) {
+  if (x < s.weights[GltfView::front]) return square_to_cosine_hemisphere(u);
+  x -= s.weights[GltfView::front];
+  if (x < s.weights[GltfView::behind]) {
     lobe = Lobe::diffuse_transmission;
     const Vec3 w = square_to_cosine_hemisphere(u);
     return {w.x, w.y, -w.z};
   }
-  if (x - s.weights[Seen::behind] < s.weights[Seen::coat]) {
+  if (x - s.weights[GltfView::behind] < s.weights[GltfView::coat]) {
     lobe = Lobe::glossy_reflection;
     const Vec3 h =
         MicrofacetDistribution({Roughness::Distribution::ggx, s.coat_alpha, s.coat_alpha}).sample_visible(s.wo, u);
@@ -256,22 +256,16 @@ Vec3 sample_rest(const Seen& s, double x, const Vec2& u, Lobe& lobe) {
 }  // namespace
 
 BsdfSample sample(const GltfBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u) {
-  const Seen s(bsdf, wo);
+  const GltfView s(bsdf, wo);
   if (s.black() || s.total() == 0.0) return {};
   const double x = u_lobe * s.total();
   Lobe lobe = Lobe::none;
-  const bool facets = x < s.weights[Seen::facets];
-  const Vec3 local = facets ? sample_facets(s, x, u, lobe) : sample_rest(s, x - s.weights[Seen::facets], u, lobe);
+  const bool facets = x < s.weights[GltfView::facets];
+  const Vec3 local = facets ? sample_facets(s, x, u, lobe) : sample_rest(s, x - s.weights[GltfView::facets], u, lobe);
   const bool through = lobe == Lobe::glossy_transmission || lobe == Lobe::diffuse_transmission;
   if (through ? local.z >= 0.0 : local.z <= 0.0) return {};
   const Vec3 wi = s.outward(local);
-  const double density = pdf(bsdf, wo, wi);
-  if (density == 0.0) return {};
-  return {.wi = wi,
-          .weight = eval(bsdf, wo, wi) / density,
-          .pdf = density,
-          .lobe = lobe,
-          .eta = through ? s.n_i / s.n_o : 1.0};
+  return weighed_by_all_lobes(bsdf, wo, wi, lobe, through ? s.n_i / s.n_o : 1.0);
 }
 
 }  // namespace etendue::reference

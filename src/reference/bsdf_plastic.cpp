@@ -46,9 +46,7 @@ BsdfSample sample(const PlasticBsdf& bsdf, const Vec3& wo, double u_lobe, const 
             .lobe = Lobe::delta_reflection};
   }
   const Vec3 wi = square_to_cosine_hemisphere(u);
-  const double density = pdf(bsdf, wo, wi);
-  if (density == 0.0) return {};
-  return {.wi = wi, .weight = eval(bsdf, wo, wi) / density, .pdf = density, .lobe = Lobe::diffuse_reflection};
+  return weighed_by_all_lobes(bsdf, wo, wi, Lobe::diffuse_reflection);
 }
 
 }  // namespace etendue::reference

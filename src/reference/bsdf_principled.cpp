@@ -14,13 +14,9 @@
 namespace etendue::reference {
 namespace {
 
-double mix(double a, double b, double t) {
-  return (1.0 - t) * a + t * b;
-}
-
 /// The coat's microfacets: generalised Trowbridge–Reitz with γ = 1 [Burley2012, appendix B].
 struct Coat {
-  explicit Coat(double gloss) : alpha(mix(0.1, 0.001, gloss)) {}
+  explicit Coat(double gloss) : alpha(glm::mix(0.1, 0.001, gloss)) {}
   double density(const Vec3& h) const {
     const double a2 = alpha * alpha;
     return (a2 - 1.0) / (kPi * std::log(a2) * (1.0 + (a2 - 1.0) * h.z * h.z));
@@ -35,8 +31,8 @@ struct Coat {
 };
 
 /// The material seen from the side of `wo`, which is turned to z > 0.
-struct Seen {
-  Seen(const PrincipledBsdf& b, const Vec3& o)
+struct PrincipledView {
+  PrincipledView(const PrincipledBsdf& b, const Vec3& o)
       : bsdf(b),
         front(o.z > 0.0),
         side(front ? 1.0 : -1.0),
@@ -70,8 +66,8 @@ struct Seen {
 };
 
 /// A pair of directions and their half vector.
-struct Meeting {
-  Meeting(const Seen& s, const Vec3& i) : wi(i.x, i.y, s.side * i.z), reflected(wi.z > 0.0) {
+struct PrincipledMeeting {
+  PrincipledMeeting(const PrincipledView& s, const Vec3& i) : wi(i.x, i.y, s.side * i.z), reflected(wi.z > 0.0) {
     h = glm::normalize(reflected ? s.wo + wi : s.n_o * s.wo + s.n_i * wi);
     if (h.z < 0.0) h = -h;
     wo_h = glm::dot(s.wo, h);
@@ -82,7 +78,7 @@ struct Meeting {
     fresnel = f.reflectance;
     outer = s.n_i < s.n_o ? f.cos_transmitted : wo_h;
   }
-  double normals_by_directions(const Seen& s) const {
+  double normals_by_directions(const PrincipledView& s) const {
     if (reflected) return 1.0 / (4.0 * wo_h);
     const double sum = s.n_o * wo_h + s.n_i * wi_h;
     return s.n_i * s.n_i * std::abs(wi_h) / (sum * sum);
@@ -94,7 +90,7 @@ struct Meeting {
 };
 
 /// Reflectance of microfacets: of a metal of the base's colour, of a dielectric, and of one whose reflection is tinted.
-Vec3 facet_reflectance(const Seen& s, const Meeting& m) {
+Vec3 facet_reflectance(const PrincipledView& s, const PrincipledMeeting& m) {
   if (!s.front) return Vec3(s.clear * m.fresnel);
   const double tinted = s.bsdf.spec_tint.value, r0 = std::pow((s.n_i - s.n_o) / (s.n_i + s.n_o), 2);
   const Vec3 dielectric =
@@ -103,7 +99,7 @@ Vec3 facet_reflectance(const Seen& s, const Meeting& m) {
 }
 
 /// f of the base and the sheen.
-Vec3 base_and_sheen(const Seen& s, const Meeting& m) {
+Vec3 base_and_sheen(const PrincipledView& s, const PrincipledMeeting& m) {
   const BurleyAngles angles{s.wo.z, m.wi.z, m.wi_h};
   const Vec3& color = s.bsdf.base_color.value;
   return s.opaque / kPi * burley_base(s.bsdf.roughness.value, s.bsdf.flatness.value, angles) * color +
@@ -113,9 +109,9 @@ Vec3 base_and_sheen(const Seen& s, const Meeting& m) {
 }  // namespace
 
 Vec3 eval(const PrincipledBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
-  const Seen s(bsdf, wo);
+  const PrincipledView s(bsdf, wo);
   if (s.black()) return Vec3(0.0);
-  const Meeting m(s, wi);
+  const PrincipledMeeting m(s, wi);
   if (!m.possible) return Vec3(0.0);
   const double visible = s.facets.density(m.h) * s.facets.masking(s.wo, m.h) * s.facets.masking(m.wi, m.h) * m.wo_h *
                          m.normals_by_directions(s) / s.wo.z;
@@ -133,9 +129,9 @@ Vec3 eval(const PrincipledBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
 }
 
 double pdf(const PrincipledBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
-  const Seen s(bsdf, wo);
+  const PrincipledView s(bsdf, wo);
   if (s.black()) return 0.0;
-  const Meeting m(s, wi);
+  const PrincipledMeeting m(s, wi);
   if (!m.possible) return 0.0;
   const double passing = s.passing(m.fresnel);
   const double facets =
@@ -147,7 +143,7 @@ double pdf(const PrincipledBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
 }
 
 BsdfSample sample(const PrincipledBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u) {
-  const Seen s(bsdf, wo);
+  const PrincipledView s(bsdf, wo);
   if (s.black()) return {};
   const double x = u_lobe * s.total();
   Lobe lobe = Lobe::glossy_reflection;
@@ -172,13 +168,7 @@ BsdfSample sample(const PrincipledBsdf& bsdf, const Vec3& wo, double u_lobe, con
   const bool through = lobe == Lobe::glossy_transmission;
   if (through ? wi.z >= 0.0 : wi.z <= 0.0) return {};
   wi.z *= s.side;
-  const double density = pdf(bsdf, wo, wi);
-  if (density == 0.0) return {};
-  return {.wi = wi,
-          .weight = eval(bsdf, wo, wi) / density,
-          .pdf = density,
-          .lobe = lobe,
-          .eta = through ? s.n_i / s.n_o : 1.0};
+  return weighed_by_all_lobes(bsdf, wo, wi, lobe, through ? s.n_i / s.n_o : 1.0);
 }
 
 }  // namespace etendue::reference

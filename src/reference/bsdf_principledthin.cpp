@@ -109,11 +109,9 @@ BsdfSample sample(const PrincipledThinBsdf& bsdf, const Vec3& wo, double u_lobe,
   }
   if (wi.z <= 0.0) return {};
   if (through != (wo.z < 0.0)) wi = mirrored(wi);
-  const double density = pdf(bsdf, wo, wi);
-  if (density == 0.0) return {};
   constexpr Lobe kLobes[] = {Lobe::glossy_reflection, Lobe::glossy_transmission, Lobe::diffuse_reflection,
                              Lobe::diffuse_transmission};
-  return {.wi = wi, .weight = eval(bsdf, wo, wi) / density, .pdf = density, .lobe = kLobes[chosen]};
+  return weighed_by_all_lobes(bsdf, wo, wi, kLobes[chosen]);
 }
 
 }  // namespace etendue::reference

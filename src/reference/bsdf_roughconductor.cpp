@@ -25,9 +25,7 @@ BsdfSample sample(const RoughConductorBsdf& bsdf, const Vec3& wo, double, const 
   if (wo.z <= 0.0) return {};
   const Vec3 h = MicrofacetDistribution(bsdf.roughness).sample_visible(wo, u);
   const Vec3 wi = 2.0 * glm::dot(wo, h) * h - wo;
-  const double density = pdf(bsdf, wo, wi);
-  if (density == 0.0) return {};
-  return {.wi = wi, .weight = eval(bsdf, wo, wi) / density, .pdf = density, .lobe = Lobe::glossy_reflection};
+  return weighed_by_all_lobes(bsdf, wo, wi, Lobe::glossy_reflection);
 }
 
 }  // namespace etendue::reference

@@ -69,13 +69,8 @@ BsdfSample sample(const RoughDielectricBsdf& bsdf, const Vec3& wo, double u_lobe
   Vec3 wi = reflected ? 2.0 * cos_o * h - o : (n_o / n_i * cos_o - fresnel.cos_transmitted) * h - n_o / n_i * o;
   if (reflected ? wi.z <= 0.0 : wi.z >= 0.0) return {};
   wi.z *= side;
-  const double density = pdf(bsdf, wo, wi);
-  if (density == 0.0) return {};
-  return {.wi = wi,
-          .weight = eval(bsdf, wo, wi) / density,
-          .pdf = density,
-          .lobe = reflected ? Lobe::glossy_reflection : Lobe::glossy_transmission,
-          .eta = reflected ? 1.0 : n_i / n_o};
+  return weighed_by_all_lobes(bsdf, wo, wi, reflected ? Lobe::glossy_reflection : Lobe::glossy_transmission,
+                              reflected ? 1.0 : n_i / n_o);
 }
 
 }  // namespace etendue::reference

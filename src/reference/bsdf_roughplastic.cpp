@@ -54,12 +54,7 @@ BsdfSample sample(const RoughPlasticBsdf& bsdf, const Vec3& wo, double u_lobe, c
   } else {
     wi = square_to_cosine_hemisphere(u);
   }
-  const double density = pdf(bsdf, wo, wi);
-  if (density == 0.0) return {};
-  return {.wi = wi,
-          .weight = eval(bsdf, wo, wi) / density,
-          .pdf = density,
-          .lobe = coat ? Lobe::glossy_reflection : Lobe::diffuse_reflection};
+  return weighed_by_all_lobes(bsdf, wo, wi, coat ? Lobe::glossy_reflection : Lobe::diffuse_reflection);
 }
 
 }  // namespace etendue::reference

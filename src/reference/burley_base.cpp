@@ -6,13 +6,7 @@
 #include "scene/limits.h"
 
 namespace etendue::reference {
-namespace {
-
-double mix(double a, double b, double t) {
-  return (1.0 - t) * a + t * b;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 double schlick_weight(double cosine) {
   return std::pow(1.0 - cosine, 5);
@@ -40,8 +34,8 @@ double burley_base(double roughness, double flatness, const BurleyAngles& angles
   const double reflected_back = retro * (fo + fi + fo * fi * (retro - 1.0));
   const double f90 = 0.5 * retro;
   const double flat =
-      1.25 * (mix(1.0, f90, fo) * mix(1.0, f90, fi) * (1.0 / (angles.cos_o + angles.cos_i) - 0.5) + 0.5);
-  return mix(lambert + reflected_back, flat, flatness);
+      1.25 * (glm::mix(1.0, f90, fo) * glm::mix(1.0, f90, fi) * (1.0 / (angles.cos_o + angles.cos_i) - 0.5) + 0.5);
+  return glm::mix(lambert + reflected_back, flat, flatness);
 }
 
 Vec3 burley_sheen(double tinted, const Vec3& color, const BurleyAngles& angles) {

@@ -16,10 +16,6 @@
 namespace etendue::reference {
 namespace {
 
-double largest_coordinate(const Vec3& v) {
-  return max_component(glm::abs(v));
-}
-
 /// Whether an inward sphere shines at a place: inside, or on the sphere as far as that can be told.
 bool is_inside(const Sphere& sphere, const Vec3& from) {
   const double slack = 1e-12 * (largest_coordinate(sphere.center) + sphere.radius);

@@ -7,7 +7,7 @@
 namespace etendue {
 namespace {
 
-constexpr std::uint64_t kGrain = 4096;  // samples a thread takes at a time
+constexpr std::uint64_t kSamplesAtATime = 4096;  // samples a thread takes at a time
 
 class ReferenceBsdfProbe final : public BsdfProbe {
  public:
@@ -19,7 +19,7 @@ class ReferenceBsdfProbe final : public BsdfProbe {
   std::vector<BsdfDraw> sample(const glm::dvec3& wo, std::uint32_t seed, std::uint32_t first,
                                std::uint32_t count) override {
     std::vector<BsdfDraw> draws(count);
-    parallel_for(count, kGrain, [&](std::uint64_t begin, std::uint64_t end) {
+    parallel_for(count, kSamplesAtATime, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         const auto random = reference::SampleRandom(seed, 0, first + static_cast<std::uint32_t>(i)).material(0);
         const reference::BsdfSample s = reference::sample(bsdf_, wo, random.lobe, {random.u, random.v});

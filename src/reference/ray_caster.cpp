@@ -13,7 +13,7 @@ namespace {
 
 using reference::Vec3;
 
-constexpr std::uint64_t kGrain = 1024;  // rays a thread takes at a time
+constexpr std::uint64_t kRaysAtATime = 1024;  // rays a thread takes at a time
 
 class ReferenceRayCaster final : public RayCaster {
  public:
@@ -30,7 +30,7 @@ class ReferenceRayCaster final : public RayCaster {
   double cast(RayQuery query) override {
     hits_.resize(rays_.size());
     const auto start = std::chrono::steady_clock::now();
-    parallel_for(rays_.size(), kGrain, [&](std::uint64_t begin, std::uint64_t end) {
+    parallel_for(rays_.size(), kRaysAtATime, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i)
         hits_[i] = query == RayQuery::any ? any_hit(rays_[i]) : closest_hit(rays_[i]);
     });

@@ -60,7 +60,7 @@ Vec3 ThinFilm::reflectance(double cosine) const {
   const double n = 1.0 + (index - 1.0) * s * s * (3.0 - 2.0 * s);
   const double inner = std::sqrt(std::max(0.0, 1.0 - (1.0 - cosine * cosine) / (n * n)));
   const double r12 = schlick(normal_reflectance(1.0, n), cosine), passed = 1.0 - r12;
-  Vec3 r23, shift;
+  Vec3 r23(0.0), shift(0.0);
   for (int c = 0; c < 3; ++c) {
     const double base = index_of(normal[c]);
     r23[c] = schlick(normal_reflectance(n, base), inner);

@@ -20,6 +20,10 @@ inline double luminance(const Vec3& rgb) {
 inline double max_component(const Vec3& v) {
   return glm::max(v.x, glm::max(v.y, v.z));
 }
+/// Of whatever sign.
+inline double largest_coordinate(const Vec3& v) {
+  return max_component(glm::abs(v));
+}
 inline bool is_finite(const Vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }

@@ -13,13 +13,7 @@
 #include "scene/materials.h"
 
 namespace etendue::reference {
-namespace {
-
-double largest_coordinate(const Vec3& v) {
-  return max_component(glm::abs(v));
-}
-
-}  // namespace
+namespace {}  // namespace
 
 World::World(const Scene& scene, Rounding rounding)
     : scene_(scene),

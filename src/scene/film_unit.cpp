@@ -5,14 +5,11 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include "image/vectors.h"
 #include "scene/texture_facts.h"
 
 namespace etendue {
 namespace {
-
-double largest_component(const glm::dvec3& v) {
-  return std::max({v.x, v.y, v.z});
-}
 
 /// A small sun may be brighter than its sky by more than the film's numbers are long. What pixels show is mostly of the
 /// size of the mean; the brightest texel itself must fit, too, with room for the weights of paths.
@@ -41,7 +38,6 @@ int exponent_above(double value) {
 int simple_exponent(const SimpleLight& light, const Bounds& bounds) {
   if (bounds.empty()) return 0;
   const glm::dvec3 farthest = glm::max(glm::abs(bounds.min - light.position), glm::abs(bounds.max - light.position));
-  constexpr double kPi = glm::pi<double>();
   const double least = largest_component(light.energy) / (4.0 * kPi * kPi * glm::dot(farthest, farthest));
   constexpr int kRoom = 20;
   return exponent_above(least) + kRoom;

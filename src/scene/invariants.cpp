@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "image/vectors.h"
 #include "scene/bounds.h"
 #include "scene/limits.h"
 #include "scene/materials.h"
@@ -21,14 +22,6 @@
 
 namespace etendue {
 namespace {
-
-bool is_finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-double largest_coordinate(const glm::dvec3& v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 /// Affine, finite and invertible.
 bool is_usable(const glm::dmat4& m) {
@@ -607,7 +600,7 @@ class Checker {
     if (std::exchange(checks.checked, true)) return checks;
     checks.usable = check_tables(mesh, instance);
     // A box does not tell of what is no number: then every instance is looked at vertex by vertex.
-    if (std::ranges::all_of(mesh.positions, is_finite)) {
+    if (std::ranges::all_of(mesh.positions, [](const glm::dvec3& p) { return is_finite(p); })) {
       checks.box = bounds_of(scene_.shape_of(instance));
     } else {
       checks.box.add(glm::dvec3(std::numeric_limits<double>::infinity()));

@@ -65,32 +65,22 @@ void each_parameter(T& bsdf, F&& f) {
   f("diffuse_reflectance", bsdf.diffuse_reflectance);
   f("specular_reflectance", bsdf.specular_reflectance);
 }
-template <MaybeConst<PrincipledBsdf> T, typename F>
+template <typename T, typename F>
+requires MaybeConst<T, PrincipledBsdf> || MaybeConst<T, PrincipledThinBsdf>
 void each_parameter(T& bsdf, F&& f) {
+  constexpr bool kSolid = MaybeConst<T, PrincipledBsdf>;
   f("base_color", bsdf.base_color);
   f("roughness", bsdf.roughness);
-  f("metallic", bsdf.metallic);
+  if constexpr (kSolid) f("metallic", bsdf.metallic);
   f("anisotropic", bsdf.anisotropic);
   f("spec_trans", bsdf.spec_trans);
   f("spec_tint", bsdf.spec_tint);
   f("sheen", bsdf.sheen);
-  f("clearcoat", bsdf.clearcoat);
+  if constexpr (kSolid) f("clearcoat", bsdf.clearcoat);
   f("sheen_tint", bsdf.sheen_tint);
   f("flatness", bsdf.flatness);
-  f("clearcoat_gloss", bsdf.clearcoat_gloss);
-  f("eta", bsdf.eta);
-}
-template <MaybeConst<PrincipledThinBsdf> T, typename F>
-void each_parameter(T& bsdf, F&& f) {
-  f("base_color", bsdf.base_color);
-  f("roughness", bsdf.roughness);
-  f("anisotropic", bsdf.anisotropic);
-  f("spec_trans", bsdf.spec_trans);
-  f("spec_tint", bsdf.spec_tint);
-  f("sheen", bsdf.sheen);
-  f("sheen_tint", bsdf.sheen_tint);
-  f("flatness", bsdf.flatness);
-  f("diff_trans", bsdf.diff_trans);
+  if constexpr (kSolid) f("clearcoat_gloss", bsdf.clearcoat_gloss);
+  if constexpr (!kSolid) f("diff_trans", bsdf.diff_trans);
   f("eta", bsdf.eta);
 }
 template <MaybeConst<GltfBsdf> T, typename F>

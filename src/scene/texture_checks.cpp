@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "image/vectors.h"
 #include "scene/limits.h"
 #include "scene/materials.h"
 #include "scene/parameters.h"
@@ -16,10 +17,6 @@
 
 namespace etendue {
 namespace {
-
-bool is_finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 class TextureChecker {
  public:

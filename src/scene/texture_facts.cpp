@@ -4,18 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "image/vectors.h"
 #include "scene/placed.h"
 
 namespace etendue {
 namespace {
-
-double largest_component(const glm::dvec3& v) {
-  return std::max({v.x, v.y, v.z});
-}
-
-bool is_finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 /// Light of all 8-bit codes: a curve for every texel of a large picture would take minutes.
 const std::array<double, 256>& code_lights() {

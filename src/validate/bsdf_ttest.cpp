@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "image/vectors.h"
 #include "validate/chi2.h"
 #include "validate/sphere_quadrature.h"
 
@@ -27,7 +28,7 @@ SceneTTest test_albedo(BsdfProbe& probe, double angle, double reference, std::ui
   for (std::uint64_t done = 0; done < count; done += kChunk) {
     const auto n = static_cast<std::uint32_t>(std::min<std::uint64_t>(kChunk, count - done));
     for (const BsdfDraw& draw : probe.sample(wo, seed, static_cast<std::uint32_t>(done), n)) {
-      const double y = draw.pdf == 0.0 ? 0.0 : glm::dot(draw.weight, glm::dvec3(0.212671, 0.715160, 0.072169));
+      const double y = draw.pdf == 0.0 ? 0.0 : luminance(draw.weight);
       if (!std::isfinite(y)) {
         ++result.rejected;
         continue;

@@ -322,8 +322,8 @@ Chi2Report run_chi2(const Chi2Test& test, const std::string& file, const BsdfPro
     report.device = probe->device_name();
     report.driver = probe->driver_name();
     for (std::uint64_t i = 0; i < directions; ++i) {
-      const std::optional<double> angle =
-          test.angles.empty() ? std::nullopt : std::optional(test.angles[i / test.test_count]);
+      std::optional<double> angle;
+      if (!test.angles.empty()) angle = test.angles[i / test.test_count];
       const std::uint32_t seed = options.seed + static_cast<std::uint32_t>(report.tests.size());
       const dvec3 wo = incident_direction(bsdf.bsdf, angle, seed);
       BsdfChi2 result = test_bsdf(*probe, bsdf.bsdf, wo, test, samples, seed, report.test_level);

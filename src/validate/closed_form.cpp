@@ -8,8 +8,6 @@
 namespace etendue::closed_form {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Sutherland–Hodgman against the plane v·n = 0.
 std::vector<glm::dvec3> above_horizon(std::span<const glm::dvec3> polygon, const glm::dvec3& n) {
   std::vector<glm::dvec3> kept;
@@ -78,7 +76,7 @@ double polygon_irradiance(std::span<const glm::dvec3> vertices, const glm::dvec3
 double sphere_irradiance(const glm::dvec3& center, double radius, const glm::dvec3& n) {
   const double h = glm::length(center) / radius;
   const double cosine = glm::dot(glm::normalize(center), n);
-  if (h * cosine >= 1.0) return kPi * cosine / (h * h);
+  if (h * cosine >= 1.0) return std::numbers::pi * cosine / (h * h);
   if (h * cosine <= -1.0) return 0.0;
   const double sine = std::sqrt(1.0 - cosine * cosine), tangent = std::sqrt(h * h - 1.0);
   const double lune = std::acos(std::clamp(-tangent * cosine / sine, -1.0, 1.0));
@@ -89,7 +87,7 @@ double sphere_irradiance(const glm::dvec3& center, double radius, const glm::dve
 double clamped_cosine_product(const glm::dvec3& a, const glm::dvec3& b) {
   const double cosine = std::clamp(glm::dot(a, b), -1.0, 1.0);
   const double angle = std::acos(cosine);
-  return 2.0 / 3.0 * (std::sin(angle) + (kPi - angle) * cosine);
+  return 2.0 / 3.0 * (std::sin(angle) + (std::numbers::pi - angle) * cosine);
 }
 
 double fresnel_reflectance(double cos_o, double n_o, double n_t) {

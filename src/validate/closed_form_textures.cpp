@@ -18,11 +18,11 @@ const char* wrap_name(TextureWrap wrap) {
 }
 
 /// A small picture without symmetries, and what is known of it here: light, by column and row.
-struct Picture {
+struct TexturePicture {
   std::shared_ptr<Bitmap> bitmap = std::make_shared<Bitmap>();
   std::vector<dvec3> light;
 
-  explicit Picture(Dice& dice) {
+  explicit TexturePicture(Dice& dice) {
     Bitmap& b = *bitmap;
     b.width = static_cast<std::uint32_t>(dice.between_int(2, 5));
     b.height = static_cast<std::uint32_t>(dice.between_int(2, 5));
@@ -70,7 +70,7 @@ struct Picture {
 /// A texture of the scene beside its closed form.
 struct Pattern {
   Texture texture;
-  std::optional<Picture> picture;
+  std::optional<TexturePicture> picture;
   std::string name;
 
   Pattern(Dice& dice, Scene& scene) {

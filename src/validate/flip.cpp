@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "image/vectors.h"
 #include "validate/metrics.h"
 
 namespace etendue {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Section 4.1.3: exponent of the colour difference, and the knee that gives the visible range 95 % of [0,1].
 constexpr double kColorExponent = 0.7, kKneeIn = 0.4, kKneeOut = 0.95;
 // Section 4.2: width of the feature detectors in degrees. The exponent of the feature difference is 0.5.

@@ -10,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "image/vectors.h"
 
 namespace etendue {
 namespace {
@@ -18,11 +19,6 @@ constexpr double kRelativeEpsilon = 0.01;  // of relMSE: keeps dark pixels from 
 
 bool finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-double luminance(const glm::vec3& rgb) {
-  return 0.212671 * static_cast<double>(rgb.x) + 0.715160 * static_cast<double>(rgb.y) +
-         0.072169 * static_cast<double>(rgb.z);
 }
 
 /// Luma of the display values, which is what SSIM is defined on.

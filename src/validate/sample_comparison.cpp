@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "image/vectors.h"
 
 namespace etendue {
 namespace {
@@ -27,11 +28,6 @@ double largest(const glm::vec3& v) {
 
 bool finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-double luminance(const glm::vec3& rgb) {
-  return 0.212671 * static_cast<double>(rgb.x) + 0.715160 * static_cast<double>(rgb.y) +
-         0.072169 * static_cast<double>(rgb.z);
 }
 
 /// Largest difference of a component relative to the larger of both samples, and at least to `floor`.

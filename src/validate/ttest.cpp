@@ -10,14 +10,10 @@
 #include "core/errors.h"
 #include "core/printable.h"
 #include "image/film.h"
+#include "image/vectors.h"
 
 namespace etendue {
 namespace {
-
-double luminance(const glm::vec3& rgb) {
-  return 0.212671 * static_cast<double>(rgb.x) + 0.715160 * static_cast<double>(rgb.y) +
-         0.072169 * static_cast<double>(rgb.z);
-}
 
 /// Film samples of a pixel, which are sets of paths, so that the film gets at least `count` paths in all, and at least
 /// the two sets a variance needs. Sets are independent, as a t-test demands; the paths of a set are not.

@@ -91,7 +91,7 @@ TEST(TerminalLog, WithoutATerminalOneLineEveryFewSeconds) {
     log::warning("Odd.");
     log::info("Plain.");
   }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "Building the tree: 12 %\nwarning: Odd.\nPlain.\n");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "Building the tree: 12 %\nwarning: Odd.\nnote: Plain.\n");
 }
 
 }  // namespace

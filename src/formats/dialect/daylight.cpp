@@ -10,11 +10,11 @@
 
 #include "core/parallel.h"
 #include "formats/mitsuba/spectrum.h"
+#include "image/vectors.h"
 
 namespace etendue {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// cd/m² of a unit of radiance: lumens per watt times the integral of the CIE observer's ȳ in nm.
 constexpr double kCandelas = 683.0 * 106.856895;
 /// Half the angle that the sun fills, radians.

@@ -9,6 +9,7 @@
 
 #include "core/text.h"
 #include "formats/dialect/object.h"
+#include "image/vectors.h"
 
 namespace etendue {
 namespace {
@@ -16,15 +17,6 @@ namespace {
 /// A matrix counts as singular when the volume its unit columns span is below this: what is left of single precision by
 /// then.
 constexpr double kMinUnitVolume = 1e-9;
-
-bool is_finite(const glm::dmat4& m) {
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 4; ++row) {
-      if (!std::isfinite(m[column][row])) return false;
-    }
-  }
-  return true;
-}
 
 /// Volume spanned by the columns' directions, in [0,1]: independent of scale, so that tiny and huge scenes are fine.
 double unit_volume(const glm::dmat4& m) {

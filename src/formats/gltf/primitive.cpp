@@ -9,16 +9,13 @@
 
 #include "formats/gltf/draco.h"
 #include "formats/mesh/mesh_content.h"
+#include "image/vectors.h"
 #include "scene/limits.h"
 
 namespace etendue {
 namespace {
 
 constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
-
-bool is_finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 const JsonValue& attributes_of(const JsonValue& primitive) {
   const JsonValue* attributes = find_object(primitive, "attributes");

@@ -75,11 +75,6 @@ glm::dvec3 read_vector(const XmlElement& element) {
   return vector;
 }
 
-const XmlAttribute& required(const XmlElement& element, const char* name) {
-  if (const XmlAttribute* attribute = element.find(name)) return *attribute;
-  throw ValueError{element.offset, fmt::format("<{}> lacks its attribute \"{}\"", element.name, name)};
-}
-
 /// A property of <spectrum type="…">; nullptr where it is not given.
 const XmlElement* property_of(const XmlElement& spectrum, std::initializer_list<std::string_view> names) {
   for (const XmlElement& child : spectrum.children) {

@@ -11,8 +11,6 @@
 namespace etendue {
 namespace {
 
-using Type = DeltaLight::Type;
-
 /// A frame whose +Z is along `z`, which is not 0.
 void point_along(const glm::dvec3& z, glm::dmat4& world_from_light) {
   const glm::dvec3 forward = glm::normalize(z);
@@ -81,21 +79,21 @@ DeltaLight read_mitsuba_delta_light(const MitsubaObject& object, MitsubaTextures
   const bool plane = type == "projector" || type == "directional";
   light.intensity = textures.parameter(object.color(plane ? "irradiance" : "intensity", SpectrumUse::emission));
   if (type == "point") {
-    light.type = Type::point;
+    light.type = DeltaLight::Type::point;
     read_place(object, "position", context);
     if (object.given("position")) light.world_from_light[3] = glm::dvec4(object.triple("position"), 1.0);
   } else if (type == "spot") {
-    light.type = Type::spot;
+    light.type = DeltaLight::Type::spot;
     light.cutoff = object.real("cutoff_angle");
     light.beam_width = object.given("beam_width") ? object.real("beam_width") : 0.75 * light.cutoff;
     if (const XmlElement* picture = object.texture("texture")) add_picture(*picture, textures, light);
   } else if (type == "projector") {
-    light.type = Type::projector;
+    light.type = DeltaLight::Type::projector;
     // What Mitsuba calls its irradiance is the radiance of a white surface that is lit so.
     light.intensity.value *= std::numbers::pi * object.real("scale");
     read_slope(object, scene, light, context);
   } else {
-    light.type = Type::directional;
+    light.type = DeltaLight::Type::directional;
     read_direction(object, light, context);
   }
   return light;

@@ -300,4 +300,9 @@ double MitsubaObject::ior(const char* name) const {
   return 1.0;
 }
 
+const XmlAttribute& required(const XmlElement& element, const char* attribute) {
+  if (const XmlAttribute* found = element.find(attribute)) return *found;
+  throw ValueError{element.offset, fmt::format("<{}> lacks its attribute \"{}\"", element.name, attribute)};
+}
+
 }  // namespace etendue

@@ -95,6 +95,9 @@ class MitsubaObject {
   std::vector<std::pair<std::string_view, const XmlElement*>> children_;
 };
 
+/// Throws ValueError where it is not there.
+const XmlAttribute& required(const XmlElement& element, const char* attribute);
+
 /// The colour of <rgb>, <srgb>, <spectrum> or a number. Throws ValueError with an offset in the document.
 glm::dvec3 read_color(const XmlElement& element, SpectrumUse use, const MitsubaContext& context);
 

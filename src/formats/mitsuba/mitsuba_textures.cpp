@@ -16,9 +16,6 @@ constexpr double kGrey = 0.5;
 /// Textures within textures: a reference may lead back to where it stands.
 constexpr int kMaxDepth = 8;
 
-/// Mitsuba's v counts from a picture's first row, that of a Scene from its last.
-const glm::dmat3 kFlip = {1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0};
-
 }  // namespace
 
 ColorParameter MitsubaTextures::parameter(const MitsubaColor& color) {
@@ -97,7 +94,7 @@ std::optional<Texture> MitsubaTextures::read_bitmap(const MitsubaObject& object)
   source.bitmap = known->second;
   // Both its coordinates and those of surfaces are turned over.
   return Texture{.source = source,
-                 .uv_transform = kFlip * uv_transform(object) * kFlip + glm::dmat3(0.0),  // no negative zeros
+                 .uv_transform = kFlipV * uv_transform(object) * kFlipV + glm::dmat3(0.0),  // no negative zeros
                  .name = std::filesystem::path(text::trim(object.text("filename"))).filename().string(),
                  .position = object.position()};
 }
@@ -169,7 +166,7 @@ Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object, bool num
   // As a number Mitsuba's (3.9) has its colours the other way round.
   if (number) std::swap(board.color0, board.color1);
   return {.source = board,
-          .uv_transform = uv_transform(object) * kFlip + glm::dmat3(0.0),
+          .uv_transform = uv_transform(object) * kFlipV + glm::dmat3(0.0),
           .name = "checkerboard",
           .position = object.position()};
 }

@@ -12,6 +12,9 @@
 
 namespace etendue {
 
+/// Mitsuba's v counts from a picture's first row, that of a Scene from its last.
+inline const glm::dmat3 kFlipV = {1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0};
+
 class MitsubaTextures {
  public:
   MitsubaTextures(const MitsubaContext& context, const MitsubaFiles& files, Scene& scene)

@@ -13,15 +13,13 @@
 
 #include "core/errors.h"
 #include "formats/dialect/material_writer.h"
+#include "formats/mitsuba/mitsuba_textures.h"
 #include "scene/limits.h"
 #include "scene/materials.h"
 #include "scene/texture_facts.h"
 
 namespace etendue {
 namespace {
-
-/// Mitsuba's v counts from a picture's first row, that of a Scene from its last.
-const glm::dmat3 kFlip = {1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0};
 
 bool is_mirrored(const glm::dmat4& m) {
   return glm::determinant(glm::dmat3(m)) < 0.0;
@@ -359,14 +357,14 @@ class MitsubaWriter : MaterialWriter {
     xml_.open("texture", {{"name", name}, {"id", id}, {"type", "bitmap"}});
     xml_.text("wrap_mode", kWraps[static_cast<std::size_t>(source.wrap_u)]);
     xml_.text("filter_type", source.filter == TextureFilter::nearest ? "nearest" : "bilinear");
-    write_uv(kFlip * texture.uv_transform * kFlip);
+    write_uv(kFlipV * texture.uv_transform * kFlipV);
   }
   void write_source(const char* name, const std::string& id, const Texture& texture, const CheckerboardTexture& source,
                     const glm::dvec3& factor) {
     xml_.open("texture", {{"name", name}, {"id", id}, {"type", "checkerboard"}});
     color("color0", factor * source.color0);
     color("color1", factor * source.color1);
-    write_uv(texture.uv_transform * kFlip);
+    write_uv(texture.uv_transform * kFlipV);
   }
   void write_source(const char* name, const std::string& id, const Texture&, const AttributeTexture& source,
                     const glm::dvec3& factor) {

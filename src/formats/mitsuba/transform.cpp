@@ -8,6 +8,7 @@
 
 #include "core/text.h"
 #include "formats/mitsuba/mitsuba_object.h"
+#include "image/vectors.h"
 
 namespace etendue {
 namespace {
@@ -21,11 +22,6 @@ auto at_attribute(const XmlElement& element, const XmlAttribute& attribute, Read
     throw ValueError{attribute.value_offset + (attribute.verbatim ? error.offset : 0),
                      fmt::format("\"{}\" of <{}>: {}", attribute.name, element.name, error.message)};
   }
-}
-
-const XmlAttribute& required(const XmlElement& element, const char* name) {
-  if (const XmlAttribute* attribute = element.find(name)) return *attribute;
-  throw ValueError{element.offset, fmt::format("<{}> lacks its attribute \"{}\"", element.name, name)};
 }
 
 double read_real(const XmlElement& element, const XmlAttribute& attribute) {
@@ -101,13 +97,6 @@ glm::dmat4 read_operation(const XmlElement& element) {
   throw ValueError{element.offset,
                    fmt::format("<transform> has no operation {}{}; known are: {}", text::quoted(element.name),
                                text::did_you_mean(element.name, known), text::join(known))};
-}
-
-bool is_finite(const glm::dmat4& m) {
-  for (int i = 0; i < 16; ++i) {
-    if (!std::isfinite(m[i / 4][i % 4])) return false;
-  }
-  return true;
 }
 
 }  // namespace

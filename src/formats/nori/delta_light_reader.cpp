@@ -6,12 +6,10 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "image/vectors.h"
 
 namespace etendue {
 namespace {
-
-using Type = DeltaLight::Type;
-constexpr double kPi = std::numbers::pi;
 
 class DeltaLightReader {
  public:
@@ -25,24 +23,24 @@ class DeltaLightReader {
     light_.position = object_.position();
     light_.world_from_light = object_.matrix("toWorld");
     if (type == "point") {
-      light_.type = Type::point;
+      light_.type = DeltaLight::Type::point;
       read_place();
       read_intensity(4.0 * kPi);
     } else if (type == "spot") {
-      light_.type = Type::spot;
+      light_.type = DeltaLight::Type::spot;
       read_place();
       read_direction();
       read_cone();
       const double outer = std::cos(light_.cutoff * kPi / 180.0), inner = std::cos(light_.beam_width * kPi / 180.0);
       read_intensity(2.0 * kPi * (1.0 - 0.5 * (outer + inner)));
     } else if (type == "projector") {
-      light_.type = Type::projector;
+      light_.type = DeltaLight::Type::projector;
       light_.intensity = textured("irradiance");
       light_.intensity.value *= object_.get<double>("scale");
       const double half = std::tan(object_.get<double>("fov") * kPi / 360.0);
       light_.slope = {half, half / object_.get<double>("aspect")};
     } else {
-      light_.type = Type::directional;
+      light_.type = DeltaLight::Type::directional;
       read_direction();
       if (const char* name = one_of("irradiance", "radiance")) light_.intensity = object_.get<glm::dvec3>(name);
     }

@@ -17,7 +17,7 @@ std::string shortest(const glm::dvec3& v) {
 
 void XmlWriter::comment(std::string_view text) {
   std::string safe(text);
-  for (std::size_t at = safe.find("--"); at != std::string::npos; at = safe.find("--")) safe.replace(at, 2, "- ");
+  for (std::size_t at = safe.find("--"); at != std::string::npos; at = safe.find("--")) safe.insert(at + 1, 1, ' ');
   text_ += fmt::format("{:{}}<!-- {} -->\n", "", 2 * open_.size(), safe);
 }
 
