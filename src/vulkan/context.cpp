@@ -3,6 +3,13 @@
 
 #include <unistd.h>
 
+#ifdef __linux__
+#include <sys/resource.h>
+#include <sys/uio.h>
+
+#include <cerrno>
+#endif
+
 #include <algorithm>
 #include <atomic>
 #include <cctype>
@@ -425,6 +432,39 @@ void Context::read_limits() {
   max_allocation_ = maintenance.maxMemoryAllocationSize;
 }
 
+// A CPU driver may keep device memory in a file that nobody sees (Mesa 25's does), for which the limit on the size of
+// files holds, too. The driver does not look whether its file has grown: the first touch beyond its end would end the
+// process by SIGBUS. So a piece of memory that is larger than files may be is read at its end by a system call, which
+// only fails. Where files may have kEnough bytes nothing is looked at: the largest piece of an ordinary render is far
+// smaller.
+void Context::refuse_small_files() const {
+#ifdef __linux__
+  constexpr VkDeviceSize kEnough = VkDeviceSize{1} << 30;
+  rlimit files{};
+  if (!is_cpu_ || getrlimit(RLIMIT_FSIZE, &files) != 0 || files.rlim_cur >= kEnough) return;
+  const VkMemoryAllocateInfo info{
+      .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+      .allocationSize = std::max<VkDeviceSize>(2 * files.rlim_cur, VkDeviceSize{16} << 20),
+      .memoryTypeIndex = memory_type(~0u, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  if (vkAllocateMemory(device_, &info, nullptr, &memory) != VK_SUCCESS) return;
+  void* start = nullptr;
+  bool missing = false;
+  if (vkMapMemory(device_, memory, 0, VK_WHOLE_SIZE, 0, &start) == VK_SUCCESS) {
+    char byte = 0;
+    const iovec here{&byte, 1}, there{static_cast<char*>(start) + info.allocationSize - 1, 1};
+    missing = process_vm_readv(getpid(), &here, 1, &there, 1, 0) < 0 && errno == EFAULT;
+  }
+  vkFreeMemory(device_, memory, nullptr);
+  if (!missing) return;
+  throw Error(
+      ErrorKind::device,
+      fmt::format("'{}' keeps its memory in files, and a file may have {} bytes here; raise the limit (ulimit -f) "
+                  "to {} bytes, or use --device reference.",
+                  info_.name, files.rlim_cur, kEnough));
+#endif
+}
+
 void Context::open_device() {
   read_limits();
   queue_family_ = static_cast<std::uint32_t>(compute_family(physical_));
@@ -441,6 +481,12 @@ void Context::open_device() {
                                 .pEnabledFeatures = &features};
   check(vkCreateDevice(physical_, &info, nullptr, &device_), fmt::format("open the device '{}'", info_.name));
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+  try {
+    refuse_small_files();
+  } catch (...) {
+    vkDestroyDevice(device_, nullptr);
+    throw;
+  }
 }
 
 std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,

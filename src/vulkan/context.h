@@ -109,6 +109,7 @@ class Context {
 
  private:
   void open_device();
+  void refuse_small_files() const;
   void read_limits();
   void load_pipeline_cache();
   void save_pipeline_cache() const;
