@@ -218,11 +218,7 @@ class ModelReader {
       if (assign(metal.specular_reflectance, m, has_uv)) return metal;
     }
     const bool mirror = (m.illumination == 3 || m.illumination == 5 || m.illumination == 8) && is_black(m.diffuse);
-    if (mirror && !is_black(m.specular)) {
-      Bsdf metal;  // made in place: GCC 14 takes the empty half of a copied parameter for something that is used
-      metal.emplace<ConductorBsdf>().specular_reflectance = m.specular;
-      return metal;
-    }
+    if (mirror && !is_black(m.specular)) return ConductorBsdf{.index = {}, .specular_reflectance = m.specular};
     DiffuseBsdf diffuse;
     assign(diffuse.albedo, m, has_uv);
     const bool glossy = m.illumination >= 2 && !is_black(m.specular) && (m.exponent > 1.0 || m.roughness);
