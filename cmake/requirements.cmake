@@ -103,6 +103,8 @@ if(ETENDUE_TESTS)
   find_file(VALIDATION_LAYER VkLayer_khronos_validation.json
     PATHS /usr/share/vulkan/explicit_layer.d /usr/local/share/vulkan/explicit_layer.d /etc/vulkan/explicit_layer.d
     PATH_SUFFIXES share/vulkan/explicit_layer.d)
+  # Tests of other drivers need one; without it they are those that the machine has (tests/drivers).
+  find_file(SWIFTSHADER_MANIFEST vk_swiftshader_icd.json PATHS /usr/lib/chromium /usr/lib/chromium-browser)
   etendue_require(VALIDATION_LAYER "the Khronos validation layer" vulkan-validationlayers)
 endif()
 
@@ -111,6 +113,7 @@ if(ETENDUE_TESTS AND ETENDUE_ALL_TESTS)
   etendue_require_program(NODE_PROGRAM "node;nodejs" nodejs)
   etendue_require_program(CHROMIUM_PROGRAM chromium chromium)
   etendue_require_program(CHROMEDRIVER_PROGRAM chromedriver chromium-driver)
+  etendue_require(SWIFTSHADER_MANIFEST "the Vulkan driver SwiftShader" "chromium-common|chromium")
   etendue_require_program(MUNGED_PROGRAM munged munge)
   etendue_require_program(SLURMCTLD_PROGRAM slurmctld slurmctld)
   etendue_require_program(SLURMD_PROGRAM slurmd slurmd)

@@ -12,6 +12,10 @@ Ending list(const ResultOptions& results) {
   results.begin();
   const auto devices = vulkan::list_devices(gpu_context_options());
   auto out = Json::array();
+  const vulkan::DeviceInfo* first = nullptr;  // what 'auto' takes
+  for (const vulkan::DeviceInfo& d : devices) {
+    if (d.missing.empty() && (first == nullptr || d.rank < first->rank)) first = &d;
+  }
   for (const vulkan::DeviceInfo& d : devices) {
     const std::string api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(d.api_version),
                                         VK_API_VERSION_MINOR(d.api_version), VK_API_VERSION_PATCH(d.api_version));
@@ -22,7 +26,8 @@ Ending list(const ResultOptions& results) {
                    {"vulkan", api},
                    {"memory_bytes", d.memory_bytes},
                    {"subgroup_size", d.subgroup_size},
-                   {"missing", d.missing}});
+                   {"missing", d.missing},
+                   {"auto", &d == first}});
     if (results.wants_text()) {
       print_result("{}  {}  [{}]  {}  Vulkan {}  {:.1f} GiB{}\n", d.index, d.name, d.type, d.driver, api,
                    static_cast<double>(d.memory_bytes) / (1 << 30),
