@@ -102,7 +102,7 @@ if [ $# -gt 0 ]; then
   run "$@"
   exit
 fi
-run ./run render scenes/cbox-sphere.xml -D sampler.sampleCount=4
+run ./run render scenes/cbox-sphere.xml --spp 64
 for file in cbox-sphere.exr cbox-sphere.png; do [ -s "$copy/root/etendue/$file" ] || die "no $file was written"; done
 [ ! -e "$copy/root/etendue/scenes/meshes/generated/bust.obj" ] || die 'a mesh was made that the scene does not name'
 for package in googletest libgtest-dev libgmock-dev; do
@@ -112,7 +112,7 @@ if [ "$state" = no-tests ]; then
   said=$(run ./run tests 2>&1) && die './run tests worked without its packages'
   case $said in *libgtest-dev*) ;; *) die "./run tests does not say what is missing: $said" ;; esac
   # It must have spoilt nothing.
-  run ./run render scenes/cbox-sphere.xml -D sampler.sampleCount=4 -o again.exr
+  run ./run render scenes/cbox-sphere.xml --spp 64 -o again.exr
 else
   run ./run tests
 fi
