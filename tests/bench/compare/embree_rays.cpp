@@ -1,7 +1,11 @@
 /// Casts the rays that `etendue bench --export` wrote through Embree: the same triangles and spheres, the same rays,
 /// one at a time (rtcIntersect1, rtcOccluded1). Every answer is compared with Etendue's; rates go to stdout as JSON.
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <algorithm>
 #include <atomic>
@@ -160,9 +164,28 @@ class Scene {
   double build_seconds_ = 0;
 };
 
-float cast_one(RTCScene scene, const Ray& ray, bool any) {
+// Embree 4 has no contexts.
+#if RTC_VERSION_MAJOR >= 4
+void intersect(RTCScene scene, RTCRayHit& query) {
+  rtcIntersect1(scene, &query);
+}
+void occluded(RTCScene scene, RTCRay& ray) {
+  rtcOccluded1(scene, &ray);
+}
+#else
+void intersect(RTCScene scene, RTCRayHit& query) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &query);
+}
+void occluded(RTCScene scene, RTCRay& ray) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene, &context, &ray);
+}
+#endif
+
+float cast_one(RTCScene scene, const Ray& ray, bool any) {
   RTCRayHit query{};
   query.ray.org_x = ray.o[0], query.ray.org_y = ray.o[1], query.ray.org_z = ray.o[2], query.ray.tnear = ray.t_min;
   query.ray.dir_x = ray.d[0], query.ray.dir_y = ray.d[1], query.ray.dir_z = ray.d[2], query.ray.tfar = ray.t_max;
@@ -170,10 +193,10 @@ float cast_one(RTCScene scene, const Ray& ray, bool any) {
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   constexpr float kNoHit = std::numeric_limits<float>::infinity();
   if (any) {
-    rtcOccluded1(scene, &context, &query.ray);
+    occluded(scene, query.ray);
     return query.ray.tfar < 0.0f ? 0.0f : kNoHit;
   }
-  rtcIntersect1(scene, &context, &query);
+  intersect(scene, query);
   return query.hit.geomID != RTC_INVALID_GEOMETRY_ID ? query.ray.tfar : kNoHit;
 }
 
