@@ -15,7 +15,7 @@
 namespace etendue::cli {
 namespace {
 
-struct Options {
+struct BenchArguments {
   std::vector<std::string> files;
   SceneOptions scene;
   DeviceOption device;
@@ -49,7 +49,7 @@ std::vector<std::string> default_scenes() {
   return files;
 }
 
-BenchOptions bench_options(const Options& options) {
+BenchOptions bench_options(const BenchArguments& options) {
   BenchOptions out{.rays = options.rays,
                    .seconds = parse_duration("--time", options.time),
                    .spp = options.sampling.spp,
@@ -74,7 +74,7 @@ BenchOptions bench_options(const Options& options) {
   return out;
 }
 
-std::vector<std::unique_ptr<SceneBench>> read_scenes(const Options& options, const BenchOptions& bench) {
+std::vector<std::unique_ptr<SceneBench>> read_scenes(const BenchArguments& options, const BenchOptions& bench) {
   std::vector<std::unique_ptr<SceneBench>> benches;
   for (const std::string& file : options.files.empty() ? default_scenes() : options.files) {
     Scene scene = read_scene(file, options.scene.read_options());
@@ -94,7 +94,7 @@ void export_all(const std::string& folder, const std::vector<std::unique_ptr<Sce
   }
 }
 
-Ending run_bench(const Options& options) {
+Ending run_bench(const BenchArguments& options) {
   options.results.begin();
   const BenchOptions bench = bench_options(options);
   const auto benches = read_scenes(options, bench);
@@ -127,7 +127,7 @@ Ending run_bench(const Options& options) {
 
 void add_bench_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("bench", "measure rays and samples per second, start-up and memory");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchArguments>();
   command->add_option("SCENE", options->files, "scene files (default: three of the folder scenes)")
       ->file(kSceneEndings);
   command

@@ -12,7 +12,7 @@
 namespace etendue::cli {
 namespace {
 
-struct Options {
+struct CheckArguments {
   std::vector<std::string> files;
   SceneOptions scene;
   SampleOptions sampling;
@@ -31,7 +31,7 @@ const char* severity_name(Severity severity) {
   return "";
 }
 
-Json to_json(const Diagnostic& finding) {
+Json finding_json(const Diagnostic& finding) {
   return {{"severity", severity_name(finding.severity)},
           {"file", finding.position.file},
           {"line", finding.position.line},
@@ -39,7 +39,7 @@ Json to_json(const Diagnostic& finding) {
           {"message", finding.message}};
 }
 
-Result check_files(const Options& options) {
+Result check_files(const CheckArguments& options) {
   options.results.begin();
   Result result = Ending::ok;
   auto out = Json::array();
@@ -55,7 +55,7 @@ Result check_files(const Options& options) {
     }
     for (const Diagnostic& d : diagnostics.list()) {
       if (d.severity == Severity::error && result == Result(Ending::ok)) result = d.kind;
-      out.push_back(to_json(d));
+      out.push_back(finding_json(d));
       if (options.results.wants_text())
         print_result("{}: {}\n", severity_name(d.severity), text::printable(to_string(d), text::kLongestLine));
     }
@@ -74,7 +74,7 @@ Result check_files(const Options& options) {
 void add_check_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "check", "read scenes strictly and list everything that is wrong or probably not meant; nothing is rendered");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CheckArguments>();
   command->add_option("SCENE", options->files, "scene files")->required()->file(kSceneEndings);
   options->sampling.add_size_and_spp(*command);
   options->scene.add_to(*command);

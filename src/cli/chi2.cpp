@@ -12,7 +12,7 @@
 namespace etendue::cli {
 namespace {
 
-struct Options {
+struct Chi2Arguments {
   std::vector<std::string> files;
   SceneOptions scene;
   DeviceOption device;
@@ -20,7 +20,7 @@ struct Options {
   ResultOptions results;
 };
 
-Ending run_files(const Options& options) {
+Ending run_files(const Chi2Arguments& options) {
   options.results.begin();
   // All files are read before the first device is touched.
   std::vector<Chi2Test> tests;
@@ -57,7 +57,7 @@ Ending run_files(const Options& options) {
 
 void add_chi2_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("chi2", "test whether the sampling of bsdfs follows their density");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<Chi2Arguments>();
   command->add_option("FILE", options->files, "files with a <test type=\"chi2test\">")->required()->file({".xml"});
   options->scene.add_to(*command);
   options->device.add_to(*command);

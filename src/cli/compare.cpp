@@ -18,7 +18,7 @@
 namespace etendue::cli {
 namespace {
 
-struct Options {
+struct CompareArguments {
   std::string test, reference;
   std::vector<std::string> above, below;
   double significance = 0.01;
@@ -29,7 +29,7 @@ struct Options {
 
 /// Both pictures are held as a whole, and one file while it is unpacked. Better said than found out by the system,
 /// which would end the program, or another one.
-void check_memory(const Options& options, const PictureHeader& header) {
+void check_memory(const CompareArguments& options, const PictureHeader& header) {
   constexpr std::uint64_t kPixelBytes = 28;  // color, standard error, sample count
   std::error_code error;
   const auto size = [&](const std::string& path) { return std::uint64_t{std::filesystem::file_size(path, error)}; };
@@ -45,7 +45,7 @@ void check_memory(const Options& options, const PictureHeader& header) {
                   1e-9 * static_cast<double>(available)));
 }
 
-Ending run_compare(const Options& options) {
+Ending run_compare(const CompareArguments& options) {
   options.results.begin();
   CompareOptions compare;
   compare.significance = options.significance;
@@ -79,7 +79,7 @@ Ending run_compare(const Options& options) {
 
 void add_compare_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("compare", "say how far apart two pictures are and whether chance explains it");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CompareArguments>();
   command->add_option("A", options->test, "the picture in question (EXR or PNG)")->required()->file({".exr", ".png"});
   command->add_option("B", options->reference, "the picture it is held against")->required()->file({".exr", ".png"});
   command

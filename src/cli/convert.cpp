@@ -14,7 +14,7 @@
 namespace etendue::cli {
 namespace {
 
-struct Options {
+struct ConvertArguments {
   std::string input, output, named_output;
   std::string dialect = "etendue";
   SceneOptions scene;
@@ -23,7 +23,7 @@ struct Options {
   ResultOptions results;
 };
 
-void check_output(const Options& options) {
+void check_output(const ConvertArguments& options) {
   namespace fs = std::filesystem;
   if (!options.output.ends_with(".xml"))
     throw Error(ErrorKind::usage, fmt::format("'{}' does not end in .xml; scenes are written as XML.", options.output));
@@ -36,7 +36,7 @@ void check_output(const Options& options) {
   check_writable(options.output);
 }
 
-Ending convert(const Options& options) {
+Ending convert(const ConvertArguments& options) {
   options.results.begin();
   check_output(options);
   Scene scene = read_scene(options.input, options.scene.read_options());
@@ -61,7 +61,7 @@ Ending convert(const Options& options) {
 void add_convert_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "convert", "write a scene, of whatever format, as an XML file with its meshes and pictures beside it");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConvertArguments>();
   command->add_option("IN", options->input, "scene file")->required()->file(kSceneEndings);
   command->add_option("OUT", options->output, "name of the new scene file; the others go into NAME-files")
       ->file({".xml"});

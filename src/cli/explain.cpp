@@ -15,9 +15,7 @@
 namespace etendue::cli {
 namespace {
 
-constexpr std::uint32_t kNone = PathVertex::kNone;
-
-struct Options {
+struct ExplainArguments {
   std::string scene_file;
   SceneOptions scene;
   DeviceOption device;
@@ -53,7 +51,7 @@ std::uint32_t parse_pixel(const std::string& text, const Camera& camera) {
   return y * camera.width + x;
 }
 
-void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Options& options) {
+void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const ExplainArguments& options) {
   const std::vector<PathVertex> path = renderer.trace_path(id);
   const std::uint32_t x = id.pixel % scene.camera.width, y = id.pixel / scene.camera.width;
   OutputWriter files;
@@ -96,7 +94,7 @@ Tally count_lights(Renderer& renderer, const Scene& scene, std::uint64_t paths) 
     const double fraction = std::fmod(0.5 + static_cast<double>(i) * kGolden, 1.0);
     const SampleId id{static_cast<std::uint32_t>(fraction * pixels), static_cast<std::uint32_t>(i)};
     for (const PathVertex& vertex : renderer.trace_path(id)) {
-      if (vertex.light_instance == kNone) continue;
+      if (vertex.light_instance == PathVertex::kNone) continue;
       ++tally.light_samples;
       LightTally& light = tally.lights[vertex.light_instance];
       ++light.chosen;
@@ -110,7 +108,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
 }
 
-void tell_lights(Renderer& renderer, const Scene& scene, const Options& options) {
+void tell_lights(Renderer& renderer, const Scene& scene, const ExplainArguments& options) {
   const Tally tally = count_lights(renderer, scene, options.lights);
   OutputWriter files;
   options.results.write_json(files, [&] {
@@ -139,7 +137,7 @@ void tell_lights(Renderer& renderer, const Scene& scene, const Options& options)
   }
 }
 
-Ending explain(const Options& options) {
+Ending explain(const ExplainArguments& options) {
   options.results.begin();
   if (options.sampling.spp > 0 && options.sample >= options.sampling.spp)
     throw Error(ErrorKind::usage, fmt::format("'--sample {}' is none of the {} samples of '--spp'; they begin at 0.",
@@ -161,7 +159,7 @@ Ending explain(const Options& options) {
 void add_explain_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "explain", "tell the path of one sample, vertex by vertex, or count which lights the samples of a scene choose");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExplainArguments>();
   options->device.selector = "reference";
   command->add_option("SCENE", options->scene_file, "scene file")->required()->file(kSceneEndings);
   command->add_option("--pixel", options->pixel, "pixel of the sample, 0,0 at the top left (default: the middle)")

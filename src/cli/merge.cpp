@@ -13,7 +13,7 @@
 namespace etendue::cli {
 namespace {
 
-struct Options {
+struct MergeArguments {
   std::vector<std::string> films;
   std::vector<std::string> outputs;
   bool picture = false;
@@ -31,7 +31,7 @@ std::string samples_text(const FilmFile& film, std::uint64_t count) {
 }
 
 // Outputs are different files, and none of them is a picture in place of a film that is read: its sums would be lost.
-void check_inputs_stay(const Options& options) {
+void check_inputs_stay(const MergeArguments& options) {
   std::vector<NamedFile> files;
   for (const std::string& path : options.outputs) files.emplace_back("-o", path);
   for (const NamedFile& report : options.results.named_files()) files.push_back(report);
@@ -42,7 +42,7 @@ void check_inputs_stay(const Options& options) {
   }
 }
 
-Ending merge(const Options& options) {
+Ending merge(const MergeArguments& options) {
   options.results.begin();
   for (const std::string& path : options.outputs) check_output_name(path);
   options.display.check(options.outputs);
@@ -85,7 +85,7 @@ Ending merge(const Options& options) {
 void add_merge_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
       "merge", "add up films of one render: shards of 'render --samples', checkpoints, merged films");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MergeArguments>();
   command->add_option("FILM", options->films, "films with different samples, in any order")->required()->file({".exr"});
   command->add_option("-o,--output,--out", options->outputs, "film (.exr) or picture (.png) to write; may be repeated")
       ->required()

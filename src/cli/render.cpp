@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kPieces = "Render in pieces, stop and go on";  // a heading of --help
 
-struct Options {
+struct RenderArguments {
   std::string scene_file;
   SceneOptions scene;
   DeviceOption device;
@@ -48,7 +48,7 @@ struct Options {
   ResultOptions results;
 };
 
-bool uses_gpu(const Options& options) {
+bool uses_gpu(const RenderArguments& options) {
   return options.device.selector != "reference";
 }
 
@@ -74,7 +74,7 @@ SampleRange all_samples(std::uint32_t paths, const Sampler& sampler) {
 }
 
 // In film samples, which are sets of paths.
-SampleRange wanted_samples(const Options& options, const Scene& scene) {
+SampleRange wanted_samples(const RenderArguments& options, const Scene& scene) {
   if (options.samples.empty())
     return all_samples(options.sampling.spp > 0 ? options.sampling.spp : scene.sampler.sample_count, scene.sampler);
   const SampleRange range = parse_samples(options.samples);
@@ -87,7 +87,7 @@ SampleRange wanted_samples(const Options& options, const Scene& scene) {
   return whole_sets(range, scene.sampler);
 }
 
-std::vector<std::string> output_paths(const Options& options, const Scene& scene) {
+std::vector<std::string> output_paths(const RenderArguments& options, const Scene& scene) {
   if (options.outputs.empty()) return {scene.name + ".exr", scene.name + ".png"};
   return options.outputs;
 }
@@ -99,7 +99,7 @@ struct Plan {
   bool film = false;                 ///< .exr outputs are films, which can be merged and resumed
 };
 
-Plan make_plan(const Options& options, Clock::time_point start) {
+Plan make_plan(const RenderArguments& options, Clock::time_point start) {
   if (!options.checkpoint_every.empty() && options.checkpoint.empty()) {
     throw Error(ErrorKind::usage, "'--checkpoint-every' needs the file to write: add --checkpoint FILE.");
   }
@@ -117,7 +117,7 @@ Plan make_plan(const Options& options, Clock::time_point start) {
 }
 
 // Every file is one of its own, so that none is lost to another; a film may take the place of the film it goes on from.
-void check_files(const Plan& plan, const Options& options) {
+void check_files(const Plan& plan, const RenderArguments& options) {
   std::vector<NamedFile> files = {{"--checkpoint", options.checkpoint}};
   for (const std::string& path : plan.outputs) files.emplace_back("-o", path);
   for (const std::string& path : options.heat_maps) files.emplace_back("--heat-map", path);
@@ -164,7 +164,8 @@ std::string missed_error_text(const Film& film, const std::string& wanted) {
              : fmt::format(", all of them, with an error of {:.3g} % for --until-error {}", 100.0 * error, wanted);
 }
 
-std::string reason_text(const Outcome& outcome, const RenderJob& job, const Options& options, std::uint32_t set_size) {
+std::string reason_text(const Outcome& outcome, const RenderJob& job, const RenderArguments& options,
+                        std::uint32_t set_size) {
   const std::uint64_t total = job.total() * set_size;
   switch (outcome.end) {
     case SessionEnd::complete:
@@ -179,8 +180,8 @@ std::string reason_text(const Outcome& outcome, const RenderJob& job, const Opti
   return "";
 }
 
-Json to_json(const Outcome& outcome, const RenderJob& job, const Options& options, const Plan& plan,
-             const DeviceTeam& team) {
+Json outcome_json(const Outcome& outcome, const RenderJob& job, const RenderArguments& options, const Plan& plan,
+                  const DeviceTeam& team) {
   const double pixel_samples = static_cast<double>(outcome.samples * job.pixels() * plan.session.set_size);
   Json out = {{"outputs", outcome.files.written()},
               {"film", plan.film},
@@ -207,10 +208,11 @@ Json to_json(const Outcome& outcome, const RenderJob& job, const Options& option
   return out;
 }
 
-void report(Outcome& outcome, const RenderJob& job, const Options& options, const Plan& plan, const DeviceTeam& team) {
+void report(Outcome& outcome, const RenderJob& job, const RenderArguments& options, const Plan& plan,
+            const DeviceTeam& team) {
   const std::uint32_t set_size = plan.session.set_size;
   OutputWriter json_file;
-  options.results.write_json(json_file, [&] { return to_json(outcome, job, options, plan, team); });
+  options.results.write_json(json_file, [&] { return outcome_json(outcome, job, options, plan, team); });
   outcome.files.add_failures(json_file);
   if (options.results.wants_text()) {
     const Film& film = job.state().film;
@@ -227,14 +229,14 @@ void report(Outcome& outcome, const RenderJob& job, const Options& options, cons
 }
 
 // Statistics and heat maps are counted afterwards, on the first device and a few samples: the render pays nothing.
-std::optional<RenderProfile> count_profile(const DeviceTeam& team, const Options& options) {
+std::optional<RenderProfile> count_profile(const DeviceTeam& team, const RenderArguments& options) {
   constexpr std::uint32_t kProfiledSamples = 4;
   if (!options.stats && options.heat_maps.empty()) return std::nullopt;
   return gpu_profile(*team.renderers().front(), kProfiledSamples);
 }
 
 // What is done now, each file where it costs nothing that is worth more.
-void write_outputs(OutputWriter& files, const RenderJob& job, const Options& options, const Plan& plan) {
+void write_outputs(OutputWriter& files, const RenderJob& job, const RenderArguments& options, const Plan& plan) {
   const NewPicture picture{header_of(job.state()), plan.film};
   for (const std::string& path : plan.outputs)
     files.write_somewhere(path, [&] {
@@ -244,7 +246,7 @@ void write_outputs(OutputWriter& files, const RenderJob& job, const Options& opt
     });
 }
 
-SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const Options& options,
+SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const RenderArguments& options,
                        const Plan& plan, SignalWatch& signals) {
   const std::uint64_t paths = job.pixels() * plan.session.set_size;
   ProgressLine line(options.results.quiet, job.done() * paths, job.total() * paths);
@@ -264,8 +266,8 @@ SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team,
   return session.run(team);
 }
 
-Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const Options& options, const Plan& plan,
-               SignalWatch& signals) {
+Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const RenderArguments& options,
+               const Plan& plan, SignalWatch& signals) {
   if (const std::string ahead = checkpoint.samples_ahead(); !ahead.empty()) {
     log::warning(
         fmt::format("{} holds the samples {} of this render already and is kept until this run has them as "
@@ -304,7 +306,7 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const O
 }
 
 // Before the render, not after it: what stands where pictures are to go and is worth more than they will be.
-void check_outputs(const Options& options, const Plan& plan, const FilmHeader& wanted) {
+void check_outputs(const RenderArguments& options, const Plan& plan, const FilmHeader& wanted) {
   FilmHeader heat = wanted;
   heat.samples.clear();
   std::vector<std::string> notes;
@@ -318,7 +320,7 @@ void check_outputs(const Options& options, const Plan& plan, const FilmHeader& w
 }
 
 // Those of the command beside those of the scene.
-void add_aovs(const Options& options, Scene& scene) {
+void add_aovs(const RenderArguments& options, Scene& scene) {
   for (const Aov aov : parse_aovs(options.aovs)) {
     const std::string complaint = aov_complaint(scene.integrator, aov);
     if (!complaint.empty()) throw Error(ErrorKind::usage, fmt::format("'--aov {}': {}.", options.aovs, complaint));
@@ -330,7 +332,7 @@ void add_aovs(const Options& options, Scene& scene) {
   }
 }
 
-Ending render(const Options& options) {
+Ending render(const RenderArguments& options) {
   options.results.begin();
   Plan plan = make_plan(options, Clock::now());
   SignalWatch signals(options.results.quiet);
@@ -365,7 +367,7 @@ Ending render(const Options& options) {
   return run_job(job, checkpoint, team, options, plan, signals);
 }
 
-void add_job_options(Command& command, Options& options) {
+void add_job_options(Command& command, RenderArguments& options) {
   command
       .add_option("--samples", options.samples,
                   "render only the samples A to B - 1 and write films that 'etendue merge' adds up")
@@ -404,7 +406,7 @@ void add_job_options(Command& command, Options& options) {
 
 void add_render_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("render", "render a scene to EXR and PNG");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RenderArguments>();
   command->add_option("SCENE", options->scene_file, "scene file")->required()->file(kSceneEndings);
   command
       ->add_option("-o,--output,--out", options->outputs,

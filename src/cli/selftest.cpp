@@ -13,14 +13,14 @@
 namespace etendue::cli {
 namespace {
 
-struct Options {
+struct SelftestArguments {
   DeviceOption device;
   SelftestOptions test;
   std::optional<std::uint64_t> seed;
   ResultOptions results;
 };
 
-Ending run(const Options& options) {
+Ending run(const SelftestArguments& options) {
   options.results.begin();
   SelftestOptions test = options.test;
   test.seed = options.seed ? *options.seed
@@ -45,7 +45,7 @@ Ending run(const Options& options) {
 void add_selftest_command(Command& app, Action& action) {
   auto* command =
       app.add_subcommand("selftest", "test fresh random scenes and materials whose answer is known in closed form");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SelftestArguments>();
   options->device.add_to(*command);
   command->add_option("--seed", options->seed, "seed of the first suite (default: a fresh one, printed)");
   command->add_option("--seeds", options->test.seeds, "number of suites")

@@ -40,7 +40,7 @@ void say(const char* sentence) {
   // Nothing can be done about a stderr that is gone, and a pipe that nobody reads must not hold the process.
   pollfd stream{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
   if (poll(&stream, 1, 0) != 1) return;
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, sentence, std::strlen(sentence));
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, sentence, std::strlen(sentence));
 }
 
 bool is_impatient(int signal) {

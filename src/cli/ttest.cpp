@@ -12,7 +12,7 @@
 namespace etendue::cli {
 namespace {
 
-struct Options {
+struct TTestArguments {
   std::vector<std::string> files;
   SceneOptions scene;
   DeviceOption device;
@@ -22,7 +22,7 @@ struct Options {
 };
 
 // --size, and what --size and --spp cannot mean.
-void prepare(TTest& test, const std::string& file, const Options& options) {
+void prepare(TTest& test, const std::string& file, const TTestArguments& options) {
   if (!test.bsdfs.empty() && (options.sampling.spp > 0 || !options.sampling.size.empty()))
     throw Error(
         ErrorKind::usage,
@@ -32,7 +32,7 @@ void prepare(TTest& test, const std::string& file, const Options& options) {
   for (Scene& scene : test.scenes) options.sampling.set_size(scene);
 }
 
-Ending run_files(const Options& options) {
+Ending run_files(const TTestArguments& options) {
   options.results.begin();
   if (options.sampling.spp > 0 && options.test.sample_count)
     throw Error(ErrorKind::usage,
@@ -79,7 +79,7 @@ Ending run_files(const Options& options) {
 void add_ttest_command(Command& app, Action& action) {
   auto* command =
       app.add_subcommand("ttest", "test the mean luminance of scenes, or the albedo of bsdfs, against known values");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TTestArguments>();
   command->add_option("FILE", options->files, "files with a <test type=\"ttest\">")->required()->file({".xml"});
   options->scene.add_to(*command);
   options->device.add_to(*command);

@@ -14,7 +14,7 @@
 namespace etendue::cli {
 namespace {
 
-struct Options {
+struct ValidateArguments {
   std::string file;
   SceneOptions scene;
   DeviceOption device;
@@ -26,7 +26,7 @@ struct Options {
 };
 
 // One device is told at length, several in a table.
-Ending finish(const Options& options, const DevicesValidation& all) {
+Ending finish(const ValidateArguments& options, const DevicesValidation& all) {
   const bool one = all.pairs.size() == 1;
   const Validation& first = all.pairs.front();
   if (options.results.wants_text()) print_text(one ? validation_text(first) : devices_text(all));
@@ -46,7 +46,7 @@ Ending finish(const Options& options, const DevicesValidation& all) {
   return all.passed() ? Ending::ok : Ending::failed;
 }
 
-Ending run_validate(const Options& options) {
+Ending run_validate(const ValidateArguments& options) {
   options.results.begin();
   SceneFile read = read_scene_file(options.file, options.scene.read_options());
   auto* scene = std::get_if<Scene>(&read);
@@ -78,7 +78,7 @@ Ending run_validate(const Options& options) {
 
 void add_validate_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("validate", "say whether a device renders the right image, and where not");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ValidateArguments>();
   command->add_option("SCENE", options->file, "scene file")->required()->file(kSceneEndings);
   options->sampling.add_to(*command);
   options->scene.add_to(*command);
