@@ -60,7 +60,8 @@ std::string random_token() {
   return token;
 }
 
-Guard::Guard(std::string token, std::string address) : prefix_("/" + std::move(token)), address_(std::move(address)) {}
+Guard::Guard(const std::string& token, std::string address)
+    : prefix_(fmt::format("/{}", token)), address_(std::move(address)) {}
 
 // A tunnel ends at a port of its own choice, so any port will do; what counts is that no name of somebody else's stands
 // there. Numbers cannot be made to mean another machine.

@@ -13,7 +13,7 @@ std::string random_token();
 class Guard {
  public:
   /// `address`: what the server listens on.
-  Guard(std::string token, std::string address);
+  Guard(const std::string& token, std::string address);
 
   /// Status 200, or why not: 421 for a Host that is no name of this machine's (a page elsewhere may make its own name
   /// mean this machine), 403 for the page of another origin, 404 for an address without the token, 405 for methods

@@ -22,7 +22,7 @@ std::string asset(const std::string& more, const std::string& primitive = "", co
   for (int i = 1; i <= static_cast<int>(std::count(nodes.begin(), nodes.end(), '#')); ++i)
     roots += fmt::format(",{}", i);
   std::string rest = nodes;
-  for (std::size_t at = rest.find('#'); at != std::string::npos; at = rest.find('#')) rest.replace(at, 1, ",");
+  std::ranges::replace(rest, '#', ',');
   const std::string json = fmt::format(
       R"({{"asset":{{{}}},"scenes":[{{"nodes":[{}]}}],"nodes":[{{"mesh":0}}{}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}}{}}}]}}],{}{}}})",
       version, roots, rest, primitive, buffer.json(), more.empty() ? "" : "," + more);

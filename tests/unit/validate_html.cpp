@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -49,7 +50,7 @@ TEST(Report, OfALargePictureHoldsMeansAndTheWorstScores) {
   EXPECT_THAT(html, HasSubstr("\"width\":501"));
   EXPECT_THAT(html, HasSubstr("\"fullWidth\":1001"));
   const std::vector<glm::vec3> first = {glm::vec3(1.5f), glm::vec3(1.0f)};
-  EXPECT_THAT(html, HasSubstr(">" + base64(first.data(), 24)));
+  EXPECT_THAT(html, HasSubstr(fmt::format(">{}", base64(first.data(), 24))));
   const std::vector<glm::vec3> scores = pixel_scores(a, b, 2);
   ASSERT_EQ(scores.size(), 501u * 450);
   EXPECT_LT(scores[0].x, -5.0f);
