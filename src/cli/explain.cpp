@@ -71,12 +71,12 @@ void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Explai
   print_result("{} on {}, seed {}: pixel ({}, {}), sample {}\n",
                text::printable(options.scene_file, text::kLongestLine), renderer.device_name(), options.sampling.seed,
                x, y, id.sample);
-  print_result("{:>7}  {:<16} {:<16} {:<8} {:<13} {:<8}  radiance gathered so far\n", "segment", "meets", "light",
+  print_result("{:>7}  {:<16} {:<16} {:<8} {:<15} {:<8}  radiance gathered so far\n", "segment", "meets", "light",
                "reached", "lobe", "survives");
   for (std::size_t i = 0; i < path.size(); ++i) {
     const PathVertex& v = path[i];
     const VertexWords words = words_of(v);
-    print_result("{:>7}  {:<16} {:<16} {:<8} {:<13} {:<8}  {:.5g} {:.5g} {:.5g}\n", i + 1, words.meets, words.light,
+    print_result("{:>7}  {:<16} {:<16} {:<8} {:<15} {:<8}  {:.5g} {:.5g} {:.5g}\n", i + 1, words.meets, words.light,
                  words.reached, words.lobe, words.survives, v.radiance.x, v.radiance.y, v.radiance.z);
   }
 }

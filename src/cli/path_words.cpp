@@ -2,28 +2,34 @@
 
 #include <fmt/core.h>
 
+#include "reference/bsdf.h"
+
 namespace etendue::cli {
 namespace {
 
 constexpr std::uint32_t kNone = PathVertex::kNone;
 
 const char* lobe_name(const PathVertex& vertex) {
-  switch (vertex.lobe) {
-    case 0:
+  if (vertex.lobe == kNone) return "-";
+  switch (static_cast<reference::Lobe>(vertex.lobe)) {
+    case reference::Lobe::none:
       return "none";
-    case 1:
+    case reference::Lobe::diffuse_reflection:
       return "diffuse";
-    case 2:
+    case reference::Lobe::delta_reflection:
       return "reflection";
-    case 3:
+    case reference::Lobe::delta_transmission:
       return "transmission";
-    case 4:
+    case reference::Lobe::glossy_reflection:
       return "glossy";
-    case 5:
+    case reference::Lobe::glossy_transmission:
       return "glossy through";
-    default:
-      return "-";
+    case reference::Lobe::passed:
+      return "passed";
+    case reference::Lobe::diffuse_transmission:
+      return "diffuse through";
   }
+  return "-";
 }
 
 std::string place(std::uint32_t instance, std::uint32_t primitive, const char* none) {

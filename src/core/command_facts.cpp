@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/text.h"
+
 namespace etendue {
 namespace {
 
@@ -12,18 +14,15 @@ constexpr std::size_t kLineLength = 80;
 constexpr std::size_t kTextColumn = 28;  // where descriptions begin
 
 // Characters, where continuation bytes of UTF-8 count nothing.
-std::size_t width_of(const std::string& text) {
+std::size_t width_of(std::string_view text) {
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 // Appends the words of `text`, which begin at column `at`; further lines begin at column `indent`.
-void add_wrapped(std::string& out, const std::string& text, std::size_t at, std::size_t indent) {
+void add_wrapped(std::string& out, std::string_view text, std::size_t at, std::size_t indent) {
   bool first = true;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    begin = end + 1;
+  for (const std::string_view word : text::split(text, ' ')) {
     if (word.empty()) continue;
     if (!first && at + 1 + width_of(word) > kLineLength) {
       out += "\n" + std::string(indent, ' ');
@@ -99,11 +98,9 @@ std::string help_text(const CommandFacts& command) {
     out += fmt::format("\n{}:\n", section.name);
     for (const OptionFacts* option : section.options) add_row(out, heading_of(*option), description_of(*option));
   }
-  for (std::size_t begin = 0; begin < command.footer.size();) {
-    const std::size_t end = std::min(command.footer.find('\n', begin), command.footer.size());
+  for (const std::string_view paragraph : text::split(command.footer, '\n')) {
     out += "\n";
-    add_wrapped(out, command.footer.substr(begin, end - begin), 0, 0);
-    begin = end + 1;
+    add_wrapped(out, paragraph, 0, 0);
   }
   return out;
 }

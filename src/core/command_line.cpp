@@ -78,13 +78,8 @@ std::string text_of(const T& value) {
 
 /// "-o,--output" to its parts; a positional argument has none that begins with a dash.
 std::vector<std::string> split_names(const std::string& names) {
-  std::vector<std::string> out;
-  for (std::size_t begin = 0; begin < names.size();) {
-    const std::size_t end = std::min(names.find(',', begin), names.size());
-    out.push_back(names.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return out;
+  const std::vector<std::string_view> parts = text::split(names, ',');
+  return {parts.begin(), parts.end()};
 }
 
 /// The name that messages use: the first long one.

@@ -39,8 +39,7 @@ std::string summary(const std::string& description) {
   return description.substr(0, end);
 }
 
-// --- bash
-// ---------------------------------------------------------------------------------------------------------------
+// --- bash ---
 
 /// A call that fills COMPREPLY with the values an option or argument can have; nothing where there is nothing to offer.
 std::string bash_values(const OptionFacts& option, const std::string& function) {
@@ -77,8 +76,7 @@ std::string bash_command(const CommandFacts& command, const std::string& functio
       values, shell_word(names), argument);
 }
 
-// --- zsh
-// ----------------------------------------------------------------------------------------------------------------
+// --- zsh ---
 
 std::string zsh_values(const OptionFacts& option) {
   if (option.takes_folder) return "_files -/";
@@ -122,8 +120,7 @@ std::string zsh_arguments(const CommandFacts& command, const std::string& indent
   return out;
 }
 
-// --- fish
-// ---------------------------------------------------------------------------------------------------------------
+// --- fish ---
 
 /// fish reads \\ and \' within single quotes.
 std::string fish_quoted(const std::string& text) {

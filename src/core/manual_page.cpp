@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/command_facts.h"
+#include "core/text.h"
 
 namespace etendue {
 namespace {
@@ -46,11 +47,8 @@ std::string heading(const OptionFacts& option) {
 }
 
 void add_paragraphs(std::string& out, const std::string& text) {
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    out += fmt::format(".PP\n{}\n", roff(text.substr(begin, end - begin)));
-    begin = end + 1;
-  }
+  for (const std::string_view paragraph : text::split(text, '\n'))
+    out += fmt::format(".PP\n{}\n", roff(std::string(paragraph)));
 }
 
 void add_options(std::string& out, const CommandFacts& command, bool with_names) {

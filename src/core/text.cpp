@@ -106,6 +106,16 @@ std::string_view trim(std::string_view s) {
   return s;
 }
 
+std::vector<std::string_view> split(std::string_view s, char separator) {
+  std::vector<std::string_view> pieces;
+  for (std::size_t begin = 0; !s.empty() && begin <= s.size();) {
+    const std::size_t end = std::min(s.find(separator, begin), s.size());
+    pieces.push_back(s.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return pieces;
+}
+
 bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
 }

@@ -25,6 +25,8 @@ std::string describe(NumberError error, std::string_view token, const char* kind
 /// XML's white space: blank, tab, carriage return, newline.
 bool is_blank(char c);
 std::string_view trim(std::string_view s);
+/// The pieces between separators, empty ones included; of an empty text there is none.
+std::vector<std::string_view> split(std::string_view s, char separator);
 bool equal_ignoring_case(std::string_view a, std::string_view b);
 
 /// True for a pointer of Git LFS, and what to say then.

@@ -55,7 +55,7 @@ struct PathVertex {
   std::uint32_t light_instance = kNone;
   std::uint32_t light_primitive = kNone;    ///< of the environment its cell, of a light without extent its number
   std::uint32_t light_contributed = kNone;  ///< 0 or 1
-  std::uint32_t lobe = kNone;               ///< 0 none, 1 diffuse, 2 delta reflection, 3 delta transmission
+  std::uint32_t lobe = kNone;               ///< one of reference::Lobe, kLobe… on devices
   std::uint32_t survived = kNone;           ///< 0 or 1
   glm::vec3 radiance{0.0f};                 ///< accumulated up to and including this vertex
 };

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 #include <tuple>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -30,7 +31,7 @@ Response wrong(const std::string& sentence) {
   return text_response(400, sentence + "\n");
 }
 
-// --- parameters ---------------------------------------------------------------------------------------------------
+// --- parameters ---
 
 std::optional<double> number_of(std::string_view text) {
   double value = 0;
@@ -50,23 +51,24 @@ std::optional<std::uint64_t> count_in(const Request& request, std::string_view n
   return static_cast<std::uint64_t>(*number);
 }
 
-std::optional<glm::dvec3> vector_in(const Request& request, std::string_view name) {
-  const std::string* text = request.find(name);
-  if (text == nullptr) return std::nullopt;
-  glm::dvec3 out;
-  std::string_view rest = *text;
-  for (int i = 0; i < 3; ++i) {
-    const std::size_t comma = rest.find(',');
-    if ((comma == std::string_view::npos) != (i == 2)) return std::nullopt;
-    const std::optional<double> number = number_of(rest.substr(0, comma));
-    if (!number) return std::nullopt;
-    out[i] = *number;
-    rest.remove_prefix(i == 2 ? 0 : comma + 1);
+/// Numbers with commas between them; none where one of them is no number.
+std::vector<double> numbers_of(std::string_view list) {
+  std::vector<double> numbers;
+  for (const std::string_view piece : text::split(list, ',')) {
+    const std::optional<double> number = number_of(piece);
+    if (!number) return {};
+    numbers.push_back(*number);
   }
-  return out;
+  return numbers;
 }
 
-// --- the state ------------------------------------------------------------------------------------------------------
+std::optional<glm::dvec3> vector_in(const Request& request, std::string_view name) {
+  const std::string* text = request.find(name);
+  const std::vector<double> n = text == nullptr ? std::vector<double>() : numbers_of(*text);
+  return n.size() == 3 ? std::optional(glm::dvec3(n[0], n[1], n[2])) : std::nullopt;
+}
+
+// --- the state ---
 
 const char* to_text(Phase phase) {
   switch (phase) {
@@ -241,8 +243,7 @@ Response explain(Preview& preview, const Request& request) {
   });
 }
 
-// --- what changes something
-// -------------------------------------------------------------------------------------------
+// --- what changes something ---
 
 Response move_camera(Preview& preview, const Request& request) {
   const auto eye = vector_in(request, "eye"), target = vector_in(request, "target"), up = vector_in(request, "up");
@@ -271,18 +272,12 @@ Response move_camera(Preview& preview, const Request& request) {
 /// Nothing when the text is no crop; an empty text is none.
 std::optional<std::optional<Crop>> crop_of(std::string_view text) {
   if (text.empty()) return std::optional<Crop>();
-  Crop crop;
-  std::uint32_t* const numbers[] = {&crop.x, &crop.y, &crop.width, &crop.height};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::size_t comma = text.find(',');
-    if ((comma == std::string_view::npos) != (i == 3)) return std::nullopt;
-    const std::optional<double> number = number_of(text.substr(0, comma));
-    if (!number || !(*number >= (i < 2 ? 0.0 : 1.0)) || *number > 1e6 || *number != std::floor(*number))
-      return std::nullopt;
-    *numbers[i] = static_cast<std::uint32_t>(*number);
-    text.remove_prefix(i == 3 ? 0 : comma + 1);
-  }
-  return crop;
+  const std::vector<double> n = numbers_of(text);
+  if (n.size() != 4 || n[2] < 1.0 || n[3] < 1.0) return std::nullopt;
+  if (std::ranges::any_of(n, [](double v) { return !(v >= 0.0) || v > 1e6 || v != std::floor(v); }))
+    return std::nullopt;
+  const auto whole = [&](std::size_t i) { return static_cast<std::uint32_t>(n[i]); };
+  return Crop{whole(0), whole(1), whole(2), whole(3)};
 }
 
 Response change_settings(Preview& preview, const Request& request) {
@@ -313,8 +308,7 @@ Response change_settings(Preview& preview, const Request& request) {
   return text_response(204, "");
 }
 
-// --- files to keep
-// ----------------------------------------------------------------------------------------------------
+// --- files to keep ---
 
 /// A name for a file that came from a scene, fit for a header.
 std::string file_name(const State& state, const char* extension) {

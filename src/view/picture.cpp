@@ -1,28 +1,19 @@
 #include "view/picture.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+
+#include <half.h>
 
 #include "core/parallel.h"
 
 namespace etendue::view {
 
 std::uint16_t half_of(float value) {
-  const auto all = std::bit_cast<std::uint32_t>(value);
-  const std::uint32_t sign = (all >> 16) & 0x8000u, bits = all & 0x7fffffffu;
-  constexpr std::uint32_t kInfinite = 0x7f800000u, kTooLarge = 0x477ff000u, kLeastNormal = 0x38800000u;
-  if (bits > kInfinite) return static_cast<std::uint16_t>(sign | 0x7e00u);
-  if (bits == kInfinite) return static_cast<std::uint16_t>(sign | 0x7c00u);
-  if (bits >= kTooLarge) return static_cast<std::uint16_t>(sign | 0x7bffu);
-  if (bits < kLeastNormal) {
-    const float steps = std::nearbyint(std::bit_cast<float>(bits) * 0x1p24f);
-    return static_cast<std::uint16_t>(sign | static_cast<std::uint32_t>(steps));
-  }
-  const std::uint32_t rounded = bits + 0xfffu + ((bits >> 13) & 1u);
-  return static_cast<std::uint16_t>(sign | ((rounded - 0x38000000u) >> 13));
+  constexpr float kMost = 65504.0f;
+  return half(std::isfinite(value) ? std::clamp(value, -kMost, kMost) : value).bits();
 }
 
 Bytes packed(const Film& film, Channel channel) {

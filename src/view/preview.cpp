@@ -108,16 +108,19 @@ void Preview::move(const Move& move) {
 
 void Preview::reset_camera() {
   edit("camera", [this] {
-    moved_ = false;
-    mover_ = 0;
     moving_until_ = {};
-    if (opened_) {
-      pose_ = opened_->own_pose;
-      fov_ = opened_->scene->camera.fov;
-      aperture_ = opened_->scene->camera.aperture;
-    }
+    take_own_camera();
     restart();
   });
+}
+
+void Preview::take_own_camera() {
+  moved_ = false;
+  mover_ = 0;
+  if (!opened_) return;
+  pose_ = opened_->own_pose;
+  fov_ = opened_->scene->camera.fov;
+  aperture_ = opened_->scene->camera.aperture;
 }
 
 void Preview::set_samples(std::uint32_t samples) {
@@ -144,13 +147,18 @@ void Preview::set_crop(const std::optional<Crop>& crop) {
 }
 
 void Preview::change(const IntegratorChange& change) {
-  edit("integrator", [this, change] {
-    if (change.max_depth) integrator_.max_depth = *change.max_depth;
-    if (change.rr_depth) integrator_.rr_depth = *change.rr_depth;
-    if (change.nee) integrator_.nee = *change.nee;
-    if (change.mis) integrator_.mis = *change.mis;
-    restart();
-  });
+  // An edit for each parameter: a later change of one must not replace that of another which still waits.
+  const auto set = [this](const char* kind, auto Integrator::*parameter, const auto& value) {
+    if (!value) return;
+    edit(kind, [this, parameter, to = *value] {
+      integrator_.*parameter = to;
+      restart();
+    });
+  };
+  set("integrator.maxDepth", &Integrator::max_depth, change.max_depth);
+  set("integrator.rrDepth", &Integrator::rr_depth, change.rr_depth);
+  set("integrator.nee", &Integrator::nee, change.nee);
+  set("integrator.mis", &Integrator::mis, change.mis);
 }
 
 void Preview::set_paused(bool paused) {
@@ -275,13 +283,7 @@ void Preview::load() {
                              opened_->scene->camera.world_from_camera == opened->scene->camera.world_from_camera &&
                              opened_->scene->camera.fov == opened->scene->camera.fov;
     opened_ = std::move(opened);
-    if (!moved_ || !same_camera) {
-      moved_ = false;
-      mover_ = 0;
-      pose_ = opened_->own_pose;
-      fov_ = opened_->scene->camera.fov;
-      aperture_ = opened_->scene->camera.aperture;
-    }
+    if (!moved_ || !same_camera) take_own_camera();
     integrator_ = opened_->scene->integrator;
     if (const Camera& film = opened_->scene->camera;
         crop_ && (crop_->x + crop_->width > film.width || crop_->y + crop_->height > film.height))

@@ -156,6 +156,7 @@ class Preview {
   template <class Result>
   Result ask(std::function<Result()> question);
   void answer_questions();
+  void take_own_camera();
   void restart();
   void go_on();
   void work();

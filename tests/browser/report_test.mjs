@@ -1,63 +1,24 @@
-// The HTML report in a real browser: node report_test.mjs REPORT_SAMPLE_PROGRAM [SCREENSHOT_FOLDER]. Drives Chromium through
-// chromedriver's HTTP interface, so that nothing has to be installed but Debian's chromium, chromium-driver and nodejs. Exits 77
-// where one of them is missing.
+// The HTML report in a real browser: node report_test.mjs REPORT_SAMPLE_PROGRAM [SCREENSHOT_FOLDER]. Exits 77 where there is no browser.
 
-import { execFileSync, spawn, spawnSync } from "node:child_process";
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import assert from "node:assert/strict";
+import { Browser, pause, runAll } from "./browser.mjs";
 
 const [program, shots] = process.argv.slice(2);
-const find = (name) => spawnSync("sh", ["-c", `command -v ${name}`], { encoding: "utf8" }).stdout.trim();
-const chromium = find("chromium"), driverPath = find("chromedriver");
-if (!chromium || !driverPath) {
+const work = mkdtempSync(join(tmpdir(), "etendue-report-"));
+const browser = await Browser.start(work, shots);
+if (!browser) {
   console.log("skipped: needs chromium and chromedriver (Debian: chromium chromium-driver)");
   process.exit(77);
 }
-const work = mkdtempSync(join(tmpdir(), "etendue-report-"));
-if (shots) mkdirSync(shots, { recursive: true });
-const driver = spawn(driverPath, ["--port=0"], { stdio: ["ignore", "pipe", "inherit"] });
-const port = await new Promise((resolve, reject) => {
-  let text = "";
-  driver.stdout.on("data", (chunk) => { text += chunk; const m = text.match(/successfully on port (\d+)/); if (m) resolve(m[1]); });
-  driver.on("exit", () => reject(new Error("chromedriver ended: " + text)));
-});
-
-let session = "";
-async function call(method, path, body) {
-  const response = await fetch(`http://127.0.0.1:${port}${session}${path}`,
-    { method, headers: { "Content-Type": "application/json" }, body: body === undefined ? undefined : JSON.stringify(body) });
-  const { value } = await response.json();
-  if (value && value.error) throw new Error(`${method} ${path}: ${value.message}`);
-  return value;
-}
-const js = (script, ...args) => call("POST", "/execute/sync", { script, args });
-const cdp = (cmd, params) => call("POST", "/goog/cdp/execute", { cmd, params });
-const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
-const open = (name) => call("POST", "/url", { url: `file://${join(work, name)}` });
-async function click(selector) {
-  const element = await call("POST", "/element", { using: "css selector", value: selector });
-  await call("POST", `/element/${Object.values(element)[0]}/click`, {});
-}
-const keys = (...values) => call("POST", "/actions", { actions: [{ type: "key", id: "keyboard",
-  actions: values.flatMap((value) => [{ type: "keyDown", value }, { type: "keyUp", value }]) }] });
-// Mouse from one client position to another with the button down, or a move alone.
-const mouse = (from, to) => call("POST", "/actions", { actions: [{ type: "pointer", id: "mouse", parameters: { pointerType: "mouse" },
-  actions: [{ type: "pointerMove", x: Math.round(from[0]), y: Math.round(from[1]), duration: 0 },
-    ...(to ? [{ type: "pointerDown", button: 0 }, { type: "pointerMove", x: Math.round(to[0]), y: Math.round(to[1]), duration: 50 },
-      { type: "pointerUp", button: 0 }] : [])] }] });
+const [call, js, click, keys, mouse, size, shot] = ["call", "js", "click", "keys", "mouse", "size", "shot"].map((name) => browser[name].bind(browser));
+const open = (name) => browser.open(`file://${join(work, name)}`);
 const picture = () => js("return new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(document.getElementById('view').toDataURL()))))");
 const mode = () => js("return document.querySelector('[data-mode][aria-checked=true]').dataset.mode");
 const number = (id) => js(`return document.getElementById('${id}').textContent`).then((t) => parseFloat(t.replace("−", "-")));
-async function size(width, height, scale = 1, dark = false) {
-  await cdp("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: scale, mobile: width < 600 });
-  await cdp("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }] });
-  await pause(150);
-}
-async function shot(name) {
-  if (shots) writeFileSync(join(shots, name + ".png"), Buffer.from((await cdp("Page.captureScreenshot", { captureBeyondViewport: true })).data, "base64"));
-}
 const readout = () => js("return [...document.querySelectorAll('#readout tr')].map(r => [...r.children].map(c => c.textContent))");
 // Where the centre of a picture pixel is on the page when the picture is fitted.
 const place = (x, y, w, h) => js(`const v = document.getElementById('view'), b = v.getBoundingClientRect(), r = v.width / b.width;
@@ -210,29 +171,14 @@ const tests = {
   },
 };
 
-let failed = 0;
+let failed = 1;
 try {
   execFileSync(program, [work], { stdio: "inherit" });
-  const { sessionId } = await call("POST", "/session", { capabilities: { alwaysMatch: {
-    browserName: "chrome", "goog:loggingPrefs": { browser: "ALL" }, "goog:chromeOptions": { binary: chromium, args: [
-      "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-      "--disable-sync", "--disable-dev-shm-usage", `--user-data-dir=${join(work, "profile")}`] } } } });
-  session = `/session/${sessionId}`;
   await size(1440, 900);
   await open("compare.html");
-  for (const [name, test] of Object.entries(tests)) {
-    try {
-      await test();
-      console.log(`ok    ${name}`);
-    } catch (error) {
-      ++failed;
-      console.log(`FAIL  ${name}\n${error.stack}`);
-    }
-  }
+  failed = await runAll(tests);
 } finally {
-  if (session) await call("DELETE", "").catch(() => {});
-  driver.kill();
+  await browser.end();
   rmSync(work, { recursive: true, force: true });
 }
-console.log(failed ? `${failed} failed` : "all passed");
 process.exit(failed ? 1 : 0);

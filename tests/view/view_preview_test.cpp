@@ -11,13 +11,16 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <set>
 #include <thread>
 
 #include <glm/gtc/packing.hpp>
 
+#include "cli/path_words.h"
 #include "compile/compiled_scene.h"
 #include "core/errors.h"
 #include "etendue/etendue.h"
+#include "reference/bsdf.h"
 #include "view/guard.h"
 #include "view/picture.h"
 #include "view/pose.h"
@@ -274,6 +277,26 @@ TEST(ViewPreview, ParametersOfTheIntegratorCompileNothingOfTheScene) {
   EXPECT_EQ(scene_compilations() - before, 2u) << "one of them for the render beside it";
 }
 
+TEST(ViewPreview, ChangesOfTwoParametersAtOnceBothCount) {
+  Preview preview({.read_scene = small_scene, .device = {}});
+  until(preview, [](const State& s) { return s.phase == Phase::done; });
+  preview.change({.max_depth = 3, .rr_depth = {}, .nee = {}, .mis = {}});
+  preview.change({.max_depth = {}, .rr_depth = {}, .nee = false, .mis = {}});
+  preview.change({.max_depth = {}, .rr_depth = {}, .nee = {}, .mis = false});
+  const State state = until(preview, [](const State& s) { return !s.integrator.mis && s.phase == Phase::done; });
+  EXPECT_EQ(state.integrator.max_depth, 3u);
+  EXPECT_FALSE(state.integrator.nee);
+}
+
+TEST(ViewPages, EveryLobeHasAName) {
+  std::set<std::string> names = {"-"};
+  for (std::uint32_t lobe = 0; lobe <= static_cast<std::uint32_t>(reference::Lobe::diffuse_transmission); ++lobe) {
+    PathVertex vertex;
+    vertex.lobe = lobe;
+    EXPECT_TRUE(names.insert(cli::words_of(vertex).lobe).second) << lobe;
+  }
+}
+
 // A crop looks at what that part of the film looks at, and at nothing else.
 TEST(ViewPreview, ACropIsAFilmOfThatPart) {
   Preview preview({.read_scene = small_scene, .device = {}});
@@ -305,14 +328,14 @@ TEST(ViewPreview, ASnapshotIsWhatRenderWrites) {
   EXPECT_THROW(preview.snapshot(".txt"), Error);
 }
 
+Scene small_scene_unless(bool broken, const char* sentence) {
+  if (broken) throw Error(ErrorKind::scene, sentence);
+  return small_scene();
+}
+
 TEST(ViewPreview, TheLastGoodPictureOutlivesABrokenScene) {
   std::atomic<bool> broken = false;
-  Preview preview({.read_scene =
-                       [&] {
-                         if (broken) throw Error(ErrorKind::scene, "scene.xml:3:4: wrong");
-                         return small_scene();
-                       },
-                   .device = {}});
+  Preview preview({.read_scene = [&] { return small_scene_unless(broken, "scene.xml:3:4: wrong"); }, .device = {}});
   const State good = until(preview, [](const State& s) { return s.phase == Phase::done; });
   broken = true;
   preview.reload();
@@ -328,12 +351,7 @@ TEST(ViewPreview, TheLastGoodPictureOutlivesABrokenScene) {
 
 TEST(ViewPreview, ABrokenSceneFromTheBeginningCanBeMended) {
   std::atomic<bool> broken = true;
-  Preview preview({.read_scene =
-                       [&] {
-                         if (broken) throw Error(ErrorKind::scene, "scene.xml:1:1: wrong");
-                         return small_scene();
-                       },
-                   .device = {}});
+  Preview preview({.read_scene = [&] { return small_scene_unless(broken, "scene.xml:1:1: wrong"); }, .device = {}});
   const State state = until(preview, [](const State& s) { return s.phase == Phase::stopped; });
   EXPECT_EQ(state.picture, 0u);
   EXPECT_THROW(preview.snapshot(".exr"), Error);
