@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -12,6 +14,7 @@
 #include "cli/result_files.h"
 #include "cli/results.h"
 #include "cli/signals.h"
+#include "cli/tev_viewer.h"
 #include "cli/units.h"
 #include "core/json.h"
 #include "core/log.h"
@@ -43,6 +46,7 @@ struct RenderArguments {
   bool film = false;
   bool stats = false;
   std::vector<std::string> heat_maps;  ///< .exr and .png
+  std::string tev;                     ///< an address, "-" for the usual one, or empty
   DisplayOptions display;
   OverwriteOptions overwrite;
   ResultOptions results;
@@ -97,6 +101,7 @@ struct Plan {
   SessionOptions session;
   std::vector<std::string> outputs;  ///< .exr and .png
   bool film = false;                 ///< .exr outputs are films, which can be merged and resumed
+  std::optional<ViewerAddress> tev;  ///< where it is shown
 };
 
 Plan make_plan(const RenderArguments& options, Clock::time_point start) {
@@ -112,6 +117,7 @@ Plan make_plan(const RenderArguments& options, Clock::time_point start) {
   if (!options.checkpoint_every.empty())
     session.checkpoint_seconds = parse_duration("--checkpoint-every", options.checkpoint_every);
   if (!options.time.empty()) session.time_seconds = parse_duration("--time", options.time);
+  if (!options.tev.empty()) plan.tev = options.tev == "-" ? ViewerAddress() : parse_viewer_address(options.tev);
   if (!options.until_error.empty()) session.max_error = parse_fraction("--until-error", options.until_error);
   return plan;
 }
@@ -153,6 +159,7 @@ struct Outcome {
   std::uint64_t samples = 0;  ///< sample indices rendered by this run
   double render_seconds = 0, seconds = 0;
   std::optional<RenderProfile> profile;
+  std::optional<TevViewer::Report> shown;
   OutputWriter files;
 };
 
@@ -204,6 +211,10 @@ Json outcome_json(const Outcome& outcome, const RenderJob& job, const RenderArgu
     }
     out["devices"].push_back(device);
   }
+  if (outcome.shown) {
+    out["tev"] = {
+        {"address", to_text(*plan.tev)}, {"pictures", outcome.shown->pictures}, {"last", outcome.shown->last}};
+  }
   if (outcome.profile) out["stats"] = stats_json(*outcome.profile, gpu_timings(*team.renderers().front()));
   return out;
 }
@@ -246,19 +257,26 @@ void write_outputs(OutputWriter& files, const RenderJob& job, const RenderArgume
     });
 }
 
+// What the viewer lists; no path of a file that it may have open.
+std::string viewer_name(const Plan& plan) {
+  return "etendue: " + std::filesystem::path(plan.outputs.front()).filename().string();
+}
+
 SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const RenderArguments& options,
-                       const Plan& plan, SignalWatch& signals) {
+                       const Plan& plan, SignalWatch& signals, TevViewer* viewer) {
   const std::uint64_t paths = job.pixels() * plan.session.set_size;
   ProgressLine line(options.results.quiet, job.done() * paths, job.total() * paths);
+  const auto viewer_waits = [&] { return viewer != nullptr && viewer->wants_picture(); };
   const auto write_picture = [&] {
-    signals.take_image_request();
+    if (viewer_waits()) viewer->show([&] { return image_from_film(job.state()); });
+    if (!signals.take_image_request()) return;
     OutputWriter files;
     write_outputs(files, job, options, plan);
     if (!files.failed().empty()) log::warning(files.complaint() + ". The render goes on.");
   };
   Session session(job, checkpoint, plan.session,
                   {.stop_asked = [&] { return signals.stop_asked(); },
-                   .picture_asked = [&] { return signals.image_asked(); },
+                   .picture_asked = [&] { return signals.image_asked() || viewer_waits(); },
                    .write_picture = write_picture,
                    .progress = [&](std::uint64_t done) { line.update(done); },
                    .warn = [](const std::string& sentence) { log::warning(sentence); }});
@@ -275,8 +293,10 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const R
                     options.checkpoint, ahead, options.checkpoint));
   }
   const std::uint64_t before = job.done();
+  std::optional<TevViewer> viewer;
+  if (plan.tev) viewer.emplace(*plan.tev, viewer_name(plan));
   const auto render_start = Clock::now();
-  Outcome outcome{.end = run_session(job, checkpoint, team, options, plan, signals)};
+  Outcome outcome{.end = run_session(job, checkpoint, team, options, plan, signals, viewer ? &*viewer : nullptr)};
   outcome.render_seconds = std::chrono::duration<double>(Clock::now() - render_start).count();
   outcome.samples = job.done() - before;
   if (job.done() == 0) {
@@ -293,6 +313,11 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const R
     log::warning(text);
   }
   write_outputs(outcome.files, job, options, plan);
+  // Behind the files, which a viewer must not keep waiting.
+  if (viewer) {
+    const bool interrupted = outcome.end == SessionEnd::interrupted;
+    outcome.shown = viewer->finish(image_from_film(job.state()), [&] { return !interrupted && signals.stop_asked(); });
+  }
   outcome.seconds = std::chrono::duration<double>(Clock::now() - plan.session.start).count();
   if (outcome.end != SessionEnd::interrupted) outcome.profile = count_profile(team, options);
   if (outcome.profile) {
@@ -432,6 +457,9 @@ void add_render_command(Command& app, Action& action) {
                    "repeated")
       ->allow_extra_args(false)
       ->file({".exr", ".png"});
+  command->add_optional_value("--tev", options->tev, "HOST:PORT",
+                              "show the picture while it renders in the viewer tev, which listens at 127.0.0.1:14158 "
+                              "unless this says otherwise");
   options->display.add_to(*command);
   options->overwrite.add_to(*command);
   options->results.add_to(*command);

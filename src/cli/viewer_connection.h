@@ -1,0 +1,52 @@
+#pragma once
+/// A TCP connection to a viewer that may be slow, deaf or gone.
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+
+namespace etendue::cli {
+
+/// Where a viewer listens.
+struct ViewerAddress {
+  std::string host = "127.0.0.1";  ///< a name, an IPv4 or an IPv6 address
+  std::string port = "14158";      ///< 1 to 65535
+};
+
+/// "host:port", "host", ":port", "[::1]:port", "::1"; what is left out is as above. Throws Error(usage).
+ViewerAddress parse_viewer_address(const std::string& text);
+/// "127.0.0.1:14158", "[::1]:14158".
+std::string to_text(const ViewerAddress& address);
+
+/// Nothing here throws but for memory, or raises SIGPIPE. Functions that may take long ask `go_on` several times a
+/// second and end with "stopped" when it returns false.
+class ViewerConnection {
+ public:
+  using GoOn = std::function<bool()>;
+
+  ViewerConnection() = default;
+  ~ViewerConnection() { close(); }
+  ViewerConnection(const ViewerConnection&) = delete;
+  ViewerConnection& operator=(const ViewerConnection&) = delete;
+
+  bool is_open() const { return socket_ >= 0; }
+  void close();
+  /// Tries all addresses of the host, some seconds each. Returns what went wrong, "" if nothing did.
+  std::string open(const ViewerAddress& address, const GoOn& go_on);
+  /// Sends all bytes, or returns what went wrong, and is closed then. `taken` hears of every piece.
+  std::string send(std::span<const std::byte> bytes, const GoOn& go_on, const std::function<void(std::size_t)>& taken);
+  /// Tells the other side that nothing more comes, and waits at most so long until it has closed, too. False when it
+  /// has thrown away what it was sent.
+  bool finish(std::chrono::milliseconds patience, const GoOn& go_on);
+  /// Whether the other side has closed the connection.
+  bool was_closed() const;
+
+ private:
+  bool wait(short events, const GoOn& go_on) const;
+
+  int socket_ = -1;
+};
+
+}  // namespace etendue::cli
