@@ -4,6 +4,10 @@
 add_library(etendue_flags INTERFACE)
 target_compile_options(etendue_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                        -Wno-missing-field-initializers -ffp-contract=off -pthread)
+# Of every target, programs too: precompiled headers serve those only who were compiled alike.
+if(ETENDUE_PIC)
+  target_compile_options(etendue_flags INTERFACE -fPIC)
+endif()
 foreach(sanitizer IN LISTS ETENDUE_SANITIZE)
   target_compile_options(etendue_flags INTERFACE -fsanitize=${sanitizer} -fno-omit-frame-pointer)
   target_link_options(etendue_flags INTERFACE -fsanitize=${sanitizer})

@@ -17,3 +17,4 @@
 #include "etendue/image.h"
 #include "etendue/render.h"
 #include "etendue/scene.h"
+#include "etendue/ttest.h"

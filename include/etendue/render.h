@@ -5,6 +5,7 @@
 /// open_renderer() opens one device for a program that wants to ask for samples itself.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +55,7 @@ struct RenderRequest {
   DeviceSelection devices;
   std::uint32_t seed = 0;
   std::uint32_t samples = 0;        ///< paths a pixel, rounded up to whole sets; 0: as many as the scene says
+  std::uint32_t first = 0;          ///< path to begin with, of a whole set: for pieces that are merged (image/merge.h)
   std::string checkpoint{};         ///< film file that keeps what is done; empty: none
   std::optional<FilmFile> start{};  ///< goes on from this film, of the same render
   SessionOptions session{};         ///< budgets; its set_size is taken from the scene
@@ -65,5 +67,31 @@ struct RenderRequest {
 /// lost, file) for what fails; the checkpoint, if there is one, then holds what was done. The same scene, seed and kind
 /// of device give the same bytes, whatever happened on the way.
 FilmFile render(const SharedScene& scene, const RenderRequest& request = {});
+
+/// A render in steps that are looked at: devices stay open between them. After each step the film is the one that
+/// render() gives for as many samples, to the byte.
+class ProgressiveRender {
+ public:
+  /// Opens the devices. Throws what render() throws.
+  ProgressiveRender(const SharedScene& scene, RenderRequest request);
+  ~ProgressiveRender();
+  ProgressiveRender(const ProgressiveRender&) = delete;
+  ProgressiveRender& operator=(const ProgressiveRender&) = delete;
+
+  /// Renders on until the film holds `samples` paths a pixel, rounded up to whole sets, at most all of the request's;
+  /// or until a budget or a hook ends the step. Throws like render(); the film then holds what was done.
+  SessionEnd advance(std::uint32_t samples);
+  /// The same to the end of the request.
+  SessionEnd finish();
+  /// What is done.
+  const FilmFile& film() const;
+  /// Paths a pixel: in the film, and of the whole request.
+  std::uint64_t done() const;
+  std::uint64_t total() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace etendue

@@ -1,6 +1,7 @@
 #pragma once
 /// A finished picture and its files. Linear Rec. 709, row-major, top row first.
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -49,6 +50,9 @@ void write_exr(const std::string& path, const Image& image);
 /// 8-bit sRGB PNG of what `display` makes of the picture, clamped to [0,1]; transparent by the channel A where there is
 /// one. What `display` changes is told in the metadata: "toneMapping" and "exposure". Atomic like write_exr.
 void write_png(const std::string& path, const Image& image, const Display& display = {});
+/// The bytes of that file. `name` is for messages.
+std::vector<std::byte> encode_png(const Image& image, const Display& display = {},
+                                  const std::string& name = "the picture");
 
 /// A film with everything needed to go on with it: shards and checkpoints are this file. It is an EXR that any viewer
 /// opens (R G B, StdErr.*, SampleCount) and whose extra unsigned channels hold the exact sums, with a checksum over all

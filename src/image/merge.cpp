@@ -30,6 +30,7 @@ constexpr const char* kUnknown = "unknown";
 struct Shard {
   std::string path;
   FilmHeader header;
+  const FilmFile* film = nullptr;  ///< null: in the file
 };
 
 std::string value_of(const Metadata& metadata, const std::string& key) {
@@ -154,15 +155,37 @@ void sort_by_samples(std::vector<Shard>& shards) {
   });
 }
 
-/// Headers of all files, in the order of their samples, checked against each other.
-std::vector<Shard> read_headers(const std::vector<std::string>& paths) {
-  std::vector<Shard> shards;
-  for (const std::string& path : paths) {
-    shards.push_back({path, read_film_header(path)});
-    check_same_render(shards.front().header, shards.front().path, shards.back().header, path);
-  }
+void add_film(FilmFile& sum, std::uint32_t& lowest, const FilmFile& film) {
+  sum.film.merge(film.film);
+  merge_aovs(sum.aovs, lowest, film.aovs, lowest_sample(film.samples));
+  lowest = std::min(lowest, lowest_sample(film.samples));
+}
+
+FilmFile merge_shards(std::vector<Shard> shards) {
+  if (shards.empty()) throw Error(ErrorKind::usage, "there is nothing to merge: give at least one film");
+  for (const Shard& shard : shards)
+    check_same_render(shards.front().header, shards.front().path, shard.header, shard.path);
   sort_by_samples(shards);
-  return shards;
+  FilmFile result;
+  result.samples = join_ranges(shards);
+  result.metadata = merge_metadata(shards);
+  const FilmHeader& first = shards.front().header;
+  result.film = Film(first.width, first.height, first.exponent);
+  result.aovs = empty_aovs(first);
+  std::uint32_t lowest = lowest_sample({});
+  for (const Shard& shard : shards) {
+    if (shard.film != nullptr) {
+      add_film(result, lowest, *shard.film);
+      continue;
+    }
+    const FilmFile file = read_film(shard.path);
+    if (header_of(file) != shard.header) {
+      throw Error(ErrorKind::file, fmt::format("{}: was changed while it was being merged; start again", shard.path));
+    }
+    add_film(result, lowest, file);
+  }
+  result.metadata = film_metadata(result);
+  return result;
 }
 
 }  // namespace
@@ -199,26 +222,16 @@ FilmHeader merge_headers(const FilmHeader& a, const FilmHeader& b) {
 }
 
 FilmFile merge_films(const std::vector<std::string>& paths) {
-  if (paths.empty()) throw Error(ErrorKind::usage, "there is nothing to merge: give at least one film");
-  const std::vector<Shard> shards = read_headers(paths);
-  FilmFile result;
-  result.samples = join_ranges(shards);
-  result.metadata = merge_metadata(shards);
-  const FilmHeader& first = shards.front().header;
-  result.film = Film(first.width, first.height, first.exponent);
-  result.aovs = empty_aovs(first);
-  std::uint32_t lowest = lowest_sample({});
-  for (const Shard& shard : shards) {
-    const FilmFile file = read_film(shard.path);
-    if (header_of(file) != shard.header) {
-      throw Error(ErrorKind::file, fmt::format("{}: was changed while it was being merged; start again", shard.path));
-    }
-    result.film.merge(file.film);
-    merge_aovs(result.aovs, lowest, file.aovs, lowest_sample(file.samples));
-    lowest = std::min(lowest, lowest_sample(file.samples));
-  }
-  result.metadata = film_metadata(result);
-  return result;
+  std::vector<Shard> shards;
+  for (const std::string& path : paths) shards.push_back({path, read_film_header(path)});
+  return merge_shards(std::move(shards));
+}
+
+FilmFile merge_loaded_films(std::span<const FilmFile* const> films) {
+  std::vector<Shard> shards;
+  for (const FilmFile* film : films)
+    shards.push_back({fmt::format("film {}", shards.size() + 1), header_of(*film), film});
+  return merge_shards(std::move(shards));
 }
 
 }  // namespace etendue

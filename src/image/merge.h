@@ -1,6 +1,7 @@
 #pragma once
 /// Putting the films of one render together.
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,5 +30,7 @@ FilmHeader merge_headers(const FilmHeader& a, const FilmHeader& b);
 /// Throws Error(file) when a file is no film, belongs to another render or shares samples with another file;
 /// Error(usage) when there are no paths.
 FilmFile merge_films(const std::vector<std::string>& paths);
+/// The same of films in memory, none of them null, which messages call "film 1", "film 2", … in the order given.
+FilmFile merge_loaded_films(std::span<const FilmFile* const> films);
 
 }  // namespace etendue

@@ -289,10 +289,10 @@ const std::vector<float>* alpha_of(const Image& image) {
 
 }  // namespace
 
-void write_png(const std::string& path, const Image& image, const Display& display) {
+std::vector<std::byte> encode_png(const Image& image, const Display& display, const std::string& name) {
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
   if (count == 0 || image.pixels.size() != count) {
-    throw Error(ErrorKind::file, fmt::format("{}: cannot write an image of {}x{} pixels that holds {}", path,
+    throw Error(ErrorKind::file, fmt::format("{}: cannot write an image of {}x{} pixels that holds {}", name,
                                              image.width, image.height, image.pixels.size()));
   }
   const std::vector<float>* alpha = alpha_of(image);
@@ -327,8 +327,12 @@ void write_png(const std::string& path, const Image& image, const Display& displ
                                                    static_cast<int>(texts.size()));
   png_destroy_write_struct(&png, &info);
   if (!encodable)
-    throw Error(ErrorKind::file, fmt::format("{}: cannot be encoded as PNG: {}", path, state.message.data()));
-  write_file_atomically(path, state.output);
+    throw Error(ErrorKind::file, fmt::format("{}: cannot be encoded as PNG: {}", name, state.message.data()));
+  return std::move(state.output);
+}
+
+void write_png(const std::string& path, const Image& image, const Display& display) {
+  write_file_atomically(path, encode_png(image, display, path));
 }
 
 void write_png_bitmap(const std::string& path, const Bitmap& bitmap) {

@@ -44,7 +44,8 @@ SessionEnd Session::run(DeviceTeam& team) {
 SessionEnd Session::run_rounds(DeviceTeam& team) {
   const auto between_saves =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.checkpoint_seconds));
-  while (job_.done() < job_.total()) {
+  const std::uint64_t all = std::min(job_.total(), options_.most_samples);
+  while (job_.done() < all) {
     if (stop_asked()) return SessionEnd::interrupted;
     if (good_enough()) return SessionEnd::error;
     if (job_.done() > 0 && time_is_up()) return SessionEnd::time;
@@ -54,8 +55,8 @@ SessionEnd Session::run_rounds(DeviceTeam& team) {
     round_end_ = last_pass_ + kLongestRound;
     if (checkpoint_.is_wanted()) round_end_ = std::min(round_end_, last_save_ + between_saves);
     const std::uint64_t target =
-        options_.max_error ? next_error_check(job_.done(), first_error_check(options_.set_size)) : job_.total();
-    job_.advance(team, target, [this](std::uint64_t done) { return go_on(done); });
+        options_.max_error ? next_error_check(job_.done(), first_error_check(options_.set_size)) : all;
+    job_.advance(team, std::min(target, all), [this](std::uint64_t done) { return go_on(done); });
 
     if (picture_asked() && job_.done() > 0) hooks_.write_picture();
     if (Clock::now() - last_save_ >= between_saves) try_checkpoint();

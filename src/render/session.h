@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -17,6 +18,7 @@ struct SessionOptions {
   std::optional<double> time_seconds;  ///< stop in time, counted from `start`
   std::optional<double> max_error;     ///< stop when stopping_error is at most this
   std::uint32_t set_size = 1;          ///< paths of a film sample, see Sampler::set_size
+  std::uint64_t most_samples = std::numeric_limits<std::uint64_t>::max();  ///< film samples with which to stop for now
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 };
 

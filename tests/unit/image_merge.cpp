@@ -45,6 +45,18 @@ TEST(Merge, EqualsOneRenderByteForByteInAnyOrder) {
   } while (std::next_permutation(paths.begin(), paths.end()));
 }
 
+TEST(Merge, IsTheSameInMemory) {
+  const TempFolder folder;
+  const FilmFile left = synthetic_film(13, 7, {{0, 5}, {9, 12}}), right = synthetic_film(13, 7, {{5, 9}});
+  const std::vector<const FilmFile*> films = {&right, &left};
+  write_film(folder / "merged.exr", merge_loaded_films(films));
+  write_film(folder / "whole.exr", synthetic_film(13, 7, {{0, 12}}));
+  EXPECT_EQ(slurp(folder / "merged.exr"), slurp(folder / "whole.exr"));
+  const std::vector<const FilmFile*> twice = {&left, &left};
+  const std::string sentence = error_of([&] { merge_loaded_films(twice); });
+  EXPECT_NE(sentence.find("film 1 and film 2 both hold the samples 0:5"), std::string::npos) << sentence;
+}
+
 TEST(Merge, RecordsGaps) {
   const TempFolder folder;
   const auto paths = write_shards(folder, {{{40, 48}, {60, 61}}, {{0, 8}}, {{8, 9}, {50, 52}}});

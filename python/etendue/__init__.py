@@ -1,0 +1,62 @@
+"""Etendue: a path tracer that gives the same light on every device, and proves it.
+
+    import etendue as et
+
+    scene = et.load_file("scenes/cbox-sphere.xml")
+    film = et.render(scene, spp=64)
+    film.mean, film.standard_error      # numpy arrays, height x width x 3
+    film.write("cbox-sphere.exr")
+
+docs/python.md is the manual.
+"""
+
+from ._core import set_thread_count, thread_count
+from ._core import version as __version__
+from ._errors import (
+    ComparisonError,
+    DeviceError,
+    DeviceLostError,
+    Error,
+    FileError,
+    InternalError,
+    Interrupted,
+    Problem,
+    SceneError,
+    UsageError,
+)
+from ._images import Film, Image, merge, read_film, read_image
+from ._renders import Device, Progressive, devices, progressive, render
+from ._scenes import Scene, load_file
+from ._verdicts import Comparison, Report, compare, ttest
+
+__all__ = [
+    "Comparison",
+    "ComparisonError",
+    "Device",
+    "DeviceError",
+    "DeviceLostError",
+    "Error",
+    "FileError",
+    "Film",
+    "Image",
+    "InternalError",
+    "Interrupted",
+    "Problem",
+    "Progressive",
+    "Report",
+    "Scene",
+    "SceneError",
+    "UsageError",
+    "__version__",
+    "compare",
+    "devices",
+    "load_file",
+    "merge",
+    "progressive",
+    "read_film",
+    "read_image",
+    "render",
+    "set_thread_count",
+    "thread_count",
+    "ttest",
+]

@@ -1,0 +1,56 @@
+"""What notebooks show while a progressive render goes on."""
+
+from __future__ import annotations
+
+import base64
+import html
+import sys
+import time
+from typing import Any, Optional
+
+from ._images import Film
+
+
+def in_notebook() -> bool:
+    """Whether this runs in a Jupyter kernel. Imports nothing."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return shell is not None and getattr(shell, "kernel", None) is not None
+
+
+class LiveView:
+    """One output of a cell that is replaced: the picture so far and how far it has come."""
+
+    _SECONDS_BETWEEN = 0.25
+
+    def __init__(self) -> None:
+        self._handle: Optional[Any] = None
+        self._picture = ""
+        self._caption = ""
+        self._told = 0.0
+        self._started = time.monotonic()
+
+    def show(self, film: Film, total: int) -> None:
+        """The film of a step, of `total` samples a pixel."""
+        data = base64.b64encode(film.png()).decode("ascii")
+        self._picture = f'<img alt="render" src="data:image/png;base64,{data}" style="max-width: 100%"/>'
+        error = film.relative_error
+        noise = f", error {100 * error:.2g} %" if error < float("inf") else ""
+        seconds = time.monotonic() - self._started
+        self._caption = f"{film.spp} of {total} spp{noise}, {seconds:.1f} s"
+        self._update("")
+
+    def tell(self, done: int, total: int) -> None:
+        """Samples of all pixels, between steps."""
+        now = time.monotonic()
+        if now - self._told >= self._SECONDS_BETWEEN:
+            self._told = now
+            self._update(f" · {100 * done / total:.0f} %")
+
+    def _update(self, more: str) -> None:
+        from IPython.display import HTML, display
+
+        page = HTML(f"<figure style='margin: 0'>{self._picture}<figcaption>{html.escape(self._caption + more)}</figcaption></figure>")
+        if self._handle is None:
+            self._handle = display(page, display_id=True)
+        else:
+            self._handle.update(page)

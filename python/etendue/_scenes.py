@@ -1,0 +1,139 @@
+"""Scenes."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Mapping, Optional, Sequence
+
+from . import _core
+from ._errors import Problem
+from ._images import PathLike
+
+
+class Scene:
+    """What is to be rendered. load_file() and load_dict() make one."""
+
+    def __init__(self, core: Optional[_core.Scene] = None):
+        self._core = core if core is not None else _core.Scene()
+
+    @property
+    def name(self) -> str:
+        return self._core.name
+
+    @name.setter
+    def name(self, name: str) -> None:
+        self._core.name = name
+
+    @property
+    def file(self) -> str:
+        """Path of the file it was read from, as given; "" if none."""
+        return self._core.file
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the picture, pixels."""
+        return self._core.size
+
+    @size.setter
+    def size(self, size: tuple[int, int]) -> None:
+        self._core.size = (int(size[0]), int(size[1]))
+
+    @property
+    def spp(self) -> int:
+        """Samples a pixel, where render() is not told."""
+        return self._core.spp
+
+    @spp.setter
+    def spp(self, spp: int) -> None:
+        self._core.spp = spp
+
+    @property
+    def aovs(self) -> list[str]:
+        """Names of what is rendered beside the picture: "depth", "normal", "albedo" … (docs/aovs.md)."""
+        return self._core.aovs
+
+    @aovs.setter
+    def aovs(self, names: Sequence[str]) -> None:
+        self._core.aovs = [names] if isinstance(names, str) else list(names)
+
+    @property
+    def problems(self) -> list[Problem]:
+        """Warnings and notes of the reader."""
+        return [Problem(*finding) for finding in self._core.findings]
+
+    @property
+    def approximations(self) -> list[str]:
+        """Sentences on what the reader put in the place of something else (``approximate=True``)."""
+        return self._core.approximations
+
+    @property
+    def hash(self) -> int:
+        """64 bits of all that can change the picture except size, seed, samples and integrator."""
+        return self._core.hash
+
+    @property
+    def primitive_count(self) -> int:
+        """Triangles and other shapes, every instance counted."""
+        return self._core.primitive_count
+
+    def copy(self) -> Scene:
+        """A scene of its own; pictures are shared."""
+        return Scene(self._core.copy())
+
+    def __repr__(self) -> str:
+        width, height = self.size
+        return f"<etendue.Scene {self.name!r}: {width}x{height}, {self.primitive_count} primitives>"
+
+
+def load_file(
+    path: PathLike,
+    *,
+    overrides: Optional[Mapping[str, Any]] = None,
+    strict: bool = False,
+    approximate: bool = False,
+    environment: PathLike = "",
+    camera: str = "",
+    scene: str = "",
+    variant: str = "",
+    lamps: str = "auto",
+    **parameters: Any,
+) -> Scene:
+    """Reads a scene in any format of ``etendue render``: Etendue's and Nori's XML, Mitsuba's, glTF, OBJ, PLY.
+
+    overrides    properties to change: {"integrator.nee": False, "camera.width": 400}
+    parameters   values of the parameters of a scene for Mitsuba: ``spp=64`` for ``$spp``
+    strict       unknown properties are errors
+    approximate  what a foreign scene asks for and there is not here is replaced, with a warning for each
+    environment  a picture of latitude and longitude that lights the scene in place of its sky
+    camera       "x,y,z,x,y,z" of the eye and what it looks at, and perhaps the field of view in degrees; of a glTF
+                 asset also the name or number of one of its cameras
+    scene, variant, lamps   of glTF assets: which scene, which material variant, "auto", "blender" or "standard"
+
+    Raises SceneError, UsageError or FileError with file, line and column; warnings go to the logger "etendue" and
+    into ``problems``.
+    """
+    given = {**(overrides or {}), **parameters}
+    return Scene(
+        _core.read_scene(
+            os.fspath(path),
+            parameters=[(name, text_of(value)) for name, value in given.items()],
+            strict=strict,
+            approximate=approximate,
+            environment=os.fspath(environment),
+            camera=camera,
+            scene=scene,
+            variant=variant,
+            lamps=lamps,
+        )
+    )
+
+
+def text_of(value: Any) -> str:
+    """A value as it stands in a scene file."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return value
+    if hasattr(value, "__len__"):
+        return ", ".join(text_of(part) for part in value)
+    return repr(float(value)) if isinstance(value, float) else str(value)
