@@ -24,6 +24,7 @@ void add_check_command(Command& app, Action& action);
 void add_ttest_command(Command& app, Action& action);
 void add_convert_command(Command& app, Action& action);
 void add_merge_command(Command& app, Action& action);
+void add_denoise_command(Command& app, Action& action);
 void add_compare_command(Command& app, Action& action);
 void add_validate_command(Command& app, Action& action);
 void add_chi2_command(Command& app, Action& action);

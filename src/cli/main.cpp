@@ -11,6 +11,7 @@ void add_commands(etendue::Command& app, etendue::cli::Action& action) {
   etendue::cli::add_ttest_command(app, action);
   etendue::cli::add_convert_command(app, action);
   etendue::cli::add_merge_command(app, action);
+  etendue::cli::add_denoise_command(app, action);
   etendue::cli::add_compare_command(app, action);
   etendue::cli::add_validate_command(app, action);
   etendue::cli::add_chi2_command(app, action);

@@ -1,6 +1,7 @@
 #include "cli/outputs.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <new>
 
 #include <fmt/core.h>
@@ -61,17 +62,42 @@ void DisplayOptions::check(const std::vector<std::string>& outputs) const {
               "--tonemap and --exposure change PNG files only, and none is written; add -o NAME.png.");
 }
 
-void write_output(const std::string& path, const FilmFile& film, bool as_film, const Display& display) {
-  if (path.ends_with(".exr") && as_film) {
-    write_film(path, film);
-    return;
-  }
-  const Image image = image_from_film(film);
+void DenoiseOptions::add_to(Command& command) {
+  command
+      .add_option("--oidn", library,
+                  "the library Open Image Denoise to denoise with, where it is not the system's "
+                  "libOpenImageDenoise.so.2")
+      ->file({".so", ".so.2"});
+}
+
+void DenoiseOptions::add_with_flag(Command& command) {
+  command.add_flag("--denoise", wanted,
+                   "write every output once more without its noise, as NAME.denoised.exr beside NAME.exr; needs Open "
+                   "Image Denoise");
+  add_to(command);
+}
+
+std::string denoised_name(const std::string& path) {
+  std::filesystem::path name(path);
+  const std::string ending = name.extension().string();
+  name.replace_extension(".denoised" + ending);
+  return name.string();
+}
+
+void write_picture(const std::string& path, const Image& image, const Display& display) {
   if (path.ends_with(".png")) {
     write_png(path, image, display);
   } else {
     write_exr(path, image);
   }
+}
+
+void write_output(const std::string& path, const FilmFile& film, bool as_film, const Display& display) {
+  if (path.ends_with(".exr") && as_film) {
+    write_film(path, film);
+    return;
+  }
+  write_picture(path, image_from_film(film), display);
 }
 
 void OutputWriter::write(const std::string& path, const std::function<void()>& write) {

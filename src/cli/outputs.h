@@ -26,6 +26,17 @@ using NamedFile = std::pair<std::string, std::string>;
 /// links. Empty names are skipped.
 void check_distinct(const std::vector<NamedFile>& files);
 
+/// --oidn, and in commands that render --denoise.
+struct DenoiseOptions {
+  bool wanted = false;
+  std::string library;
+
+  /// Adds --oidn.
+  void add_to(Command& command);
+  /// Adds both.
+  void add_with_flag(Command& command);
+};
+
 /// --tonemap and --exposure: how PNG files show the picture.
 struct DisplayOptions {
   std::string tone_map = "none";
@@ -36,6 +47,12 @@ struct DisplayOptions {
   /// Throws Error(usage) when they ask for something and none of the outputs is a PNG file.
   void check(const std::vector<std::string>& outputs) const;
 };
+
+/// "picture.denoised.exr" for "picture.exr".
+std::string denoised_name(const std::string& path);
+
+/// A name that no film goes by: writes a picture, .png as `display` shows it, or .exr.
+void write_picture(const std::string& path, const Image& image, const Display& display);
 
 /// Writes a film as picture (.png, as `display` shows it), picture or film (.exr).
 void write_output(const std::string& path, const FilmFile& film, bool as_film, const Display& display);

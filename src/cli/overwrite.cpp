@@ -77,6 +77,8 @@ std::string reason_to_keep(const std::string& path, const NewPicture& picture) {
   }
   if (value_of(old.metadata, "software") != "Etendue") return "exists and is a picture that Etendue did not make";
   const FilmHeader& wanted = picture.header;
+  if (wanted.metadata.contains(kDenoisedKey) && !old.metadata.contains(kDenoisedKey))
+    return fmt::format("exists and is {} that is not denoised, which a denoised one would replace", describe(old));
   const bool same = same_samples(old.metadata, wanted.metadata) && old.width == wanted.width &&
                     old.height == wanted.height && set_size(old.metadata) == set_size(wanted.metadata);
   if (const SampleRanges lost = difference(old.samples, wanted.samples); same && !lost.empty())

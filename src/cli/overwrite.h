@@ -24,10 +24,10 @@ struct NewPicture {
 };
 
 /// Throws Error(usage) when both options are given; Error(file) when something stands at `path` that must not be
-/// replaced: anything that is not a picture or film of Etendue, a picture of another scene or with more samples than
-/// the new one (over all pixels), a film where no film comes, of another render, or that holds samples the new one does
-/// not. Returns a sentence on what will be replaced; "" when nothing stands there, or an empty file. Better called
-/// before the render than after it.
+/// replaced: a picture that is not denoised by one that is, anything that is not a picture or film of Etendue, a
+/// picture of another scene or with more samples than the new one (over all pixels), a film where no film comes, of
+/// another render, or that holds samples the new one does not. Returns a sentence on what will be replaced; "" when
+/// nothing stands there, or an empty file. Better called before the render than after it.
 std::string check_replaceable(const std::string& path, const NewPicture& picture, const OverwriteOptions& options);
 
 /// Where to write what was rendered in the end, which may be less than was wanted when check_replaceable allowed it,

@@ -19,6 +19,7 @@
 #include "core/json.h"
 #include "core/log.h"
 #include "gpu/gpu_renderer.h"
+#include "image/denoiser.h"
 #include "render/film_identity.h"
 #include "render/session.h"
 #include "render/stopping.h"
@@ -47,6 +48,7 @@ struct RenderArguments {
   bool stats = false;
   std::vector<std::string> heat_maps;  ///< .exr and .png
   std::string tev;                     ///< an address, "-" for the usual one, or empty
+  DenoiseOptions denoise;
   DisplayOptions display;
   OverwriteOptions overwrite;
   ResultOptions results;
@@ -102,12 +104,16 @@ struct Plan {
   std::vector<std::string> outputs;  ///< .exr and .png
   bool film = false;                 ///< .exr outputs are films, which can be merged and resumed
   std::optional<ViewerAddress> tev;  ///< where it is shown
+  std::optional<Denoiser> denoiser;
+  std::vector<std::string> denoised;  ///< what it writes, one for each output
 };
 
 Plan make_plan(const RenderArguments& options, Clock::time_point start) {
   if (!options.checkpoint_every.empty() && options.checkpoint.empty()) {
     throw Error(ErrorKind::usage, "'--checkpoint-every' needs the file to write: add --checkpoint FILE.");
   }
+  if (!options.denoise.library.empty() && !options.denoise.wanted)
+    throw Error(ErrorKind::usage, "--oidn names a library for --denoise, which is not there.");
   for (const std::string& path : options.outputs) check_output_name(path);
   for (const std::string& path : options.heat_maps) check_output_name(path);
   if ((options.stats || !options.heat_maps.empty()) && !uses_gpu(options))
@@ -118,14 +124,26 @@ Plan make_plan(const RenderArguments& options, Clock::time_point start) {
     session.checkpoint_seconds = parse_duration("--checkpoint-every", options.checkpoint_every);
   if (!options.time.empty()) session.time_seconds = parse_duration("--time", options.time);
   if (!options.tev.empty()) plan.tev = options.tev == "-" ? ViewerAddress() : parse_viewer_address(options.tev);
+  if (options.denoise.wanted) plan.denoiser.emplace(options.denoise.library);
   if (!options.until_error.empty()) session.max_error = parse_fraction("--until-error", options.until_error);
   return plan;
+}
+
+// What is denoised is an estimate without an error: the one that it was made of must not be lost.
+void plan_denoising(Plan& plan) {
+  if (!plan.denoiser) return;
+  if (std::ranges::none_of(plan.outputs, [](const std::string& path) { return path.ends_with(".exr"); }))
+    throw Error(ErrorKind::usage,
+                "--denoise keeps the picture with its noise and its error, which only an EXR file holds; add -o "
+                "NAME.exr.");
+  for (const std::string& path : plan.outputs) plan.denoised.push_back(denoised_name(path));
 }
 
 // Every file is one of its own, so that none is lost to another; a film may take the place of the film it goes on from.
 void check_files(const Plan& plan, const RenderArguments& options) {
   std::vector<NamedFile> files = {{"--checkpoint", options.checkpoint}};
   for (const std::string& path : plan.outputs) files.emplace_back("-o", path);
+  for (const std::string& path : plan.denoised) files.emplace_back("--denoise writing", path);
   for (const std::string& path : options.heat_maps) files.emplace_back("--heat-map", path);
   for (const NamedFile& report : options.results.named_files()) files.push_back(report);
   check_distinct(files);
@@ -211,6 +229,7 @@ Json outcome_json(const Outcome& outcome, const RenderJob& job, const RenderArgu
     }
     out["devices"].push_back(device);
   }
+  if (plan.denoiser) out["denoised"] = {{"by", plan.denoiser->name()}, {"outputs", plan.denoised}};
   if (outcome.shown) {
     out["tev"] = {
         {"address", to_text(*plan.tev)}, {"pictures", outcome.shown->pictures}, {"last", outcome.shown->last}};
@@ -260,6 +279,19 @@ void write_outputs(OutputWriter& files, const RenderJob& job, const RenderArgume
 // What the viewer lists; no path of a file that it may have open.
 std::string viewer_name(const Plan& plan) {
   return "etendue: " + std::filesystem::path(plan.outputs.front()).filename().string();
+}
+
+void write_denoised(OutputWriter& files, const RenderJob& job, const RenderArguments& options, const Plan& plan) {
+  if (!plan.denoiser) return;
+  const Image image = plan.denoiser->denoise(image_from_film(job.state()), "the picture");
+  NewPicture picture{header_of(job.state()), false};
+  picture.header.metadata = image.metadata;
+  for (const std::string& path : plan.denoised)
+    files.write_somewhere(path, [&] {
+      const std::string place = place_of(path, picture, options.overwrite);
+      write_picture(place, image, options.display.display());
+      return place;
+    });
 }
 
 SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const RenderArguments& options,
@@ -313,6 +345,7 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const R
     log::warning(text);
   }
   write_outputs(outcome.files, job, options, plan);
+  write_denoised(outcome.files, job, options, plan);
   // Behind the files, which a viewer must not keep waiting.
   if (viewer) {
     const bool interrupted = outcome.end == SessionEnd::interrupted;
@@ -337,6 +370,10 @@ void check_outputs(const RenderArguments& options, const Plan& plan, const FilmH
   std::vector<std::string> notes;
   for (const std::string& path : plan.outputs)
     notes.push_back(check_replaceable(path, {wanted, plan.film}, options.overwrite));
+  FilmHeader denoised = wanted;
+  denoised.metadata[kDenoisedKey] = "";
+  for (const std::string& path : plan.denoised)
+    notes.push_back(check_replaceable(path, {denoised, false}, options.overwrite));
   for (const std::string& path : options.heat_maps)
     notes.push_back(check_replaceable(path, {heat, false}, options.overwrite));
   for (const std::string& note : notes) {
@@ -351,6 +388,7 @@ void add_aovs(const RenderArguments& options, Scene& scene) {
     if (!complaint.empty()) throw Error(ErrorKind::usage, fmt::format("'--aov {}': {}.", options.aovs, complaint));
     scene.aovs.push_back(aov);
   }
+  if (options.denoise.wanted) scene.aovs.insert(scene.aovs.end(), {Aov::albedo, Aov::normal});
   if (options.alpha) {
     scene.aovs.push_back(Aov::alpha);
     scene.integrator.hide_background = true;
@@ -365,6 +403,7 @@ Ending render(const RenderArguments& options) {
   options.sampling.set_size(scene);
   add_aovs(options, scene);
   plan.outputs = output_paths(options, scene);
+  plan_denoising(plan);
   options.display.check(plan.outputs);
   plan.session.set_size = scene.sampler.set_size();
   const SampleRange wanted = wanted_samples(options, scene);
@@ -460,6 +499,7 @@ void add_render_command(Command& app, Action& action) {
   command->add_optional_value("--tev", options->tev, "HOST:PORT",
                               "show the picture while it renders in the viewer tev, which listens at 127.0.0.1:14158 "
                               "unless this says otherwise");
+  options->denoise.add_with_flag(*command);
   options->display.add_to(*command);
   options->overwrite.add_to(*command);
   options->results.add_to(*command);

@@ -45,7 +45,9 @@ Bitmap decode_webp(std::span<const std::byte> bytes, const std::string& path);
 Bitmap decode_bmp(std::span<const std::byte> bytes, const std::string& path);
 Bitmap decode_hdr(std::span<const std::byte> bytes, const std::string& path);
 
-Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path);
+/// `beside`: channels of real numbers to be read, too, if they are there.
+Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path,
+                       std::span<const std::string> beside = {});
 Image decode_png(std::span<const std::byte> bytes, const std::string& path);
 /// Size and texts of a PNG file of `file_size` bytes from its first bytes, which must reach to its pixels.
 PictureHeader decode_png_header(std::span<const std::byte> bytes, std::uint64_t file_size, const std::string& path);

@@ -76,7 +76,7 @@ void write_exr(const std::string& path, const Image& image) {
   write_file_atomically(path, encode_exr(header, buffer, path));
 }
 
-Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path) {
+Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path, std::span<const std::string> beside) {
   const Imf::Header header = read_exr_header(bytes, path);
   check_exr_size(header, bytes.size(), path);
   const Imf::ChannelList& channels = header.channels();
@@ -107,6 +107,12 @@ Image decode_exr_image(std::span<const std::byte> bytes, const std::string& path
     add_slice(buffer, "Y", Imf::FLOAT, image.pixels.data(), sizeof(glm::vec3), window);
   }
   add_statistics(buffer, image, window);
+  for (const std::string& name : beside) {
+    if (!full_resolution(channels, name.c_str(), Imf::FLOAT) && !full_resolution(channels, name.c_str(), Imf::HALF))
+      continue;
+    image.channels.push_back({name, std::vector<float>(count), {}});
+  }
+  add_channels(buffer, image.channels, window);
   decode_exr(bytes, buffer, path);
   if (!color)
     std::for_each(image.pixels.begin(), image.pixels.end(), [](glm::vec3& pixel) { pixel = glm::vec3(pixel.x); });

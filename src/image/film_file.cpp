@@ -19,6 +19,7 @@
 
 #include "core/errors.h"
 #include "core/printable.h"
+#include "image/denoiser.h"
 #include "image/exr_io.h"
 #include "image/files.h"
 
@@ -176,6 +177,11 @@ std::optional<std::vector<AovHeader>> parse_aov_headers(const std::string& list)
   return headers;
 }
 
+void refuse_denoised(const Imf::Header& header, const std::string& path) {
+  const std::string why = denoised_complaint(path, exr_metadata(header), "is no film: its samples are in another file");
+  if (!why.empty()) throw Error(ErrorKind::file, why);
+}
+
 int film_integer(const Imf::Header& header, const char* name, const std::string& path) {
   const auto* attribute = header.findTypedAttribute<Imf::IntAttribute>(name);
   if (attribute == nullptr) fail_on_file(path, fmt::format("holds no film: its header has no integer \"{}\"", name));
@@ -183,6 +189,7 @@ int film_integer(const Imf::Header& header, const char* name, const std::string&
 }
 
 FilmHeader film_header(const Imf::Header& header, const std::string& path) {
+  refuse_denoised(header, path);
   const int format = film_integer(header, kFormatAttribute, path);
   if (format != kFilmFormat && format != kFilmFormatWithAovs) {
     fail_on_file(path, fmt::format("holds a film of format {}; this program reads the formats {} and {}", format,
@@ -326,6 +333,7 @@ void verify_film(std::span<const std::byte> bytes, const std::string& path) {
 
 FilmFile decode_film(std::span<const std::byte> bytes, const std::string& path, bool verify) {
   if (!is_exr(bytes)) fail_on_file(path, "holds no film: it is not an EXR file");
+  refuse_denoised(read_exr_header(bytes, path), path);
   const ExrAttribute checksum = checksum_of_film(bytes, path);
   if (verify) verify_checksum(bytes, checksum, path);
   const Imf::Header header = read_exr_header(bytes, path);

@@ -45,14 +45,14 @@ std::vector<std::byte> read_whole_image(const std::string& path) {
   return bytes;
 }
 
-Image read_image(const std::string& path) {
+Image read_image(const std::string& path, std::span<const std::string> beside) {
   try {
     // The kind first: gigabytes of something else need not be read.
     const std::vector<std::byte> head = read_file(path, 8);
     if (is_exr(head)) {
       const std::vector<std::byte> bytes = read_whole_image(path);
       verify_film(bytes, path);
-      return decode_exr_image(bytes, path);
+      return decode_exr_image(bytes, path, beside);
     }
     if (is_png(head)) return decode_png(read_whole_image(path), path);
   } catch (const std::bad_alloc&) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,16 +21,22 @@ namespace etendue {
 /// docs/image_files.md.
 using Metadata = std::map<std::string, std::string>;
 
+/// Of a denoised picture: what it was denoised by.
+inline constexpr const char* kDenoisedKey = "denoised";
+
 struct Image {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::vector<glm::vec3> pixels;            ///< size width · height
   std::vector<glm::vec3> standard_error;    ///< as long as pixels, or empty when unknown
   std::vector<std::uint32_t> sample_count;  ///< as long as pixels, or empty when unknown
-  std::vector<ImageChannel> channels;       ///< beside the colour, each as long as pixels; written, never read
+  std::vector<ImageChannel> channels;       ///< beside the colour, each as long as pixels; read on demand
   Metadata metadata;
 
-  bool has_statistics() const { return !standard_error.empty() && !sample_count.empty(); }
+  /// Not of a denoised picture, whatever it says: its errors are not those of a mean.
+  bool has_statistics() const {
+    return !standard_error.empty() && !sample_count.empty() && !metadata.contains(kDenoisedKey);
+  }
 };
 
 /// The picture a film shows.
@@ -40,8 +47,9 @@ Image image_from_film(const FilmFile& file);
 
 /// Reads EXR (float or half R,G,B or Y; StdErr.* and SampleCount when present) or PNG (sRGB decoded to linear), by
 /// content. Throws Error(file) with the path and the reason; never returns a partly read image, nor the picture
-/// of a film file that does not match its checksum.
-Image read_image(const std::string& path);
+/// of a film file that does not match its checksum. `beside`: channels of real numbers of an EXR file to be read, too,
+/// where it has them.
+Image read_image(const std::string& path, std::span<const std::string> beside = {});
 
 /// Float32 EXR with R G B, StdErr.R/G/B and SampleCount (when known), the other channels and the metadata as string
 /// attributes. Written beside the target, fsynced and renamed: the target appears whole or stays as it was. Throws

@@ -99,6 +99,13 @@ Verdict judge(const Image& test, const Image& reference, const Comparison& c) {
 
 std::string reason_for_no_test(const Image& test, const Image& reference, const Comparison& c) {
   if (c.verdict != Verdict::untested) return "";
+  for (const auto& [name, image] : {std::pair("A", &test), {"B", &reference}}) {
+    if (image->metadata.contains(kDenoisedKey))
+      return fmt::format(
+          "{} is denoised: its error is not chance, and no test knows it; --fail-above and --fail-below "
+          "judge by distances instead",
+          name);
+  }
   if (c.tests) return c.tests->gap();
   const bool neither = !test.has_statistics() && !reference.has_statistics();
   return fmt::format("{} no standard errors; --fail-above and --fail-below judge by distances instead",
