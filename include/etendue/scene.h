@@ -2,8 +2,12 @@
 /// Scenes: read from a file, or put together in memory.
 ///
 /// `Scene` is a plain struct of tables: fill it, by `add` for instance, and hand it to a renderer, which refuses what
-/// breaks an invariant. read_scene() makes one of a file.
+/// breaks an invariant. read_scene() makes one of a file, read_scene_objects() one
+/// of objects in memory.
 
 #include "formats/read_scene.h"
+#include "formats/scene_objects.h"
+#include "scene/check.h"
 #include "scene/invariants.h"
+#include "scene/parameters.h"
 #include "scene/scene.h"

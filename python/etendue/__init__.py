@@ -12,6 +12,7 @@ docs/python.md is the manual.
 
 from ._core import set_thread_count, thread_count
 from ._core import version as __version__
+from ._dictionaries import load_dict
 from ._errors import (
     ComparisonError,
     DeviceError,
@@ -25,8 +26,10 @@ from ._errors import (
     UsageError,
 )
 from ._images import Film, Image, merge, read_film, read_image
+from ._parameters import Parameters
 from ._renders import Device, Progressive, devices, progressive, render
 from ._scenes import Scene, load_file
+from ._transforms import ScalarTransform4f, Transform4f
 from ._verdicts import Comparison, Report, compare, ttest
 
 __all__ = [
@@ -41,15 +44,19 @@ __all__ = [
     "Image",
     "InternalError",
     "Interrupted",
+    "Parameters",
     "Problem",
     "Progressive",
     "Report",
+    "ScalarTransform4f",
     "Scene",
     "SceneError",
+    "Transform4f",
     "UsageError",
     "__version__",
     "compare",
     "devices",
+    "load_dict",
     "load_file",
     "merge",
     "progressive",

@@ -8,6 +8,7 @@ from typing import Any, Mapping, Optional, Sequence
 from . import _core
 from ._errors import Problem
 from ._images import PathLike
+from ._parameters import Parameters
 
 
 class Scene:
@@ -75,6 +76,24 @@ class Scene:
     def primitive_count(self) -> int:
         """Triangles and other shapes, every instance counted."""
         return self._core.primitive_count
+
+    @property
+    def parameters(self) -> Parameters:
+        """The numbers of the scene by name, to be looked at and changed::
+
+            scene.parameters["materials.white.albedo"] = (0.8, 0.2, 0.2)
+
+        "camera.…", "sampler.…", "integrator.…" and "sky.…"; "materials.NAME.…" with the parameters of each material,
+        whose factor is meant where they are textured; "instances.NAME." with "to_world", "radiance" of lamps, and
+        "positions" and "normals" (n, 3) of meshes or "center" and "radius" of spheres, which all instances of a shape
+        share; "lights.NAME." with "intensity" and "to_world". NAME is the path in the dictionary, or the name or type
+        in the file, with _2, _3 … where that is not the first.
+
+        Arrays that are read are copies. A name that there is not raises KeyError, a value that does not fit UsageError,
+        as does a change while the scene is being rendered; what breaks the scene is a SceneError of render(). After
+        changes of camera, sampler and integrator nothing is compiled again.
+        """
+        return Parameters(self._core)
 
     def copy(self) -> Scene:
         """A scene of its own; pictures are shared."""

@@ -7,6 +7,8 @@ NB_MODULE(_core, m) {
   bind_errors(m);
   bind_pictures(m);
   bind_scenes(m);
+  bind_objects(m);
+  bind_parameters(m);
   bind_renders(m);
   bind_verdicts(m);
 }

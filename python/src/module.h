@@ -47,15 +47,16 @@ class SceneHolder {
   const Scene& scene() const { return *scene_; }
   const std::vector<Diagnostic>& findings() const { return findings_; }
   /// For a change. Throws Error(usage) while a render reads it. What was compiled of it is forgotten, unless only
-  /// `View` changes (scene/view.h).
-  Scene& change(bool view_only = false);
-  /// The scene with what renderers compiled of it. It is read until the result and its copies are gone.
-  SharedScene shared();
+  /// what a View holds is changed (scene/view.h).
+  Scene& change(bool view_only);
+  /// The scene with what renderers compile of it, which is kept for the next render. It counts as being read until the
+  /// result and its copies are gone.
+  std::shared_ptr<const SharedScene> read();
 
  private:
   std::shared_ptr<Scene> scene_;
-  std::weak_ptr<const Scene> reading_;  ///< alive while a render reads
   std::optional<SharedScene> compiled_;
+  std::weak_ptr<const SharedScene> reading_;
   std::vector<Diagnostic> findings_;
 };
 
@@ -91,6 +92,8 @@ void deliver_messages();
 void bind_errors(nb::module_& m);
 void bind_pictures(nb::module_& m);
 void bind_scenes(nb::module_& m);
+void bind_objects(nb::module_& m);
+void bind_parameters(nb::module_& m);
 void bind_renders(nb::module_& m);
 void bind_verdicts(nb::module_& m);
 

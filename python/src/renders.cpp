@@ -24,7 +24,7 @@ struct Options {
 /// A render whose devices stay open, and who wants it to stop.
 class Render {
  public:
-  Render(SceneHolder& scene, Options options) : scene_(scene.shared()), options_(std::move(options)) {}
+  Render(SceneHolder& scene, Options options) : scene_(scene.read()), options_(std::move(options)) {}
 
   /// Opens the devices, if that was not done, and renders until `samples` paths a pixel are there, or all for 0.
   /// Returns what a signal handler or `progress` raised, or None. One thread at a time.
@@ -33,7 +33,7 @@ class Render {
     if (!only.owns_lock())
       throw Error(ErrorKind::usage, "This render is at work in another thread; one at a time may ask it to go on.");
     Control control;
-    const Scene& scene = scene_.scene();
+    const Scene& scene = scene_->scene();
     const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
     control.total = pixels * (options_.spp > 0 ? options_.spp : scene.sampler.sample_count);
     control_ = &control;
@@ -53,7 +53,7 @@ class Render {
 
  private:
   void work(std::uint32_t samples) {
-    if (!render_) render_ = std::make_unique<ProgressiveRender>(scene_, request());
+    if (!render_) render_ = std::make_unique<ProgressiveRender>(*scene_, request());
     end_ = samples > 0 ? render_->advance(samples) : render_->finish();
   }
 
@@ -74,7 +74,7 @@ class Render {
     return request;
   }
 
-  SharedScene scene_;
+  std::shared_ptr<const SharedScene> scene_;
   Options options_;
   std::mutex busy_;
   Control* control_ = nullptr;  ///< of the call that is at work; hooks are called during one only

@@ -33,6 +33,7 @@ SceneHolder read(const std::string& path, const std::vector<std::pair<std::strin
   std::optional<SceneFile> file;
   run_waiting([&] {
     file = read_scene_file(path, options, diagnostics);
+    if (file) check_scene_file(*file, diagnostics);
     diagnostics.log_warnings();
   });
   return holder_of(std::move(file), diagnostics, path);
@@ -75,15 +76,11 @@ Scene& SceneHolder::change(bool view_only) {
   return *scene_;
 }
 
-SharedScene SceneHolder::shared() {
-  // Renders hold a pointer of their own kind, so that it shows when the last one is gone.
-  std::shared_ptr<const Scene> reading = reading_.lock();
-  if (!reading) {
-    reading = std::shared_ptr<const Scene>(scene_.get(), [keep = scene_](const Scene*) {});
-    reading_ = reading;
-    compiled_.reset();
-  }
-  return SharedScene(reading);
+std::shared_ptr<const SharedScene> SceneHolder::read() {
+  if (!compiled_) compiled_.emplace(std::shared_ptr<const Scene>(scene_));
+  std::shared_ptr<const SharedScene> reading = reading_.lock();
+  if (!reading) reading_ = reading = std::make_shared<const SharedScene>(*compiled_);
+  return reading;
 }
 
 void bind_scenes(nb::module_& m) {

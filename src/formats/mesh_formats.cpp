@@ -20,4 +20,9 @@ const MeshFormat* find_mesh_format(std::string_view word) {
   return nullptr;
 }
 
+std::optional<TriangleMesh> read_mesh_file(const MeshFormat& format, const std::string& path,
+                                           const MeshContent& content, Diagnostics& diagnostics) {
+  return format.read(path, content, diagnostics);
+}
+
 }  // namespace etendue

@@ -27,4 +27,8 @@ const std::vector<MeshFormat>& mesh_formats();
 /// The format of an extension, or nullptr.
 const MeshFormat* find_mesh_format(std::string_view word);
 
+/// What `format.read` reads, as a function: the way in of readers of scenes, which tests fill from memory.
+std::optional<TriangleMesh> read_mesh_file(const MeshFormat& format, const std::string& path,
+                                           const MeshContent& content, Diagnostics& diagnostics);
+
 }  // namespace etendue

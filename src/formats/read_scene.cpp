@@ -9,34 +9,17 @@
 #include "core/errors.h"
 #include "formats/camera_option.h"
 #include "formats/gltf/gltf_reader.h"
-#include "formats/input_file.h"
+#include "formats/mesh_formats.h"
 #include "formats/mitsuba/mitsuba_reader.h"
 #include "formats/model/model_reader.h"
 #include "formats/nori/nori_reader.h"
+#include "formats/scene_text.h"
 #include "formats/xml/xml_document.h"
 #include "scene/check.h"
 #include "scene/invariants.h"
 
 namespace etendue {
 namespace {
-
-std::string read_text(const std::string& path) {
-  InputFile file(path);
-  if (file.size() > XmlDocument::kMaxBytes) {
-    throw Error(ErrorKind::scene,
-                fmt::format("{}: the file has {} bytes; a scene file has at most {}, geometry belongs into mesh files",
-                            path, file.size(), XmlDocument::kMaxBytes));
-  }
-  std::string text(static_cast<std::size_t>(file.size()), '\0');
-  std::size_t size = 0;
-  while (size < text.size()) {
-    const std::size_t count = file.read(text.data() + size, text.size() - size);
-    if (count == 0) break;  // somebody shortens the file while it is read
-    size += count;
-  }
-  text.resize(size);
-  return text;
-}
 
 /// " 3.0.0" or nothing.
 std::string version_of(const XmlElement& root) {
@@ -103,13 +86,11 @@ std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOpti
   refuse_options(path, options, diagnostics);
   std::string text;
   try {
-    text = read_text(path);
+    text = read_scene_text(path);
   } catch (const Error& error) {
     diagnostics.error({}, error.what(), error.kind());
     return std::nullopt;
   }
-  const MeshLoader load = [](const MeshFormat& format, const std::string& mesh, const MeshContent& content,
-                             Diagnostics& sink) { return format.read(mesh, content, sink); };
   const std::size_t errors_before = diagnostics.error_count();
   auto document = std::make_unique<XmlDocument>(std::move(text), path, diagnostics);
   if (!document->root()) return std::nullopt;
@@ -117,12 +98,9 @@ std::optional<SceneFile> read_scene_file(const std::string& path, const ReadOpti
   if (is_mitsuba(*document->root())) {
     diagnostics.note(document->position(document->root()->offset),
                      fmt::format("read as a scene for Mitsuba{}", version_of(*document->root())));
-    const MitsubaFiles files{load, read_text, [](const std::string& mesh, std::int64_t index, Diagnostics& sink) {
-                               return read_serialized(mesh, index, sink);
-                             }};
-    file = parse_mitsuba_scene(std::move(document), options, files, diagnostics);
+    file = parse_mitsuba_scene(std::move(document), options, mitsuba_files(), diagnostics);
   } else {
-    file = read_nori(*document, options, load, diagnostics);
+    file = read_nori(*document, options, read_mesh_file, diagnostics);
   }
   if (file && diagnostics.error_count() == errors_before) apply_additions(*file, options, diagnostics);
   return diagnostics.error_count() > errors_before ? std::nullopt : std::move(file);

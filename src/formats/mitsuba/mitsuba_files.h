@@ -19,4 +19,7 @@ struct MitsubaFiles {
   std::function<Bitmap(const std::string& path)> picture = [](const std::string& path) { return read_bitmap(path); };
 };
 
+/// Those of the file system.
+MitsubaFiles mitsuba_files();
+
 }  // namespace etendue

@@ -347,6 +347,7 @@ void XmlDocument::index_lines() {
 }
 
 SourcePosition XmlDocument::position(std::size_t offset) const {
+  if (!places_.empty()) return {places_[std::min(offset, places_.size() - 1)], 0, 0};
   offset = std::min(offset, text_.size());
   const auto next = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset);
   const std::size_t line = static_cast<std::size_t>(std::max<std::ptrdiff_t>(next - line_starts_.begin(), 1));

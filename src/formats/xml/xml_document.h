@@ -45,11 +45,17 @@ class XmlDocument {
   /// there is no root. Never throws for anything in `text`.
   XmlDocument(std::string text, std::string file, Diagnostics& diagnostics);
 
+  /// A document without a text, of elements that a program made: their offsets, and those of their attributes, which
+  /// are not verbatim, are indices into `places`, the names of their positions.
+  XmlDocument(XmlElement root, std::string file, std::vector<std::string> places)
+      : file_(std::move(file)), places_(std::move(places)), root_(std::move(root)) {}
+
   const std::optional<XmlElement>& root() const { return root_; }
   /// The root, for who changes or owns the elements; the document keeps none and goes on giving positions.
   std::optional<XmlElement> take_root() { return std::exchange(root_, std::nullopt); }
   const std::string& file() const { return file_; }
-  std::size_t size() const { return text_.size(); }
+  /// Of the range of offsets.
+  std::size_t size() const { return places_.empty() ? text_.size() : places_.size(); }
   /// Line and column of a byte. Lines end with LF, CR LF or CR; columns count characters (code points), a tab is one.
   SourcePosition position(std::size_t offset) const;
 
@@ -58,6 +64,7 @@ class XmlDocument {
 
   std::string text_;
   std::string file_;
+  std::vector<std::string> places_;  ///< empty for a text
   std::vector<std::uint32_t> line_starts_;
   std::vector<std::uint32_t> continuation_bytes_;  ///< UTF-8 continuation bytes before every 4096th byte
   std::optional<XmlElement> root_;

@@ -1,0 +1,105 @@
+"""Affine maps of space, as Mitsuba's ScalarTransform4f makes them."""
+
+from __future__ import annotations
+
+from typing import Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import UsageError
+
+Vector = npt.ArrayLike
+
+
+class _Operation:
+    """A method that also serves without an object: Transform4f.translate(v) and Transform4f().translate(v)."""
+
+    def __init__(self, matrix_of: Any):
+        self._matrix_of = matrix_of
+        self.__doc__ = matrix_of.__doc__
+
+    def __get__(self, transform: Optional[Transform4f], owner: type) -> Any:
+        before = transform if transform is not None else Transform4f()
+
+        def apply(*arguments: Any, **named: Any) -> Transform4f:
+            return before @ Transform4f(self._matrix_of(*arguments, **named))
+
+        apply.__doc__ = self.__doc__
+        return apply
+
+
+class Transform4f:
+    """A 4 x 4 matrix. Operations are applied to what stands to their right, so that the last one written is the first
+    one done: ``Transform4f().translate([0, 1, 0]).rotate([0, 0, 1], 90)`` turns, then moves."""
+
+    def __init__(self, matrix: Optional[npt.ArrayLike] = None):
+        self.matrix: npt.NDArray[np.float64] = np.eye(4) if matrix is None else np.array(matrix, np.float64)
+        if self.matrix.shape != (4, 4):
+            raise UsageError(f"A transform has 4 x 4 numbers; this array has the shape {self.matrix.shape}.")
+
+    @_Operation
+    def translate(offset: Vector) -> npt.NDArray[np.float64]:  # type: ignore[misc]
+        """Moves by a vector."""
+        matrix = np.eye(4)
+        matrix[:3, 3] = _vector(offset, "translate")
+        return matrix
+
+    @_Operation
+    def scale(factor: Union[float, Vector]) -> npt.NDArray[np.float64]:  # type: ignore[misc]
+        """Stretches along the axes, by one number or three."""
+        return np.diag([*np.broadcast_to(np.asarray(factor, np.float64), 3), 1.0])
+
+    @_Operation
+    def rotate(axis: Vector, angle: float) -> npt.NDArray[np.float64]:  # type: ignore[misc]
+        """Turns about an axis through the origin, counterclockwise, by degrees (Rodrigues' formula)."""
+        direction = _vector(axis, "rotate")
+        length = np.linalg.norm(direction)
+        if not length > 0:
+            raise UsageError("rotate() has the axis 0; give a direction.")
+        x, y, z = direction / length
+        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        matrix = np.eye(4)
+        radians = np.radians(angle)
+        matrix[:3, :3] += np.sin(radians) * cross + (1 - np.cos(radians)) * (cross @ cross)
+        return matrix
+
+    @_Operation
+    def look_at(origin: Vector, target: Vector, up: Vector) -> npt.NDArray[np.float64]:  # type: ignore[misc]
+        """Stands at ``origin`` and looks along +z at ``target``; +x is to the left of the picture, +y up."""
+        eye = _vector(origin, "look_at")
+        forward = _vector(target, "look_at") - eye
+        left = np.cross(_vector(up, "look_at"), forward)
+        if not (np.linalg.norm(forward) > 0 and np.linalg.norm(left) > 0):
+            raise UsageError("look_at() has its target at its origin, or up along the direction of view.")
+        forward = forward / np.linalg.norm(forward)
+        left = left / np.linalg.norm(left)
+        matrix = np.eye(4)
+        matrix[:3, :] = np.stack([left, np.cross(forward, left), forward, eye], axis=1)
+        return matrix
+
+    def inverse(self) -> Transform4f:
+        return Transform4f(np.linalg.inv(self.matrix))
+
+    def __matmul__(self, other: Any) -> Any:
+        """Another transform, done first; or a point, or an array of points (…, 3), moved by this one."""
+        if isinstance(other, Transform4f):
+            return Transform4f(self.matrix @ other.matrix)
+        points = np.asarray(other, np.float64)
+        return points @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> npt.NDArray[Any]:
+        return np.array(self.matrix, dtype=dtype)
+
+    def __repr__(self) -> str:
+        return f"Transform4f({self.matrix.tolist()})"
+
+
+ScalarTransform4f = Transform4f
+
+
+def _vector(values: Vector, what: str) -> npt.NDArray[np.float64]:
+    vector = np.asarray(values, np.float64)
+    if vector.shape != (3,):
+        raise UsageError(f"{what}() takes vectors of three numbers, not {values!r}.")
+    return vector
