@@ -10,6 +10,7 @@
 docs/python.md is the manual.
 """
 
+from . import util
 from ._core import set_thread_count, thread_count
 from ._core import version as __version__
 from ._dictionaries import load_dict
@@ -26,6 +27,7 @@ from ._errors import (
     UsageError,
 )
 from ._images import Film, Image, merge, read_film, read_image
+from ._mitsuba_words import set_variant, traverse
 from ._parameters import Parameters
 from ._renders import Device, Progressive, devices, progressive, render
 from ._scenes import Scene, load_file
@@ -64,6 +66,9 @@ __all__ = [
     "read_image",
     "render",
     "set_thread_count",
+    "set_variant",
     "thread_count",
+    "traverse",
     "ttest",
+    "util",
 ]

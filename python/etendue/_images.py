@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterable, Optional, Union
+from typing import Any, Iterable, Optional, Union, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -74,7 +74,7 @@ class Image(np.lib.mixins.NDArrayOperatorsMixin):
     def sample_count(self) -> Optional[npt.NDArray[np.uint32]]:
         """uint32 (height, width): samples in the mean; with the sobol sampler, sets of samples. None where it is not
         known."""
-        return self._picture.sample_count
+        return cast("Optional[npt.NDArray[np.uint32]]", self._picture.sample_count)
 
     @property
     def aovs(self) -> dict[str, npt.NDArray[Any]]:
@@ -83,7 +83,7 @@ class Image(np.lib.mixins.NDArrayOperatorsMixin):
         if self._aovs is None:
             layers: dict[str, list[npt.NDArray[Any]]] = {}
             for name, values in self._picture.channels:
-                layers.setdefault("alpha" if name == "A" else name.rpartition(".")[0], []).append(values)
+                layers.setdefault("alpha" if name == "A" else name.rpartition(".")[0], []).append(cast("npt.NDArray[Any]", values))
             self._aovs = {
                 name: planes[0] if len(planes) == 1 else np.stack(planes, axis=-1) for name, planes in layers.items()
             }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import html
+import importlib
 import sys
 import time
 from typing import Any, Optional
@@ -47,10 +48,10 @@ class LiveView:
             self._update(f" · {100 * done / total:.0f} %")
 
     def _update(self, more: str) -> None:
-        from IPython.display import HTML, display
-
-        page = HTML(f"<figure style='margin: 0'>{self._picture}<figcaption>{html.escape(self._caption + more)}</figcaption></figure>")
+        ipython: Any = importlib.import_module("IPython.display")
+        caption = html.escape(self._caption + more)
+        page = ipython.HTML(f"<figure style='margin: 0'>{self._picture}<figcaption>{caption}</figcaption></figure>")
         if self._handle is None:
-            self._handle = display(page, display_id=True)
+            self._handle = ipython.display(page, display_id=True)
         else:
             self._handle.update(page)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Callable, Iterator, NamedTuple, Optional, Union
+from typing import Callable, Iterator, NamedTuple, Optional, Union, cast
 
 from . import _core, _notebook
 from ._errors import Interrupted, UsageError
@@ -198,7 +198,7 @@ def _open(
 def _advance(render: _core.Render, samples: int, progress: Optional[ProgressCallback]) -> Film:
     """Goes on to this many samples, or all for 0; raises what was raised meanwhile, with the film kept."""
     try:
-        raised = render.advance(samples, progress)
+        raised = cast(Optional[BaseException], render.advance(samples, progress))
         film = _film_of(render)
     except KeyboardInterrupt as stop:  # just before or after
         raise Interrupted(_film_of(render)) from stop

@@ -23,7 +23,7 @@ class _Operation:
         before = transform if transform is not None else Transform4f()
 
         def apply(*arguments: Any, **named: Any) -> Transform4f:
-            return before @ Transform4f(self._matrix_of(*arguments, **named))
+            return Transform4f(before.matrix @ self._matrix_of(*arguments, **named))
 
         apply.__doc__ = self.__doc__
         return apply
@@ -39,19 +39,19 @@ class Transform4f:
             raise UsageError(f"A transform has 4 x 4 numbers; this array has the shape {self.matrix.shape}.")
 
     @_Operation
-    def translate(offset: Vector) -> npt.NDArray[np.float64]:  # type: ignore[misc]
+    def translate(offset: Vector) -> npt.NDArray[np.float64]:
         """Moves by a vector."""
         matrix = np.eye(4)
         matrix[:3, 3] = _vector(offset, "translate")
         return matrix
 
     @_Operation
-    def scale(factor: Union[float, Vector]) -> npt.NDArray[np.float64]:  # type: ignore[misc]
+    def scale(factor: Union[float, Vector]) -> npt.NDArray[np.float64]:
         """Stretches along the axes, by one number or three."""
         return np.diag([*np.broadcast_to(np.asarray(factor, np.float64), 3), 1.0])
 
     @_Operation
-    def rotate(axis: Vector, angle: float) -> npt.NDArray[np.float64]:  # type: ignore[misc]
+    def rotate(axis: Vector, angle: float) -> npt.NDArray[np.float64]:
         """Turns about an axis through the origin, counterclockwise, by degrees (Rodrigues' formula)."""
         direction = _vector(axis, "rotate")
         length = np.linalg.norm(direction)
@@ -65,7 +65,7 @@ class Transform4f:
         return matrix
 
     @_Operation
-    def look_at(origin: Vector, target: Vector, up: Vector) -> npt.NDArray[np.float64]:  # type: ignore[misc]
+    def look_at(origin: Vector, target: Vector, up: Vector) -> npt.NDArray[np.float64]:
         """Stands at ``origin`` and looks along +z at ``target``; +x is to the left of the picture, +y up."""
         eye = _vector(origin, "look_at")
         forward = _vector(target, "look_at") - eye

@@ -20,9 +20,8 @@ nb::capsule owner_of(const Picture& picture) {
 }
 
 /// An array over values that belong to the picture: height × width × 3, without a copy.
-std::optional<Array> colors(const Picture& picture, const std::vector<glm::vec3>& values) {
+Array colors(const Picture& picture, const std::vector<glm::vec3>& values) {
   static_assert(sizeof(glm::vec3) == 3 * sizeof(float));
-  if (values.empty()) return std::nullopt;
   const Image& image = *picture.image;
   return Array(&values.front().x, {image.height, image.width, 3}, owner_of(picture));
 }
@@ -142,7 +141,11 @@ void bind_pictures(nb::module_& m) {
       .def_prop_ro(
           "mean", [](const Picture& p) { return colors(p, p.image->pixels); }, nb::rv_policy::reference)
       .def_prop_ro(
-          "standard_error", [](const Picture& p) { return colors(p, p.image->standard_error); },
+          "standard_error",
+          [](const Picture& p) {
+            const std::vector<glm::vec3>& error = p.image->standard_error;
+            return error.empty() ? std::nullopt : std::optional(colors(p, error));
+          },
           nb::rv_policy::reference)
       .def_prop_ro(
           "sample_count",

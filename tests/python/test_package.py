@@ -3,7 +3,10 @@
 import contextlib
 import email
 import os
+import pathlib
 import re
+import subprocess
+import sys
 import tarfile
 
 import pytest
@@ -56,9 +59,17 @@ def test_source_archive(tmp_path):
     assert archive.stat().st_size < 8 << 20
 
 
-def test_types_are_complete():
-    """Every name that is exported has a docstring, and the package says that it is typed."""
-    folder = os.path.dirname(et.__file__)
-    assert {"py.typed", "_core.pyi"} <= set(os.listdir(folder))
+def test_types(tmp_path):
+    """What is exported has a docstring; all types, those of the compiled part too, hold before a strict checker."""
     for name in et.__all__:
         assert name == "__version__" or getattr(et, name).__doc__, name
+    package = pathlib.Path(et.__file__).parent
+    assert (package / "py.typed").exists()
+    user = tmp_path / "user.py"
+    user.write_text("import etendue as et\nbrightness: float = et.render(et.load_dict({}), spp=1).relative_error\nwrong: int = et.render('s.xml').mean\n")
+    words = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path), "-p", "etendue"]
+    checked = subprocess.run(words, cwd=package.parent, capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout
+    words[-2:] = [str(user)]
+    checked = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, env={**os.environ, "MYPYPATH": str(package.parent)})
+    assert "user.py:3" in checked.stdout and "user.py:2" not in checked.stdout, checked.stdout

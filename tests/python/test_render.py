@@ -1,6 +1,7 @@
 """Rendering: arrays, the same bytes as the command line, budgets, pieces, steps."""
 
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -119,22 +120,25 @@ def test_an_error_in_progress_ends_the_render(box):
 
 
 def test_the_gil_is_free(box):
-    turns, rendering = 0, threading.Event()
+    over, longest = threading.Event(), 0.0
 
-    def count():
-        nonlocal turns
-        while not rendering.is_set():
-            turns += 1
+    def watch():
+        nonlocal longest
+        last = time.monotonic()
+        while not over.wait(0.01):
+            now = time.monotonic()
+            longest, last = max(longest, now - last), now
 
-    thread = threading.Thread(target=count)
+    thread = threading.Thread(target=watch)
     thread.start()
-    before = turns
+    began = time.monotonic()
     try:
-        et.render(box, spp=200)
+        et.render(box, spp=10_000_000, time=2.0)
     finally:
-        rendering.set()
+        seconds = time.monotonic() - began
+        over.set()
         thread.join()
-    assert turns - before > 1000  # a render that kept the GIL would let it turn for one switch interval at most
+    assert longest < 0.5 * seconds  # a render that kept the GIL would keep the other thread for nearly all of it
 
 
 def test_checkpoint(box, tmp_path):
