@@ -52,9 +52,9 @@ bool is_delta(uint lobe) { return lobe == kLobeDeltaReflection || lobe == kLobeD
 // surface has should not be there.
 layout(constant_id = kConstantBsdfsUsed) const uint kBsdfsUsed = 0xffffffffu;
 
-// What is not built is known here already, not in the function.
-#define bsdf_is(m, bsdf) ((kBsdfsBuilt & 1u << (bsdf)) != 0u && has_bsdf(m, bsdf))
-#define bsdf_among(m, types) ((kBsdfsBuilt & (types)) != 0u && has_bsdf_among(m, types))
+// What is not built, and what no surface has, is known here already, not in the function: then nothing of it is left to read for the driver.
+#define bsdf_is(m, bsdf) ((kBsdfsBuilt & 1u << (bsdf)) != 0u && (kBsdfsUsed & 1u << (bsdf)) != 0u && has_bsdf(m, bsdf))
+#define bsdf_among(m, types) ((kBsdfsBuilt & (types)) != 0u && (kBsdfsUsed & (types)) != 0u && has_bsdf_among(m, types))
 
 bool has_bsdf(Material m, uint bsdf) {
   const uint bit = 1u << bsdf;

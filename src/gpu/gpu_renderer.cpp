@@ -86,17 +86,6 @@ class PassSizer {
   double rate_ = 2e5;  // slot samples per second; a careful first guess
 };
 
-// SwiftShader as browsers ship it compiles by Subzero, and crashes over the kernels of single samples and paths, unless
-// they are the plain ones (seen with that of Chromium 156). Those that render are fine.
-void refuse_subzero(const vulkan::DeviceInfo& device) {
-  if (device.name.find("(Subzero)") == std::string::npos) return;
-  throw Error(
-      ErrorKind::device,
-      fmt::format("'{}' renders this scene but cannot trace single samples of it: its compiler crashes over the "
-                  "kernel for rarer features; use another --device, or --device reference.",
-                  device.name));
-}
-
 class GpuRenderer final : public Renderer {
  public:
   GpuRenderer(std::shared_ptr<const DeviceScene> scene, const View& view, const RenderSettings& settings,
@@ -141,7 +130,6 @@ class GpuRenderer final : public Renderer {
   vulkan::Kernel make_request_kernel(std::span<const std::uint32_t> plain, std::span<const std::uint32_t> full,
                                      const char* name) {
     if (is_plain(constants_)) return make_kernel(scene_->request_kernels(), plain, name);
-    refuse_subzero(context().info());
     return make_kernel(scene_->request_kernels(), full, name);
   }
   vulkan::BindingSet make_film_set(const KernelBindings& layout, const FilmBand& band) const {

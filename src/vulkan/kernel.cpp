@@ -86,29 +86,19 @@ void BindingSet::bind(std::uint32_t binding, const TexelView& view) {
 
 Kernel::Kernel(const Context& context, const PipelineLayout& layout, std::span<const std::uint32_t> spirv,
                std::span<const Specialization> constants, const char* name) {
-  const VkShaderModuleCreateInfo module_info{
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = spirv.size_bytes(), .pCode = spirv.data()};
+  const std::vector<std::uint32_t> code = specialize(spirv, constants);
+  const VkShaderModuleCreateInfo module_info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                             .codeSize = std::span(code).size_bytes(),
+                                             .pCode = code.data()};
   VkShaderModule raw_module = VK_NULL_HANDLE;
   check(vkCreateShaderModule(context.device(), &module_info, nullptr, &raw_module),
         fmt::format("load the kernel '{}'", name));
   const Handle<VkShaderModule, &vkDestroyShaderModule> module(context.device(), raw_module);
-
-  std::vector<VkSpecializationMapEntry> entries;
-  std::vector<std::uint32_t> values;
-  for (const Specialization& c : constants) {
-    entries.push_back({c.id, static_cast<std::uint32_t>(values.size() * sizeof(std::uint32_t)), sizeof(std::uint32_t)});
-    values.push_back(c.value);
-  }
-  const VkSpecializationInfo specialization{.mapEntryCount = static_cast<std::uint32_t>(entries.size()),
-                                            .pMapEntries = entries.data(),
-                                            .dataSize = values.size() * sizeof(std::uint32_t),
-                                            .pData = values.data()};
   const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
                                          .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                                    .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                                                    .module = raw_module,
-                                                   .pName = "main",
-                                                   .pSpecializationInfo = &specialization},
+                                                   .pName = "main"},
                                          .layout = layout.get()};
   VkPipeline pipeline = VK_NULL_HANDLE;
   check(vkCreateComputePipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vulkan/buffer.h"
+#include "vulkan/specialize.h"
 
 namespace etendue::vulkan {
 
@@ -54,13 +55,6 @@ class BindingSet {
   const SetLayout* layout_;
   Handle<VkDescriptorPool, &vkDestroyDescriptorPool> pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
-};
-
-/// Value of `layout(constant_id = id)`.
-struct Specialization {
-  std::uint32_t id = 0;
-  std::uint32_t value = 0;
-  bool operator==(const Specialization&) const = default;
 };
 
 class Kernel {

@@ -1,0 +1,24 @@
+#pragma once
+/// SPIR-V with its specialization constants fixed.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace etendue::vulkan {
+
+/// Value of `layout(constant_id = id)`.
+struct Specialization {
+  std::uint32_t id = 0;
+  std::uint32_t value = 0;
+  bool operator==(const Specialization&) const = default;
+};
+
+/// The module `spirv` with these values in place of its specialization constants, and without what they rule out.
+/// Values of constants that it does not have are passed over. A driver reads and lowers a whole module before it folds
+/// its constants, and before it looks into its cache: of a kernel for every feature that is most of the time to the
+/// first sample, and more than some drivers can take. Throws Error(bug) with the optimizer's words where `spirv` is no
+/// module.
+std::vector<std::uint32_t> specialize(std::span<const std::uint32_t> spirv, std::span<const Specialization> constants);
+
+}  // namespace etendue::vulkan
