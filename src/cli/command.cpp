@@ -36,6 +36,17 @@ void SceneOptions::add_to(Command& command) {
           "also the name or number of one of its cameras")
       ->type_name("X,Y,Z,X,Y,Z[,FOV]")
       ->group(kScene);
+  command
+      .add_option("--at", at,
+                  "the time at which what moves is shown: a camera with keyframes, the animations of a glTF asset; for "
+                  "example 1.5s")
+      ->type_name("TIME")
+      ->group(kScene);
+  command
+      .add_option("--animation", animation,
+                  "name or number of the animation of a glTF asset that is played (default: all of them)")
+      ->type_name("NAME")
+      ->group(kScene);
   command.add_option("--scene", scene, "name or number of the scene of a glTF asset")->type_name("NAME")->group(kScene);
   command.add_option("--variant", variant, "name of the material variant of a glTF asset")
       ->type_name("NAME")
@@ -69,7 +80,9 @@ ReadOptions SceneOptions::read_options() const {
   options.approximate = approximate;
   options.environment = environment;
   options.camera = camera;
+  if (!at.empty()) options.at = parse_moment("--at", at);
   options.scene = scene;
+  options.animation = animation;
   options.variant = variant;
   options.lamps = lamps_of(lamps);
   for (const std::string& text : overrides) {

@@ -41,7 +41,7 @@ struct SceneOptions {
   std::vector<std::string> overrides;  ///< "integrator.nee=false"
   bool strict = false;
   bool approximate = false;
-  std::string environment, camera, scene, variant;
+  std::string environment, camera, at, scene, animation, variant;
   std::string lamps = "auto";
 
   void add_to(Command& command);

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include "cli/command.h"
+#include "cli/frames.h"
 #include "cli/outputs.h"
 #include "cli/overwrite.h"
 #include "cli/progress.h"
@@ -18,6 +19,7 @@
 #include "cli/units.h"
 #include "core/json.h"
 #include "core/log.h"
+#include "formats/gltf/gltf_document.h"
 #include "gpu/gpu_renderer.h"
 #include "image/denoiser.h"
 #include "render/film_identity.h"
@@ -49,6 +51,7 @@ struct RenderArguments {
   std::vector<std::string> heat_maps;  ///< .exr and .png
   std::string tev;                     ///< an address, "-" for the usual one, or empty
   DenoiseOptions denoise;
+  FrameOptions frames;
   DisplayOptions display;
   OverwriteOptions overwrite;
   ResultOptions results;
@@ -94,8 +97,9 @@ SampleRange wanted_samples(const RenderArguments& options, const Scene& scene) {
 }
 
 std::vector<std::string> output_paths(const RenderArguments& options, const Scene& scene) {
-  if (options.outputs.empty()) return {scene.name + ".exr", scene.name + ".png"};
-  return options.outputs;
+  if (!options.outputs.empty()) return options.outputs;
+  const std::string name = scene.name + (options.frames.wanted() ? "-####" : "");
+  return {name + ".exr", name + ".png"};
 }
 
 /// What one call of the command is to do.
@@ -106,6 +110,8 @@ struct Plan {
   std::optional<ViewerAddress> tev;  ///< where it is shown
   std::optional<Denoiser> denoiser;
   std::vector<std::string> denoised;  ///< what it writes, one for each output
+  std::optional<std::uint32_t> frame;
+  std::vector<Json> reports;  ///< of frames, for one file of --json
 };
 
 Plan make_plan(const RenderArguments& options, Clock::time_point start) {
@@ -238,12 +244,18 @@ Json outcome_json(const Outcome& outcome, const RenderJob& job, const RenderArgu
   return out;
 }
 
-void report(Outcome& outcome, const RenderJob& job, const RenderArguments& options, const Plan& plan,
+void report(Outcome& outcome, const RenderJob& job, const RenderArguments& options, Plan& plan,
             const DeviceTeam& team) {
   const std::uint32_t set_size = plan.session.set_size;
-  OutputWriter json_file;
-  options.results.write_json(json_file, [&] { return outcome_json(outcome, job, options, plan, team); });
-  outcome.files.add_failures(json_file);
+  if (plan.frame) {
+    Json json = outcome_json(outcome, job, options, plan, team);
+    json["frame"] = *plan.frame;
+    plan.reports.push_back(std::move(json));
+  } else {
+    OutputWriter json_file;
+    options.results.write_json(json_file, [&] { return outcome_json(outcome, job, options, plan, team); });
+    outcome.files.add_failures(json_file);
+  }
   if (options.results.wants_text()) {
     const Film& film = job.state().film;
     const double rate =
@@ -316,8 +328,8 @@ SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team,
   return session.run(team);
 }
 
-Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const RenderArguments& options,
-               const Plan& plan, SignalWatch& signals) {
+Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const RenderArguments& options, Plan& plan,
+               SignalWatch& signals) {
   if (const std::string ahead = checkpoint.samples_ahead(); !ahead.empty()) {
     log::warning(
         fmt::format("{} holds the samples {} of this render already and is kept until this run has them as "
@@ -337,7 +349,8 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const R
   }
   // The checkpoint comes first; from here on, what one file suffers does not touch the others.
   OutputWriter checkpoint_file;
-  checkpoint_file.write(options.checkpoint, [&] { checkpoint.save(); });
+  if (!plan.frame || outcome.end != SessionEnd::complete)  // a frame that is done needs none
+    checkpoint_file.write(options.checkpoint, [&] { checkpoint.save(); });
   if (const std::string text = rejected_text(job); !text.empty()) {
     if (options.scene.strict && !checkpoint_file.failed().empty()) log::warning(checkpoint_file.complaint() + ".");
     if (options.scene.strict)
@@ -395,40 +408,169 @@ void add_aovs(const RenderArguments& options, Scene& scene) {
   }
 }
 
-Ending render(const RenderArguments& options) {
-  options.results.begin();
-  Plan plan = make_plan(options, Clock::now());
-  SignalWatch signals(options.results.quiet);
-  Scene scene = read_scene(options.scene_file, options.scene.read_options());
+/// What pictures of one scene share.
+struct Stage {
+  Scene scene;
+  std::optional<DeviceTeam> team;  ///< looks at the scene as it was
+};
+
+Scene read_prepared(const RenderArguments& options, const ReadOptions& read) {
+  Scene scene = read_scene(options.scene_file, read);
   options.sampling.set_size(scene);
   add_aovs(options, scene);
-  plan.outputs = output_paths(options, scene);
-  plan_denoising(plan);
-  options.display.check(plan.outputs);
-  plan.session.set_size = scene.sampler.set_size();
-  const SampleRange wanted = wanted_samples(options, scene);
-  FilmHeader identity = film_identity(scene, options.sampling.seed);
-  RenderJob job(identity, {{wanted.begin, wanted.end}});
-  if (!options.resume.empty()) job.resume(read_film(options.resume), options.resume);
-  identity.samples = {{wanted.begin, wanted.end}};
-  check_files(plan, options);
-  check_outputs(options, plan, identity);
-  Checkpoint checkpoint(options.checkpoint, job);
+  return scene;
+}
 
-  if (const std::string sentence = precision_complaint(scene); uses_gpu(options) && !sentence.empty())
+// Opens the devices, unless they only have to look at the scene from another place.
+void prepare_team(Stage& stage, const RenderArguments& options, const FilmHeader& identity) {
+  AovPlan aovs = aov_plan(stage.scene, options.sampling.seed, identity);
+  if (stage.team) return stage.team->look_at(std::move(aovs));
+  if (const std::string sentence = precision_complaint(stage.scene); uses_gpu(options) && !sentence.empty())
     log::warning("the camera: " + sentence);
-  const SharedScene shared(scene);  // compiled once for all devices, and for those that are opened afresh
+  // Compiled once for all devices, and for those that are opened afresh. Of the scene only the camera moves, which is
+  // not compiled.
+  const SharedScene shared(stage.scene);
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : options.device.factories()) {
     open.push_back([factory, shared, settings = RenderSettings{.seed = options.sampling.seed}] {
       return factory(shared, settings);
     });
   }
-  DeviceTeam team(std::move(open), aov_plan(scene, options.sampling.seed, identity));
+  stage.team.emplace(std::move(open), std::move(aovs));
   if (uses_gpu(options)) {
-    for (const Renderer* renderer : team.renderers()) log::info(gpu_device_choice(*renderer));
+    for (const Renderer* renderer : stage.team->renderers()) log::info(gpu_device_choice(*renderer));
   }
-  return run_job(job, checkpoint, team, options, plan, signals);
+}
+
+bool frame_is_there(const RenderArguments& options, const Plan& plan, const FilmHeader& wanted) {
+  if (!plan.frame || options.overwrite.force) return false;
+  std::vector<FrameFile> files;
+  for (const std::string& path : plan.outputs) files.push_back({path, plan.film && path.ends_with(".exr"), false});
+  for (const std::string& path : plan.denoised) files.push_back({path, false, true});
+  const auto exists = [](const std::string& path) {
+    std::error_code error;
+    return std::filesystem::exists(path, error);
+  };
+  if (!std::ranges::all_of(options.heat_maps, exists) || !is_finished(files, wanted)) return false;
+  log::info(fmt::format("Frame {} is there already; --force renders it again.", *plan.frame));
+  return true;
+}
+
+void resume(RenderJob& job, const RenderArguments& options, const Plan& plan) {
+  if (options.resume.empty()) return;
+  try {
+    job.resume(read_film(options.resume), options.resume);
+  } catch (const Error& error) {
+    if (!plan.frame) throw;
+    throw Error(error.kind(), fmt::format("Frame {} was interrupted and cannot go on: {}; delete that file, or begin "
+                                          "anew with --force.",
+                                          *plan.frame, error.what()));
+  }
+}
+
+Ending render_picture(const RenderArguments& options, Plan& plan, Stage& stage, SignalWatch& signals) {
+  const Scene& scene = stage.scene;
+  plan.outputs = output_paths(options, scene);
+  plan.denoised.clear();
+  plan_denoising(plan);
+  options.display.check(plan.outputs);
+  plan.session.set_size = scene.sampler.set_size();
+  const SampleRange wanted = wanted_samples(options, scene);
+  FilmHeader identity = film_identity(scene, options.sampling.seed);
+  RenderJob job(identity, {{wanted.begin, wanted.end}});
+  identity.samples = {{wanted.begin, wanted.end}};
+  if (frame_is_there(options, plan, identity)) return Ending::ok;
+  resume(job, options, plan);
+  check_files(plan, options);
+  check_outputs(options, plan, identity);
+  Checkpoint checkpoint(options.checkpoint, job);
+  prepare_team(stage, options, identity);
+  return run_job(job, checkpoint, *stage.team, options, plan, signals);
+}
+
+void check_frame_options(const RenderArguments& options) {
+  const auto refuse = [](const char* option, const char* why) {
+    throw Error(ErrorKind::usage, fmt::format("{} does not go with --frames: {}.", option, why));
+  };
+  if (!options.time.empty()) refuse("--time", "every frame gets all of its samples; stop with Ctrl-C and go on later");
+  if (!options.until_error.empty()) refuse("--until-error", "frames that are there are known by their samples");
+  if (!options.resume.empty()) refuse("--resume", "frames that were interrupted go on by themselves");
+  if (!options.scene.at.empty()) refuse("--at", "each frame has its own time, by --fps");
+  // Before a scene is read: every name has its place for the number.
+  for (const std::string& path : options.outputs) frame_name("-o", path, 0);
+  for (const std::string& path : options.heat_maps) frame_name("--heat-map", path, 0);
+  if (!options.checkpoint.empty()) frame_name("--checkpoint", options.checkpoint, 0);
+}
+
+// The same for one frame: its names, and where it goes on if it was interrupted.
+RenderArguments frame_arguments(const RenderArguments& options, const Scene& scene, std::uint32_t frame) {
+  RenderArguments one = options;
+  one.outputs = output_paths(options, scene);
+  for (std::string& path : one.outputs) path = frame_name("-o", path, frame);
+  for (std::string& path : one.heat_maps) path = frame_name("--heat-map", path, frame);
+  if (options.checkpoint.empty()) {
+    std::filesystem::path name(one.outputs.front());
+    one.checkpoint = name.replace_extension(".checkpoint.exr").string();
+  } else {
+    one.checkpoint = frame_name("--checkpoint", options.checkpoint, frame);
+  }
+  std::error_code error;
+  const bool interrupted =
+      std::filesystem::is_regular_file(one.checkpoint, error) && std::filesystem::file_size(one.checkpoint, error) > 0;
+  if (interrupted && options.overwrite.force) std::filesystem::remove(one.checkpoint, error);
+  if (interrupted && !options.overwrite.force) one.resume = one.checkpoint;
+  return one;
+}
+
+// A camera moves in a scene that is read and compiled once; whatever else moves is another scene.
+void set_stage(std::unique_ptr<Stage>& stage, const RenderArguments& options, double time) {
+  ReadOptions read = options.scene.read_options();
+  if (is_gltf(options.scene_file)) {
+    read.at = time;
+    stage.reset();
+    stage = std::make_unique<Stage>(Stage{read_prepared(options, read), {}});
+    return;
+  }
+  if (!stage) stage = std::make_unique<Stage>(Stage{read_prepared(options, read), {}});
+  Camera& camera = stage->scene.camera;
+  if (camera.path.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("--frames: nothing in {} moves; its camera has no keyframes", options.scene_file));
+  camera.world_from_camera = pose_at(camera.path, time);
+}
+
+Ending render_frames(const RenderArguments& options, Plan& plan, SignalWatch& signals) {
+  check_frame_options(options);
+  const SampleRange frames = parse_frames(options.frames.range);
+  std::unique_ptr<Stage> stage;
+  Ending ending = Ending::ok;
+  for (std::uint32_t frame = frames.begin; frame < frames.end && ending == Ending::ok; ++frame) {
+    if (signals.stop_asked()) {
+      ending = Ending::interrupted;
+      break;
+    }
+    set_stage(stage, options, frame / options.frames.fps);
+    const RenderArguments one = frame_arguments(options, stage->scene, frame);
+    plan.frame = frame;
+    plan.session.start = Clock::now();
+    const std::size_t rendered = plan.reports.size();
+    ending = render_picture(one, plan, *stage, signals);
+    std::error_code ignored;
+    if (ending == Ending::ok && plan.reports.size() > rendered) std::filesystem::remove(one.checkpoint, ignored);
+  }
+  OutputWriter files;
+  options.results.write_json(files, [&] { return Json({{"fps", options.frames.fps}, {"frames", plan.reports}}); });
+  files.finish();
+  return ending;
+}
+
+Ending render(const RenderArguments& options) {
+  options.results.begin();
+  Plan plan = make_plan(options, Clock::now());
+  SignalWatch signals(options.results.quiet);
+  if (options.frames.wanted()) return render_frames(options, plan, signals);
+  Stage stage{read_prepared(options, options.scene.read_options()), {}};
+  return render_picture(options, plan, stage, signals);
 }
 
 void add_job_options(Command& command, RenderArguments& options) {
@@ -485,6 +627,7 @@ void add_render_command(Command& app, Action& action) {
       ->type_name("NAMES");
   command->add_flag("--alpha", options->alpha,
                     "write coverage as the channel A and leave the background out: pictures are transparent there");
+  options->frames.add_to(*command);
   add_job_options(*command, *options);
   options->scene.add_to(*command);
   options->device.add_to(*command, true);

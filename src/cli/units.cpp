@@ -51,12 +51,31 @@ double parse_duration(const char* option, const std::string& text) {
   refuse(option, text, "a duration above zero with its unit ms, s, m, h or d; write for example 30s, 10m or 1.5h");
 }
 
+double parse_moment(const char* option, const std::string& text) {
+  if (const auto seconds = parse_plain(text); seconds && *seconds < 3e10) return *seconds;
+  const std::size_t digits = std::min(text.find_first_not_of("0123456789."), text.size());
+  if (parse_plain(text.substr(0, digits)) == 0.0) return 0.0;
+  return parse_duration(option, text);
+}
+
 double parse_fraction(const char* option, const std::string& text) {
   const bool percent = text.ends_with('%');
   const auto value = parse_plain(std::string_view(text).substr(0, text.size() - (percent ? 1 : 0)));
   const double fraction = value.value_or(0.0) / (percent ? 100.0 : 1.0);
   if (fraction > 0.0 && fraction < 1.0) return fraction;
   refuse(option, text, "a fraction between 0 and 1; write for example 1% or 0.01");
+}
+
+SampleRange parse_frames(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon != std::string::npos) {
+    const auto begin = parse_number<std::uint32_t>(std::string_view(text).substr(0, colon));
+    const auto end = parse_number<std::uint32_t>(std::string_view(text).substr(colon + 1));
+    if (begin && end && *begin < *end) return {*begin, *end};
+  }
+  refuse("--frames", text,
+         "a range A:B of frames with 0 <= A < B < 2^32 (B itself is not rendered); write for example "
+         "0:48");
 }
 
 SampleRange parse_samples(const std::string& text) {

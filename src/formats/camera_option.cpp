@@ -48,6 +48,7 @@ void set_camera(const std::string& text, Scene& scene, Diagnostics& diagnostics)
     camera.fov = n[6].value;
     camera.fov_axis = Camera::FovAxis::x;
   }
+  camera.path.keys.clear();
   camera.world_from_camera = {glm::dvec4(x, 0), glm::dvec4(glm::cross(z, x), 0), glm::dvec4(z, 0), glm::dvec4(eye, 1)};
 }
 

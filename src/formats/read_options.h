@@ -1,6 +1,7 @@
 #pragma once
 /// What a caller may ask of any reader.
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,9 +28,12 @@ struct ReadOptions {
   /// Where the scene is seen from in place of its camera: "x,y,z,x,y,z" of the eye and what it looks at, and perhaps
   /// the field of view in degrees; of a glTF asset also the name or the number of one of its cameras; "" for none.
   std::string camera;
+  /// The time at which what moves is shown, seconds; nothing: as the file says, cameras with a path at 0.
+  std::optional<double> at;
   // Of glTF assets alone.
-  std::string scene;    ///< name or number of the scene that is shown; "" for the one that the asset names
-  std::string variant;  ///< name of the material variant; "" for none
+  std::string scene;      ///< name or number of the scene that is shown; "" for the one that the asset names
+  std::string animation;  ///< name or number of the animation that is played; "" for all
+  std::string variant;    ///< name of the material variant; "" for none
   GltfLamps lamps = GltfLamps::automatic;
 };
 

@@ -41,6 +41,12 @@ void set_environment(const std::string& path, Scene& scene, Diagnostics& diagnos
 /// What the caller adds to a scene, whatever its format.
 void apply_additions(SceneFile& file, const ReadOptions& options, Diagnostics& diagnostics) {
   auto* scene = std::get_if<Scene>(&file);
+  if (options.at) {
+    if (scene == nullptr || scene->camera.path.empty())
+      return diagnostics.error({}, "--at: nothing in this file moves; its camera has no keyframes", ErrorKind::usage);
+    scene->camera.world_from_camera = pose_at(scene->camera.path, *options.at);
+    scene->camera.path.keys.clear();
+  }
   if (scene == nullptr || (options.environment.empty() && options.camera.empty())) return;
   if (!options.environment.empty()) set_environment(options.environment, *scene, diagnostics);
   if (!options.camera.empty()) set_camera(options.camera, *scene, diagnostics);
@@ -53,6 +59,7 @@ void refuse_options(const std::string& path, const ReadOptions& options, Diagnos
     diagnostics.error({}, fmt::format("{}: only glTF assets have it, {} is none", option, path), ErrorKind::usage);
   };
   if (!options.scene.empty()) refuse("--scene");
+  if (!options.animation.empty()) refuse("--animation");
   if (!options.variant.empty()) refuse("--variant");
   if (options.lamps != GltfLamps::automatic) refuse("--lamps");
 }
@@ -73,6 +80,7 @@ std::optional<SceneFile> read_model_file(const std::string& path, const ReadOpti
   if (!scene) return std::nullopt;
   std::optional<SceneFile> file = std::move(*scene);
   ReadOptions additions = options;
+  if (asset) additions.at.reset();  // is in the asset's nodes
   if (asset && !is_camera_placement(options.camera)) additions.camera = "";
   apply_additions(*file, additions, diagnostics);
   return diagnostics.error_count() > errors_before ? std::nullopt : std::move(file);

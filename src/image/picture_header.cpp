@@ -14,7 +14,7 @@ namespace etendue {
 namespace {
 
 PictureHeader from_film(FilmHeader film) {
-  return {film.width, film.height, true, std::move(film.samples), std::move(film.metadata)};
+  return {film.width, film.height, true, std::move(film.samples), std::move(film.metadata), {}};
 }
 
 SampleRanges samples_in(const Metadata& metadata) {
@@ -24,11 +24,19 @@ SampleRanges samples_in(const Metadata& metadata) {
 
 PictureHeader read_exr_picture_header(const std::string& path) {
   const Imf::Header header = load_exr_header(path);
-  if (is_film(header)) return from_film(read_film_header(path));
+  std::vector<std::string> channels;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
+    channels.emplace_back(channel.name());
+  if (is_film(header)) {
+    PictureHeader film = from_film(read_film_header(path));
+    film.channels = std::move(channels);
+    return film;
+  }
   const Imath::Box2i& window = header.dataWindow();
   PictureHeader picture{.width = static_cast<std::uint32_t>(window.max.x - window.min.x) + 1,
                         .height = static_cast<std::uint32_t>(window.max.y - window.min.y) + 1,
-                        .metadata = exr_metadata(header)};
+                        .metadata = exr_metadata(header),
+                        .channels = std::move(channels)};
   picture.samples = samples_in(picture.metadata);
   return picture;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "image/image.h"
 #include "image/sample_ranges.h"
@@ -15,6 +16,7 @@ struct PictureHeader {
   bool film = false;     ///< holds exact sums: can be merged and resumed
   SampleRanges samples;  ///< sample indices inside; empty when the file does not say
   Metadata metadata;
+  std::vector<std::string> channels;  ///< names, of an EXR file
 };
 
 /// Reads the first bytes of an EXR or PNG file, by content, however large the picture is that it announces. Throws

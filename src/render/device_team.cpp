@@ -70,6 +70,20 @@ std::vector<Renderer*> DeviceTeam::renderers() const {
   return all;
 }
 
+void DeviceTeam::look_at(AovPlan plan) {
+  plan_ = std::move(plan);
+  for (Member& member : members_) {
+    member.film = {};
+    member.aovs.clear();
+    if (!member.renderer) continue;
+    try {
+      member.renderer->set_view(plan_.view, plan_.settings);
+    } catch (const DeviceLost& error) {
+      open_afresh(member, error.what());
+    }
+  }
+}
+
 // Throws DeviceLost when the device has been lost too often.
 void DeviceTeam::open_afresh(Member& member, std::string reason) {
   member.renderer.reset();

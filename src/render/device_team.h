@@ -52,6 +52,10 @@ class DeviceTeam {
               const std::function<void(const FinishedSamples&)>& deliver,
               const std::function<bool(std::uint64_t done)>& go_on);
 
+  /// Renders the same scene from another view from now on, which is the scene's own by now: a device that is opened
+  /// afresh sees it, too.
+  void look_at(AovPlan plan);
+
   /// One renderer per device that works.
   std::vector<Renderer*> renderers() const;
 

@@ -109,6 +109,8 @@ class Checker {
                         "would be visible",
                         camera.near_clip, camera.far_clip));
     }
+    if (const std::string complaint = path_complaint(camera.path); !complaint.empty())
+      error(camera.position, "path", complaint);
     const glm::dvec3 origin(camera.world_from_camera[3]);
     if (!is_usable(camera.world_from_camera)) {
       error(camera.position, "world_from_camera", "the camera's transform is not affine, finite and invertible");

@@ -16,6 +16,7 @@
 #include "image/bitmap.h"
 #include "scene/adapters.h"
 #include "scene/bsdfs.h"
+#include "scene/camera_path.h"
 #include "scene/sky.h"
 #include "scene/source_position.h"
 #include "scene/texture.h"
@@ -173,6 +174,9 @@ struct Camera {
   double near_clip = 1e-4;  ///< along camera +Z, in camera units
   double far_clip = 1e4;
   glm::dmat4 world_from_camera{1.0};  ///< affine; column-major (GLM)
+  /// Of a camera that moves; `world_from_camera` is where it stands now. No part of the scene's hash: a picture is of
+  /// one time.
+  CameraPath path;
   ReconstructionFilter filter;
   SourcePosition position;  ///< the <camera> tag
 };

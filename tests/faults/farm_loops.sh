@@ -31,6 +31,13 @@ block again > again.sh
 sh -eu again.sh
 cmp one.exr result.exr
 
+# Frames: the same as one task would have made.
+sed -i 's/value="480"/value="24"/; s/value="270"/value="14"/; s/name="sampleCount" value="64"/name="sampleCount" value="16"/' scenes/cameras/turntable.xml
+block frames > frames.sh
+sh -eu frames.sh
+etendue render scenes/cameras/turntable.xml --frames 0:6 -o all-####.exr -q
+for frame in 0 1 2 3 4 5; do cmp all-000$frame.exr turn-000$frame.exr; done
+
 if command -v parallel >/dev/null; then
   rm -f shard-*.exr result.exr
   block parallel > parallel.sh

@@ -406,10 +406,11 @@ TEST(SceneErrors, UnknownPropertyIsAWarningUnlessStrict) {
   ASSERT_TRUE(lenient.file.has_value());
   ASSERT_EQ(lenient.diagnostics.list().size(), 1u);
   EXPECT_EQ(lenient.diagnostics.list()[0].severity, Severity::warning);
-  EXPECT_EQ(to_string(lenient.diagnostics.list()[0]),
-            "s.xml:3:14: <camera type=\"perspective\"> has no property \"widht\"; did you mean \"width\"?; it has: "
-            "width, height, fov, fovAxis, focalLength, principalPointOffsetX, principalPointOffsetY, cropWidth, "
-            "cropHeight, cropOffsetX, cropOffsetY, nearClip, farClip, apertureRadius, focusDistance, toWorld; ignored");
+  EXPECT_EQ(
+      to_string(lenient.diagnostics.list()[0]),
+      "s.xml:3:14: <camera type=\"perspective\"> has no property \"widht\"; did you mean \"width\"?; it has: "
+      "width, height, fov, fovAxis, focalLength, principalPointOffsetX, principalPointOffsetY, cropWidth, "
+      "cropHeight, cropOffsetX, cropOffsetY, nearClip, farClip, path, apertureRadius, focusDistance, toWorld; ignored");
   const Parsed strict = parse(text, {{}, true});
   EXPECT_FALSE(strict.file.has_value());
 }

@@ -58,9 +58,9 @@ const Plugin* find_overriding_row(std::string_view tag, const std::pair<std::str
 const Plugin* find_row(const XmlElement& element, ReadContext& context) {
   const Dialect& dialect = context.dialect;
   const std::string_view tag = dialect.canonical(element.name);
-  if (tag == "scene") {
+  if (const Plugin* only = dialect.find(tag, "")) {  // of one kind, which needs no name
     check_attributes(element, {}, context);
-    return dialect.find("scene", "");
+    return only;
   }
   const XmlAttribute* type = element.find("type");
   check_attributes(element, {"type"}, context, optional_attributes(tag, dialect));

@@ -41,11 +41,12 @@ void GltfMeshes::report(const GltfError& error) {
   sink_.error(document_.position(*error.where), error.message, error.kind);
 }
 
-std::vector<GltfPart> GltfMeshes::parts_of(const JsonValue& node) {
+std::vector<GltfPart> GltfMeshes::parts_of(const JsonValue& node, const std::vector<double>* weights) {
   const auto index = find_index(node, "mesh");
   if (!index) return {};
   const JsonValue& mesh = document_.element("meshes", *index, node);
-  const PrimitivePose pose = pose_of(node, mesh);
+  PrimitivePose pose = pose_of(node, mesh);
+  if (weights != nullptr) pose.weights = *weights;
   if (!pose.joints.empty()) return read_parts(mesh, pose, false);
   const std::string key = fmt::format("{} {}", *index, fmt::join(pose.weights, " "));
   const auto known = parts_.find(key);

@@ -32,7 +32,8 @@ class GltfMeshes {
         sink_(diagnostics) {}
 
   /// The parts of a node's mesh. Those of one with a skin stand in the world already. Reports what is wrong.
-  std::vector<GltfPart> parts_of(const JsonValue& node);
+  /// `weights` of the morph targets in place of the node's own, unless null.
+  std::vector<GltfPart> parts_of(const JsonValue& node, const std::vector<double>* weights = nullptr);
   static bool has_skin(const JsonValue& node) { return node.find("skin") != nullptr; }
   /// Primitives that are points or lines.
   std::size_t left_out() const { return left_out_; }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/gtc/quaternion.hpp>
@@ -11,12 +12,9 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-glm::dmat4 local_transform(const JsonValue& node) {
+/// Of a node that has a matrix.
+glm::dmat4 matrix_of_node(const JsonValue& node) {
   const auto matrix = find_numbers(node, "matrix", 16);
-  if (!matrix)
-    return gltf_transform(vec3_or(node, "translation", glm::dvec3(0.0)),
-                          vec4_or(node, "rotation", glm::dvec4(0.0, 0.0, 0.0, 1.0)),
-                          vec3_or(node, "scale", glm::dvec3(1.0)));
   glm::dmat4 m(1.0);
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 3; ++row) m[column][row] = (*matrix)[static_cast<std::size_t>(4 * column + row)];
@@ -43,7 +41,25 @@ glm::dmat4 gltf_transform(const glm::dvec3& translation, const glm::dvec4& rotat
           glm::dvec4(translation, 1.0)};
 }
 
-GltfNodes::GltfNodes(const GltfDocument& document) : document_(document) {
+glm::dmat4 GltfNodes::local_transform(std::uint32_t node) const {
+  const JsonValue& value = json(node);
+  if (value.find("matrix") != nullptr) return matrix_of_node(value);
+  const glm::dvec3 translation = vec3_or(value, "translation", glm::dvec3(0.0));
+  const glm::dvec4 rotation = vec4_or(value, "rotation", glm::dvec4(0.0, 0.0, 0.0, 1.0));
+  const glm::dvec3 scale = vec3_or(value, "scale", glm::dvec3(1.0));
+  const auto moved = pose_.nodes.find(node);
+  if (moved == pose_.nodes.end()) return gltf_transform(translation, rotation, scale);
+  const GltfNodePose& pose = moved->second;
+  return gltf_transform(pose.translation.value_or(translation), pose.rotation.value_or(rotation),
+                        pose.scale.value_or(scale));
+}
+
+const std::vector<double>* GltfNodes::weights(std::uint32_t node) const {
+  const auto moved = pose_.nodes.find(node);
+  return moved == pose_.nodes.end() || !moved->second.weights ? nullptr : &*moved->second.weights;
+}
+
+GltfNodes::GltfNodes(const GltfDocument& document, GltfPose pose) : document_(document), pose_(std::move(pose)) {
   const auto count = static_cast<std::uint32_t>(array_of(document.root(), "nodes").size());
   std::vector<std::uint32_t> parent(count, kNone);
   for (std::uint32_t node = 0; node < count; ++node) {
@@ -63,7 +79,7 @@ GltfNodes::GltfNodes(const GltfDocument& document) : document_(document) {
   constexpr double kUnplaced = std::numeric_limits<double>::quiet_NaN();
   world_from_node_.assign(count, glm::dmat4(kUnplaced));
   for (const std::uint32_t node : below(roots_, Hidden::shown)) {
-    const glm::dmat4 local = local_transform(json(node));
+    const glm::dmat4 local = local_transform(node);
     world_from_node_[node] = parent[node] == kNone ? local : world_from_node_[parent[node]] * local;
   }
   for (std::uint32_t node = 0; node < count; ++node) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/gltf/gltf_animation.h"
 #include "formats/gltf/gltf_document.h"
 
 namespace etendue {
@@ -13,10 +14,12 @@ namespace etendue {
 class GltfNodes {
  public:
   /// Throws GltfError for a node that is its own ancestor or has two parents.
-  explicit GltfNodes(const GltfDocument& document);
+  explicit GltfNodes(const GltfDocument& document, GltfPose pose = {});
 
   std::size_t size() const { return world_from_node_.size(); }
   const JsonValue& json(std::uint32_t node) const;
+  /// Of the morph targets, where an animation says them.
+  const std::vector<double>* weights(std::uint32_t node) const;
   const glm::dmat4& world_from_node(std::uint32_t node) const { return world_from_node_[node]; }
   /// A node's name, or its number.
   std::string name(std::uint32_t node) const;
@@ -32,7 +35,10 @@ class GltfNodes {
   /// Each node once, whatever the roots have in common.
   std::vector<std::uint32_t> below(const std::vector<std::uint32_t>& roots, Hidden hidden) const;
 
+  glm::dmat4 local_transform(std::uint32_t node) const;
+
   const GltfDocument& document_;
+  GltfPose pose_;
   std::vector<std::vector<std::uint32_t>> children_;
   std::vector<std::uint32_t> roots_;
   std::vector<glm::dmat4> world_from_node_;

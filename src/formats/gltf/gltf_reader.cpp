@@ -99,7 +99,7 @@ class GltfReader {
   std::optional<Scene> read_scene() {
     const std::size_t errors_before = sink_.error_count();
     check_extensions();
-    const GltfNodes nodes(document_);
+    const GltfNodes nodes(document_, read_pose());
     GltfMeshes meshes(document_, accessors_, nodes, surfaces_, chosen_variant(), scene_, sink_);
     set_viewer_sampling(scene_);
     show(nodes, shown_nodes(nodes), meshes);
@@ -113,6 +113,25 @@ class GltfReader {
     say_what_is_left_out(meshes);
     if (sink_.error_count() > errors_before) return std::nullopt;
     return std::move(scene_);
+  }
+
+  /// As the nodes say unless a time is asked for.
+  GltfPose read_pose() {
+    const JsonValue::Array& animations = array_of(document_.root(), "animations");
+    std::optional<std::uint32_t> animation;
+    if (!options_.animation.empty()) animation = chosen(options_.animation, names_of(animations), "--animation");
+    if (!options_.at) {
+      if (animation) throw Error(ErrorKind::usage, "--animation chooses what --at TIME or --frames plays; add one");
+      return {};
+    }
+    if (animations.empty())
+      throw Error(ErrorKind::usage,
+                  fmt::format("--at: nothing in {} moves; the asset has no animations", document_.path()));
+    GltfPose pose = gltf_pose(document_, accessors_, *options_.at, animation, sink_);
+    if (*options_.at > pose.end)
+      sink_.note(scene_.position,
+                 fmt::format("{} s is behind the end of the animations, at {} s", *options_.at, pose.end));
+    return pose;
   }
 
   void report(const GltfError& error) { sink_.error(document_.position(*error.where), error.message, error.kind); }
@@ -189,7 +208,7 @@ class GltfReader {
     for (const std::uint32_t node : shown) {
       const JsonValue& json = nodes.json(node);
       try {
-        show_mesh(nodes, node, meshes.parts_of(json));
+        show_mesh(nodes, node, meshes.parts_of(json, nodes.weights(node)));
         if (json.find("camera") != nullptr) cameras_.push_back(node);
         if (const JsonValue* light = find_extension(json, "KHR_lights_punctual"))
           scene_.delta_lights.push_back(gltf_light(document_, *light, nodes.world_from_node(node), rule));
@@ -320,8 +339,10 @@ class GltfReader {
     if (flat_ > 0)
       sink_.note(scene_.position,
                  fmt::format("{} nodes are scaled to nothing along an axis; they are left out", flat_));
-    if (!array_of(document_.root(), "animations").empty())
-      sink_.note(scene_.position, "the animations of the asset are not played: it stands as its nodes say");
+    if (!options_.at && !array_of(document_.root(), "animations").empty())
+      sink_.note(
+          scene_.position,
+          "the animations of the asset are not played: it stands as its nodes say; --at TIME shows it at a time");
   }
 
   GltfDocument& document_;

@@ -203,6 +203,8 @@ class MitsubaWriter : MaterialWriter {
     for (int i = 0; i < 3; ++i) placement[i] /= scale;
     xml_.transform("to_world", placement);
     write_film(camera);
+    if (!scene_.camera.path.empty())
+      differs("the camera moves, and stands still in scenes for Mitsuba; --at TIME says where");
     const bool sobol = scene_.sampler.type == Sampler::Type::sobol;
     xml_.open("sampler", {{"type", sobol ? "multijitter" : "independent"}});
     xml_.integer("sample_count", scene_.sampler.sample_count);

@@ -258,7 +258,33 @@ class SceneReader {
     remember_field(object, "farClip", "far_clip");
     remember_field(object, "toWorld", "world_from_camera");
     camera.filter = read_filter(object);
+    read_path_of_camera(object, camera);
     return camera;
+  }
+
+  void read_path_of_camera(const Object& object, Camera& camera) {
+    const auto curve = object.get<std::string>("path");
+    if (curve != "spline" && curve != "linear")
+      sink_.error(object.position_of("path"),
+                  fmt::format("{} is no path from keyframe to keyframe{}; known are spline and linear",
+                              text::quoted(curve), text::did_you_mean(curve, {"spline", "linear"})));
+    camera.path.curve = curve == "linear" ? CameraPath::Curve::linear : CameraPath::Curve::spline;
+    for (const XmlElement* element : object.children("keyframe")) {
+      const std::size_t errors_before = sink_.error_count();
+      const auto key = Object::read(*element, context_);
+      if (!key || sink_.error_count() > errors_before) continue;
+      camera.path.keys.push_back({key->get<double>("time"), key->matrix("toWorld")});
+      // Each one is held against those before it, so that the place of what is wrong is known.
+      if (const std::string complaint = key_complaint(camera.path, camera.path.keys.size() - 1); !complaint.empty()) {
+        sink_.error(key->position_of(complaint.find(" is at ") == std::string::npos ? "toWorld" : "time"), complaint);
+        camera.path.keys.pop_back();
+      }
+    }
+    if (camera.path.empty()) return;
+    if (object.given("toWorld"))
+      sink_.error(object.position_of("toWorld"),
+                  "the camera has both \"toWorld\" and keyframes, which say where it stands; keep one of them");
+    camera.world_from_camera = pose_at(camera.path, 0.0);
   }
 
   /// Of thinlens; and of perspective, to which courses give a lens in place of a camera of its own.

@@ -186,9 +186,20 @@ class NoriWriter : MaterialWriter {
     }
     xml_.number("nearClip", camera.near_clip);
     xml_.number("farClip", camera.far_clip);
-    xml_.transform("toWorld", camera.world_from_camera);
+    if (camera.path.empty()) xml_.transform("toWorld", camera.world_from_camera);
+    write_path(camera.path);
     write_filter(camera.filter);
     xml_.close();
+  }
+
+  void write_path(const CameraPath& path) {
+    if (path.curve == CameraPath::Curve::linear) xml_.text("path", "linear");
+    for (const CameraKey& key : path.keys) {
+      xml_.open("keyframe");
+      xml_.number("time", key.time);
+      xml_.transform("toWorld", key.world_from_camera);
+      xml_.close();
+    }
   }
 
   /// A film that is a part of a larger one was made from whole numbers, which are found again.

@@ -189,6 +189,8 @@ std::vector<Parameter> film_parameters(const char* width, const char* height) {
           {"cropOffsetY", integer, "0", between(0, 65535), "pixels above it"},
           {"nearClip", real, "1e-4", between(0, kMaxCoordinate), "nearest visible distance along the camera's +Z"},
           {"farClip", real, "1e4", above(0), "farthest visible distance along the camera's +Z; more than nearClip"},
+          {"path", string, "spline", any(),
+           "how the place of a camera with keyframes goes from one to the next: spline or linear"},
           world_transform()};
 }
 
@@ -220,7 +222,7 @@ std::vector<Plugin> camera_plugins() {
                {"blades", integer, "0", between(0, 1000), "corners of a polygonal aperture; 0: a disk"},
                {"bladeRotation", real, "0", between(-360, 360),
                 "turns the first corner from the camera's +X toward +Y, degrees"}});
-  const std::vector<ChildRule> filter = {{"rfilter", 0, 1}};
+  const std::vector<ChildRule> filter = {{"rfilter", 0, 1}, {"keyframe", 0, kAnyNumber, ChildUse::element}};
   return {
       {"camera", "perspective", "A pinhole camera: +Z forward, +Y up, +X to the left of the image.", pinhole, filter},
       {"camera", "thinlens",
@@ -246,6 +248,14 @@ std::vector<Plugin> camera_plugins() {
 
 std::vector<Plugin> view_plugins() {
   return {
+      {"keyframe",
+       "",
+       "Where a camera stands at a time; a child of <camera>, in place of its toWorld. --at and render --frames play "
+       "them; "
+       "without either the time is 0.",
+       {{"time", real, nullptr, between(-1e6, 1e6), "seconds; later than the keyframe before"},
+        {"toWorld", transform, "", any(), "camera space to world space at that time"}},
+       {}},
       {"sampler",
        "independent",
        "Independent random numbers.",
