@@ -6,7 +6,7 @@ target_compile_options(etendue_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
                        -Wno-missing-field-initializers -ffp-contract=off -pthread)
 # Of every target, programs too: precompiled headers serve those only who were compiled alike.
 if(ETENDUE_PIC)
-  target_compile_options(etendue_flags INTERFACE -fPIC)
+  target_compile_options(etendue_flags INTERFACE -fPIC -fvisibility=hidden)  # what others could replace would never be inlined
 endif()
 foreach(sanitizer IN LISTS ETENDUE_SANITIZE)
   target_compile_options(etendue_flags INTERFACE -fsanitize=${sanitizer} -fno-omit-frame-pointer)
