@@ -72,6 +72,7 @@ class Progressive(Iterator[Film]):
         """Ends the render and lets go of devices and scene; ``film`` stays."""
         if self._render is not None:
             self._film = _film_of(self._render)
+            self._render.close()
             self._render = None
 
     def __enter__(self) -> Progressive:
@@ -121,7 +122,10 @@ def render(
     DeviceError, DeviceLostError, FileError.
     """
     opened = _open(scene, spp, seed, device, samples, time, until_error, start, checkpoint, checkpoint_every, max_wait)
-    return _advance(opened, 0, progress)
+    try:
+        return _advance(opened, 0, progress)
+    finally:
+        opened.close()  # not when the last one forgets an exception that knows this frame
 
 
 def progressive(

@@ -32,6 +32,7 @@ class Render {
     const std::unique_lock only(busy_, std::try_to_lock);
     if (!only.owns_lock())
       throw Error(ErrorKind::usage, "This render is at work in another thread; one at a time may ask it to go on.");
+    if (!scene_) throw Error(ErrorKind::usage, "This render is closed.");
     Control control;
     const Scene& scene = scene_->scene();
     const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
@@ -40,6 +41,12 @@ class Render {
     const nb::object raised = run_interruptibly([&] { work(samples); }, control, progress);
     control_ = nullptr;
     return raised;
+  }
+
+  /// Lets go of the scene and the devices.
+  void close() {
+    render_.reset();
+    scene_.reset();
   }
 
   /// The film as it is, which later samples do not change; None before there is any sample.
@@ -109,6 +116,7 @@ void bind_renders(nb::module_& m) {
           nb::arg("time").none(), nb::arg("until_error").none(), nb::arg("max_wait").none(), nb::arg("checkpoint"),
           nb::arg("checkpoint_every"), nb::arg("start").none())
       .def("advance", &Render::advance, nb::arg("samples"), nb::arg("progress").none())
+      .def("close", &Render::close)
       .def_prop_ro("picture", &Render::picture)
       .def_prop_ro("done", &Render::done)
       .def_prop_ro("total", &Render::total)

@@ -201,3 +201,15 @@ def test_moved_vertices():
     assert scene.hash == lifted.hash
     with pytest.raises(et.UsageError, match="as many rows"):
         scene.parameters["instances.ball.positions"] = positions[:2]
+
+
+def test_words_of_notebooks_for_mitsuba(tmp_path):
+    et.set_variant("llvm_ad_rgb")
+    with pytest.raises(et.UsageError, match="scalar_spectral"):
+        et.set_variant("scalar_spectral")
+    parameters = et.traverse(et.load_dict(room()))
+    parameters["materials.white.albedo"] = 0.5
+    parameters.update()
+    assert np.array_equal(parameters["materials.white.albedo"], [0.5, 0.5, 0.5])
+    et.util.write_bitmap(tmp_path / "grey.exr", np.full((2, 3), 0.25))
+    assert np.all(et.read_image(tmp_path / "grey.exr").mean == 0.25)
