@@ -387,11 +387,14 @@ class Frames(unittest.TestCase):
     def test_interrupted_frames_go_on(self):
         scene = self.spin()
         command = ["render", scene, "--device", "reference", "--size", "60x40", "--spp", "1500", "--frames", "0:2", "--fps", "2", "-o"]
-        process = subprocess.Popen([ETENDUE, *command, "f-#.exr"], cwd=self.folder.name, stderr=subprocess.PIPE, text=True)
-        time.sleep(1.0)
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 130, err)
+        for patience in (0.5, 2, 8):  # until it has begun
+            process = subprocess.Popen([ETENDUE, *command, "f-#.exr"], cwd=self.folder.name, stderr=subprocess.PIPE, text=True)
+            time.sleep(patience)
+            process.send_signal(signal.SIGINT)
+            _, err = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 130, err)
+            if "before anything was rendered" not in err and "before the first pass" not in err:
+                break
         self.assertTrue(os.path.exists(self.path("f-0.checkpoint.exr")), err)
         before = re.search(r"at (\d+) spp of 1500, interrupted", err)
         self.assertIsNotNone(before, err)
