@@ -386,7 +386,7 @@ class Frames(unittest.TestCase):
 
     def test_interrupted_frames_go_on(self):
         scene = self.spin()
-        command = ["render", scene, "--device", "reference", "--size", "60x40", "--spp", "1500", "--frames", "0:2", "--fps", "2", "-o"]
+        command = ["render", scene, "--device", "reference", "--size", "60x40", "--spp", "600", "--frames", "0:2", "--fps", "2", "-o"]
         for patience in (0.5, 2, 8):  # until it has begun
             process = subprocess.Popen([ETENDUE, *command, "f-#.exr"], cwd=self.folder.name, stderr=subprocess.PIPE, text=True)
             time.sleep(patience)
@@ -396,7 +396,7 @@ class Frames(unittest.TestCase):
             if "before anything was rendered" not in err and "before the first pass" not in err:
                 break
         self.assertTrue(os.path.exists(self.path("f-0.checkpoint.exr")), err)
-        before = re.search(r"at (\d+) spp of 1500, interrupted", err)
+        before = re.search(r"at (\d+) spp of 600, interrupted", err)
         self.assertIsNotNone(before, err)
         # Another render's checkpoint is not gone on from.
         self.expect(6, ["Frame 0 was interrupted and cannot go on", "--force"], *command, "f-#.exr", "--seed", "7")
