@@ -61,7 +61,7 @@ void SceneOptions::add_to(Command& command) {
       ->group(kScene);
   command
       .add_flag("--approximate", approximate,
-                "what a scene for Mitsuba asks for and there is not here is replaced, with a warning for each")
+                "what a scene asks for and there is not here is replaced, with a warning for each")
       ->group(kScene);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 template <typename Words>
 bool contains(const Words& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
+  return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
 /// Whether two words differ in nothing but capitals, hyphens and underscores: pointLight, point_light, PointLight.
@@ -132,11 +132,17 @@ std::string_view Dialect::canonical_type(std::string_view tag, std::string_view 
   return known.empty() ? type : known;
 }
 
-const Parameter* Dialect::find_parameter(const Plugin& plugin, std::string_view name) const {
+const Parameter* Dialect::find_parameter(const Plugin& plugin, std::string_view name, std::string_view element) const {
+  const auto is_same = [&](std::string_view word) { return any_spelling ? is_spelling_of(word, name) : word == name; };
+  const auto concerns = [&](const ParameterAlias& alias) { return alias.tag.empty() || alias.tag == plugin.tag; };
+  for (const ParameterAlias& alias : parameter_aliases) {
+    if (alias.element.empty() || alias.element != element || !concerns(alias) || !is_same(alias.word)) continue;
+    if (const Parameter* parameter = plugin.find(alias.name)) return parameter;
+  }
   if (const Parameter* parameter = plugin.find(name)) return parameter;
   const auto find_alias = [&](const auto& is_word) -> const Parameter* {
     for (const ParameterAlias& alias : parameter_aliases) {
-      if (!is_word(alias.word)) continue;
+      if (!alias.element.empty() || !concerns(alias) || !is_word(alias.word)) continue;
       if (const Parameter* parameter = plugin.find(alias.name)) return parameter;
     }
     return nullptr;
@@ -147,6 +153,21 @@ const Parameter* Dialect::find_parameter(const Plugin& plugin, std::string_view 
     if (is_spelling_of(parameter.name, name)) return &parameter;
   }
   return find_alias([&](std::string_view word) { return is_spelling_of(word, name); });
+}
+
+const Parameter* Dialect::chief_parameter(const Plugin& plugin, std::string_view tag) const {
+  if (!forgiving) return nullptr;
+  const Parameter* only = nullptr;
+  std::size_t count = 0;
+  for (const Parameter& parameter : plugin.parameters) {
+    if (parameter.child != tag) continue;
+    // The colour of a surface is what a texture is for.
+    static constexpr std::string_view kColors[] = {"albedo", "kd", "base_color", "diffuse_reflectance"};
+    if (contains(kColors, parameter.name)) return &parameter;
+    only = &parameter;
+    ++count;
+  }
+  return count == 1 ? only : nullptr;
 }
 
 const Plugin* Dialect::find(std::string_view tag, std::string_view type) const {
@@ -206,6 +227,16 @@ std::string Dialect::parents_of(std::string_view tag) const {
     if (uses && !contains(parents, name)) parents.push_back(name);
   }
   return fmt::format("{}", fmt::join(parents, " or "));
+}
+
+std::string Dialect::owners_of(std::string_view tag) const {
+  std::vector<std::string> owners;
+  for (const Plugin& plugin : plugins) {
+    const std::string name = fmt::format("<{}>", plugin.tag);
+    const bool owns = std::ranges::any_of(plugin.parameters, [&](const Parameter& p) { return p.child == tag; });
+    if (owns && !contains(owners, name)) owners.push_back(name);
+  }
+  return fmt::format("{}", fmt::join(owners, " or "));
 }
 
 std::string parameter_tables(const Dialect& dialect) {

@@ -67,6 +67,14 @@ struct TypeAlias {
 /// Another word for a property, of whatever has that property.
 struct ParameterAlias {
   std::string_view word, name;
+  std::string_view tag = {};      ///< then of objects of this tag alone
+  std::string_view element = {};  ///< then where the property is written so: <vector name="scale" …>
+};
+
+/// A tag of other renderers for what has no place in a scene here; it is passed over.
+struct IgnoredTag {
+  std::string_view tag, why;
+  bool changes_picture;  ///< a warning, not only a note
 };
 
 /// The edge of a picture where texture coordinates have v = 0.
@@ -93,13 +101,21 @@ struct Dialect {
   std::vector<ParameterAlias> parameter_aliases = {};
   /// Words of types and properties may differ in capitals, hyphens and underscores.
   bool any_spelling = false;
+  /// What can mean one thing only is taken for that: a number under another tag, a texture without a name, a name of an
+  /// object that needs none, a property that is given twice alike.
+  bool forgiving = false;
+  std::vector<IgnoredTag> ignored_tags = {};
 
   /// The word of the table for a tag.
   std::string_view canonical(std::string_view tag) const;
   /// The word of the table for a type of a canonical tag.
   std::string_view canonical_type(std::string_view tag, std::string_view type) const;
   /// The parameter of a row by its name or another word for it; nullptr if there is none.
-  const Parameter* find_parameter(const Plugin& plugin, std::string_view name) const;
+  /// `element` is the tag that gives it.
+  const Parameter* find_parameter(const Plugin& plugin, std::string_view name, std::string_view element = {}) const;
+  /// The property that an object of `tag` without a name can only be meant for; nullptr where there are several or
+  /// none.
+  const Parameter* chief_parameter(const Plugin& plugin, std::string_view tag) const;
   /// The row of a canonical tag and a type, or nullptr.
   const Plugin* find(std::string_view tag, std::string_view type) const;
   /// Types of a tag that can be used, in table order; empty for a tag that is no object.
@@ -111,8 +127,10 @@ struct Dialect {
   bool is_unsupported_tag(std::string_view tag) const;
   /// Objects of the tag can stand for a property's value.
   bool can_be_named(std::string_view tag) const;
-  /// Where `tag` can be used: "<mesh> or <scene>"; "" for the root of a file.
+  /// Where `tag` can be used: "<mesh> or <scene>"; "" for the root of a file, and for what stands for properties alone.
   std::string parents_of(std::string_view tag) const;
+  /// The tags of objects of whose properties one of `tag` can be the value: "<bsdf> or <emitter>".
+  std::string owners_of(std::string_view tag) const;
 };
 
 /// The parameter tables as Markdown, for docs/scene_format.md.

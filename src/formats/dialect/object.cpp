@@ -24,7 +24,7 @@ bool contains(const std::vector<std::string>& words, std::string_view word) {
 
 /// Attributes of an object that may be left out.
 std::vector<std::string> optional_attributes(std::string_view tag, const Dialect& dialect) {
-  if (dialect.can_be_named(tag)) return {"id", "name"};
+  if (dialect.forgiving || dialect.can_be_named(tag)) return {"id", "name"};
   return {"id"};
 }
 
@@ -59,7 +59,9 @@ const Plugin* find_row(const XmlElement& element, ReadContext& context) {
   const Dialect& dialect = context.dialect;
   const std::string_view tag = dialect.canonical(element.name);
   if (const Plugin* only = dialect.find(tag, "")) {  // of one kind, which needs no name
-    check_attributes(element, {}, context);
+    const bool may_have_version = dialect.forgiving && tag == "scene";
+    check_attributes(element, {}, context,
+                     may_have_version ? std::vector<std::string>{"version"} : std::vector<std::string>{});
     return only;
   }
   const XmlAttribute* type = element.find("type");
@@ -90,6 +92,15 @@ std::string tags_of(const Parameter& parameter) {
   return *parameter.child == '\0' ? value : fmt::format("{} or <{}>", value, parameter.child);
 }
 
+/// Whether a value under another tag is one of the type: 3 is a number of any kind, (1, 2, 3) a point or a vector, and
+/// one number a grey.
+bool says_the_same(std::string_view tag, ParameterType type) {
+  using enum ParameterType;
+  const bool number = tag == "integer" || tag == "float", triple = tag == "point" || tag == "vector";
+  if (type == integer || type == real || type == color) return number;
+  return triple && (type == point || type == vector || type == point2 || type == vector2);
+}
+
 }  // namespace
 
 SourcePosition value_position(const XmlAttribute& attribute, std::size_t offset, const ReadContext& context) {
@@ -118,6 +129,12 @@ bool check_attributes(const XmlElement& element, const std::vector<std::string>&
         fmt::format("<{}> lacks its attribute \"{}\"; it takes: {}", element.name, name, text::join(all)));
   }
   return good;
+}
+
+void ReadContext::approximated(const std::string& what, const std::string& substitute, const SourcePosition& position) {
+  diagnostics.warning(position, fmt::format("{} is approximated: {}", text::printable(what, 60), substitute));
+  const std::string line = fmt::format("{}: {}", text::printable(what, 60), substitute);
+  if (!contains(approximations, line)) approximations.push_back(line);
 }
 
 void report_lacking(const ReadContext& context) {
@@ -185,7 +202,15 @@ void Object::read_child(const XmlElement& child, ReadContext& context) {
 void Object::report_unknown_tag(const XmlElement& child, ReadContext& context) const {
   static const std::vector<std::string> kOperations = {"translate", "scale", "rotate", "matrix", "lookat"};
   const SourcePosition position = context.document.position(child.offset);
+  for (const IgnoredTag& ignored : context.dialect.ignored_tags) {
+    if (ignored.tag != child.name) continue;
+    const std::string message = fmt::format("<{}> is passed over: {}", child.name, ignored.why);
+    ignored.changes_picture ? context.diagnostics.warning(position, message)
+                            : context.diagnostics.note(position, message);
+    return;
+  }
   if (context.dialect.is_unsupported_tag(child.name)) {
+    if (context.approximate) return context.approximated(child.name, "left out", position);
     context.lacking.emplace_back(child.name, position);
     context.diagnostics.error(position, fmt::format("<{}> is not supported; remove it", child.name));
   } else if (contains(kOperations, child.name)) {
@@ -222,6 +247,13 @@ void Object::add_child(const XmlElement& child, const XmlElement& object, ReadCo
   if (may_be_named && child.find("name") != nullptr) return add_named_child(child, object, context);
   const ChildRule* rule = plugin_->find_child(tag);
   if (rule == nullptr && retyped_ && (in_file_ == nullptr || in_file_->find_child(tag) != nullptr)) return;
+  if (rule == nullptr) {
+    if (const Parameter* chief = context.dialect.chief_parameter(*plugin_, tag)) {
+      context.diagnostics.note(context.document.position(child.offset),
+                               fmt::format("the <{}> without a name is taken for \"{}\"", object.name, chief->name));
+      return set_named_child(*chief, child, object, context);
+    }
+  }
   if (rule == nullptr || (is_reference && rule->use != ChildUse::element_or_reference))
     return report_misplaced(child, object.name, context);
   const SourcePosition position = context.document.position(child.offset);
@@ -254,8 +286,16 @@ void Object::report_misplaced(const XmlElement& child, std::string_view tag, Rea
                                                     text::join(properties)));
     return;
   }
-  const std::string parents = context.dialect.parents_of(canonical);
-  const std::string remedy = parents.empty() ? "it is the root of a file" : "it belongs inside " + parents;
+  const std::string parents = context.dialect.parents_of(canonical), owners = context.dialect.owners_of(canonical);
+  const std::string remedy =
+      !parents.empty()  ? "it belongs inside " + parents
+      : !owners.empty() ? fmt::format("it gives a property of {}, as <{} name=\"…\" type=\"…\">", owners, canonical)
+                        : "it is the root of a file";
+  if (parents.empty() && !owners.empty()) {
+    const std::string feature = fmt::format("{} in {}", tag, tag_);
+    if (context.approximate) return context.approximated(feature, "left out", position);
+    context.lacking.emplace_back(feature, position);
+  }
   context.diagnostics.error(position, fmt::format("{} cannot stand inside {}; {}", what, heading(), remedy));
 }
 
@@ -263,17 +303,22 @@ void Object::add_named_child(const XmlElement& child, const XmlElement& object, 
   const XmlAttribute& name = *child.find("name");
   const Parameter* parameter = context.dialect.find_parameter(*plugin_, name.value);
   if (parameter == nullptr) return report_unknown_property(name, context);
-  if (is_given_twice(*parameter, child, context)) return;
+  set_named_child(*parameter, child, object, context);
+}
+
+void Object::set_named_child(const Parameter& parameter, const XmlElement& child, const XmlElement& object,
+                             ReadContext& context) {
+  if (is_given_twice(parameter, child, context)) return;
   const SourcePosition position = context.document.position(child.offset);
-  if (parameter->child != context.dialect.canonical(object.name)) {
+  if (parameter.child != context.dialect.canonical(object.name)) {
     const bool is_reference = &child != &object;
     context.diagnostics.error(
-        position, fmt::format("property \"{}\" of {} takes {}, {} <{}>", parameter->name, heading(),
-                              tags_of(*parameter), is_reference ? "but this refers to a" : "not", object.name));
+        position, fmt::format("property \"{}\" of {} takes {}, {} <{}>", parameter.name, heading(), tags_of(parameter),
+                              is_reference ? "but this refers to a" : "not", object.name));
     return;
   }
-  named_children_[parameter->name] = &object;
-  given_[parameter->name] = {Value{}, position};
+  named_children_[parameter.name] = &object;
+  given_[parameter.name] = {Value{}, position};
 }
 
 void Object::report_unknown_property(const XmlAttribute& name, ReadContext& context) const {
@@ -289,8 +334,27 @@ void Object::report_unknown_property(const XmlAttribute& name, ReadContext& cont
                  : context.diagnostics.warning(position, message + "; ignored");
 }
 
+/// Whether the element, a property that was given before, says the same again.
+bool Object::repeats(const Parameter& parameter, const XmlElement& element) const {
+  const auto before = given_.find(parameter.name);
+  const XmlAttribute* value = element.find("value");
+  const bool readable = value != nullptr && element.name == tag_of(parameter.type);
+  if (before == given_.end() || !readable || named_children_.contains(parameter.name)) return false;
+  try {
+    return parse_value(parameter.type, parameter.range, value->value) == before->second.value;
+  } catch (const ValueError&) {
+    return false;
+  }
+}
+
 bool Object::is_given_twice(const Parameter& parameter, const XmlElement& element, ReadContext& context) {
   if (seen_.insert(parameter.name).second) return false;
+  if (context.dialect.forgiving && repeats(parameter, element)) {
+    context.diagnostics.warning(
+        context.document.position(element.offset),
+        fmt::format("property \"{}\" of {} is given twice, and alike; keep one", parameter.name, heading()));
+    return true;
+  }
   context.diagnostics.error(context.document.position(element.offset),
                             fmt::format("property \"{}\" of {} is given twice; keep one", parameter.name, heading()));
   return true;
@@ -308,7 +372,7 @@ void Object::read_property(const XmlElement& element, ReadContext& context) {
         fmt::format("<{}> cannot hold elements; write it as <{} name=\"…\" value=\"…\"/>", element.name, element.name));
   }
   if (name == nullptr) return;
-  const Parameter* parameter = context.dialect.find_parameter(*plugin_, name->value);
+  const Parameter* parameter = context.dialect.find_parameter(*plugin_, name->value, element.name);
   if (parameter == nullptr) return report_unknown_property(*name, context);
   if (is_given_twice(*parameter, element, context)) return;
   if (parameter->type == ParameterType::object) {
@@ -317,7 +381,8 @@ void Object::read_property(const XmlElement& element, ReadContext& context) {
         fmt::format("property \"{}\" of {} takes {}, not a value", parameter->name, heading(), tags_of(*parameter)));
     return;
   }
-  if (element.name != tag_of(parameter->type)) {
+  if (element.name != tag_of(parameter->type) &&
+      !(context.dialect.forgiving && says_the_same(element.name, parameter->type))) {
     context.diagnostics.error(
         context.document.position(element.offset),
         fmt::format("property \"{}\" of {} is of type {}, not {}; write <{} name=\"{}\" …>", parameter->name, heading(),
@@ -335,8 +400,10 @@ void Object::read_property(const XmlElement& element, ReadContext& context) {
 void Object::read_value(const Parameter& parameter, const XmlElement& element, ReadContext& context) {
   const XmlAttribute& value = *element.find("value");
   try {
-    given_[parameter.name] = {parse_value(parameter.type, parameter.range, value.value),
-                              value_position(value, 0, context)};
+    const bool grey = parameter.type == ParameterType::color && element.name != tag_of(parameter.type);
+    Value read = parse_value(grey ? ParameterType::real : parameter.type, parameter.range, value.value);
+    if (grey) read = glm::dvec3(std::get<double>(read));
+    given_[parameter.name] = {std::move(read), value_position(value, 0, context)};
   } catch (const ValueError& error) {
     given_.erase(parameter.name);
     context.diagnostics.error(value_position(value, error.offset, context),

@@ -30,6 +30,12 @@ struct ReadContext {
   std::vector<bool> override_matched;  ///< one per override
   /// Types and tags that there are not here, as in "bsdf phong", and where; each was reported as well.
   std::vector<std::pair<std::string, SourcePosition>> lacking = {};
+  /// What there is not here is replaced, with a warning for each, in place of being refused.
+  bool approximate = false;
+  std::vector<std::string> approximations = {};  ///< "medium: left out", each once
+
+  /// Warns of a substitute, and remembers it for the metadata of pictures.
+  void approximated(const std::string& what, const std::string& substitute, const SourcePosition& position);
 };
 
 /// Where the file needs several things that there are not here, one more error before all others that names them all.
@@ -82,8 +88,11 @@ class Object {
   /// `object` is `child`, or what `child`, a <ref>, refers to.
   void add_child(const XmlElement& child, const XmlElement& object, ReadContext& context);
   void add_named_child(const XmlElement& child, const XmlElement& object, ReadContext& context);
+  void set_named_child(const Parameter& parameter, const XmlElement& child, const XmlElement& object,
+                       ReadContext& context);
   void report_misplaced(const XmlElement& child, std::string_view tag, ReadContext& context) const;
   void report_unknown_property(const XmlAttribute& name, ReadContext& context) const;
+  bool repeats(const Parameter& parameter, const XmlElement& element) const;
   bool is_given_twice(const Parameter& parameter, const XmlElement& element, ReadContext& context);
   void apply_overrides(ReadContext& context);
   void check_complete(ReadContext& context) const;

@@ -44,6 +44,7 @@ class DeltaLightReader {
       read_direction();
       if (const char* name = one_of("irradiance", "radiance")) light_.intensity = object_.get<glm::dvec3>(name);
     }
+    if (type != "projector") light_.intensity.value *= object_.get<double>("scale");
     return light_;
   }
 

@@ -13,6 +13,9 @@ constexpr Range kAngle{0.0, 180.0, true, false};
 Parameter power_parameter() {
   return {"power", color, "", kLight, "power, W; it or intensity is needed"};
 }
+Parameter light_scale() {
+  return {"scale", real, "1", {0.0, kMaxRadiance, false, false}, "factor of it"};
+}
 Parameter place(const char* what) {
   return {"toWorld", transform, "", {}, what};
 }
@@ -49,6 +52,7 @@ Plugin spot_plugin() {
        {},
        "how it fades between the two: linear in the angle; smooth, a cubic, or quartic, the fourth power, of the "
        "cosine. linear unless given, with totalWidth or falloffStart quartic"},
+      light_scale(),
       place("its own space to world space: rotations, reflections and translations")};
   row.parameters.insert(row.parameters.end(), rest.begin(), rest.end());
   return row;
@@ -60,6 +64,7 @@ Plugin directional_plugin(const char* type, const char* doc) {
   const std::vector<Parameter> rest = {
       {"irradiance", color, "", kLight, "of a surface that faces it, W/m²; it or radiance is needed"},
       {"radiance", color, "", kLight, "another word for irradiance"},
+      light_scale(),
       place("instead of a direction: it shines along +z of this")};
   row.parameters.insert(row.parameters.end(), rest.begin(), rest.end());
   return row;
@@ -128,6 +133,7 @@ std::vector<Plugin> delta_light_plugins() {
        {{"position", point, "", kAnywhere, "where it stands; the origin of toWorld unless given"},
         {"intensity", color, "", kLight, "power per solid angle, W/sr"},
         power_parameter(),
+        light_scale(),
         place("instead of a position")},
        {}},
       spot_plugin(),

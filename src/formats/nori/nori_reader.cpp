@@ -80,7 +80,7 @@ class SceneReader {
     scene.file = path_;
     scene.position = object.position();
     scene.sky = {object.get<glm::dvec3>("sky_top"), object.get<glm::dvec3>("sky_horizon")};
-    if (const auto integrator = read_only_child(object, "integrator")) read_integrator(*integrator, object, scene);
+    if (const auto integrator = read_integrator_object(object)) read_integrator(*integrator, object, scene);
     if (const auto camera = read_only_child(object, "camera")) scene.camera = read_camera(*camera);
     scene.sampler = read_sampler(object);
     scene.instancing = read_instancing(object);
@@ -116,6 +116,15 @@ class SceneReader {
     const std::vector<const XmlElement*> children = parent.children(tag);
     if (children.empty()) return std::nullopt;
     return Object::read(*children.front(), context_);
+  }
+
+  std::optional<Object> read_integrator_object(const Object& root) {
+    const std::vector<const XmlElement*> children = root.children("integrator");
+    if (!context_.approximate || children.empty() || !is_unknown(*children.front()))
+      return read_only_child(root, "integrator");
+    const SourcePosition position = context_.document.position(children.front()->offset);
+    context_.approximated(fmt::format("integrator {}", children.front()->find("type")->value), "path_mis", position);
+    return Object::defaulted("integrator", "path_mis", position, context_);
   }
 
   void read_integrator(const Object& object, const Object& root, Scene& scene) {
@@ -296,6 +305,12 @@ class SceneReader {
       return;
     }
     if (!(radius > 0.0)) return;
+    if (is_focus_distance(object)) {
+      sink_.note(object.position_of("focalLength"), "\"focalLength\" beside \"fov\" is taken for \"focusDistance\"");
+      camera.type = Camera::Type::thin_lens;
+      camera.aperture = {.radius = radius, .focus_distance = object.get<double>("focalLength")};
+      return;
+    }
     if (!object.given("focusDistance"))
       return sink_.error(
           object.position_of("apertureRadius"),
@@ -332,7 +347,7 @@ class SceneReader {
                       text::quoted(text), text::did_you_mean(text, {"x", "y", "diagonal", "smaller", "larger"})));
     }
     const auto focal_length = object.get<double>("focalLength");
-    if (!(focal_length > 0.0)) return;
+    if (!(focal_length > 0.0) || is_focus_distance(object)) return;
     const bool both = object.given("fov") || object.given("fovAxis");
     if (both)
       sink_.error(object.position_of("focalLength"),
@@ -340,6 +355,12 @@ class SceneReader {
     constexpr double kDegrees = 180.0 / 3.14159265358979323846;
     camera.fov = 2.0 * std::atan(std::hypot(36.0, 24.0) / (2.0 * focal_length)) * kDegrees;
     camera.fov_axis = diagonal;
+  }
+
+  /// A course calls the distance that is sharp focalLength: of a lens whose field of view is known it can be no other.
+  static bool is_focus_distance(const Object& object) {
+    return object.given("focalLength") && object.given("fov") && object.given("apertureRadius") &&
+           !object.given("focusDistance");
   }
 
   /// The part of the film that is rendered becomes the film, and remembers where it was.
@@ -512,6 +533,7 @@ class SceneReader {
                       : material_row(*bsdfs.front(), scene);
     std::optional<AreaEmitter> area_emitter;
     const auto emitter = read_only_child(object, "emitter");
+    if (emitter && std::string_view(emitter->plugin().type) == "envmap") return read_sky_mesh(*emitter, scene);
     if (emitter) area_emitter = read_emitter(*emitter, scene);
     std::string name = object.plugin().type;
     const std::optional<std::uint32_t> shape =
@@ -592,7 +614,9 @@ class SceneReader {
   std::uint32_t material_row(const XmlElement& element, Scene& scene) {
     if (const auto known = materials_.find(&element); known != materials_.end()) return known->second;
     Material material{.bsdf = DiffuseBsdf{}, .name = "bsdf", .position = context_.document.position(element.offset)};
-    if (const auto object = Object::read(element, context_)) {
+    if (context_.approximate && is_unknown(element)) {
+      material.bsdf = DiffuseBsdf{substitute_color(element)};
+    } else if (const auto object = Object::read(element, context_)) {
       const XmlAttribute* id = element.find("id");
       material.name = id != nullptr ? id->value : object->plugin().type;
       material.position = object->position();
@@ -602,6 +626,32 @@ class SceneReader {
     const std::uint32_t row = add_material(std::move(material), scene);
     materials_.emplace(&element, row);
     return row;
+  }
+
+  bool is_unknown(const XmlElement& element) const {
+    const XmlAttribute* type = element.find("type");
+    return type != nullptr && context_.dialect.find(context_.dialect.canonical(element.name), type->value) == nullptr;
+  }
+
+  /// What a material that there is not here says of its colour.
+  glm::dvec3 substitute_color(const XmlElement& element) {
+    glm::dvec3 color(0.5);
+    for (const XmlElement& child : element.children) {
+      const XmlAttribute *name = child.find("name"), *value = child.find("value");
+      if (child.name != "color" || name == nullptr || value == nullptr) continue;
+      static constexpr std::string_view kWords[] = {
+          "albedo", "kd", "reflectance", "diffuseReflectance", "base_color", "baseColor", "diffuse_reflectance"};
+      if (std::ranges::find(kWords, name->value) == std::end(kWords)) continue;
+      try {
+        color = parse_triple(value->value, {0.0, 1.0, false, false});
+        break;
+      } catch (const ValueError& error) {
+        sink_.error(value_position(*value, error.offset, context_), error.message);
+      }
+    }
+    context_.approximated(fmt::format("bsdf {}", element.find("type")->value), "diffuse, of its colour or grey",
+                          context_.document.position(element.offset));
+    return color;
   }
 
   /// Nothing for a material of its own.
@@ -758,6 +808,9 @@ class SceneReader {
     auto bsdf = read_parameters<PrincipledBsdf>(object, scene);
     if (object.given("specular") && !object.given("eta"))
       bsdf.eta = 2.0 / (1.0 - std::sqrt(0.08 * object.get<double>("specular"))) - 1.0;
+    // An index of 1 bends nothing; at 1.0011 a third of a millionth is reflected along the normal.
+    if (object.given("specular") && !object.given("eta"))
+      bsdf.eta.value = std::max(bsdf.eta.value, 1.0 + 1.1 * kMinIndexContrast);
     return bsdf;
   }
 
@@ -848,13 +901,30 @@ class SceneReader {
                   "a test of materials has no surface to look up a texture on; use a color");
       return glm::dvec3(1.0);
     }
+    const XmlElement* element = object.child_of(property);
+    if (context_.approximate && element != nullptr && is_unknown(*element)) {
+      context_.approximated(fmt::format("texture {}", element->find("type")->value), "grey, 0.5",
+                            context_.document.position(element->offset));
+      return glm::dvec3(0.5);
+    }
     const std::optional<std::uint32_t> texture = textures_.read(object, property, *scene);
     return texture ? ColorParameter(textures_.factor(object, property), *texture) : ColorParameter(glm::dvec3(1.0));
   }
 
+  /// Courses put the picture of the sky on a large sphere, and look it up by direction.
+  std::optional<Instance> read_sky_mesh(const Object& emitter, Scene& scene) {
+    sink_.warning(
+        emitter.position(),
+        "the picture of a mesh is taken as light from all around the scene, from infinitely far away; the mesh "
+        "is left out");
+    add_environment(emitter, *scene_object_, scene);
+    return std::nullopt;
+  }
+
   /// Emitters of the scene itself: lights without extent, and light from all around.
   void read_lights(const Object& scene_object, Scene& scene) {
-    bool has_environment = false;
+    scene_object_ = &scene_object;
+    has_environment_ = false;
     for (const XmlElement* element : scene_object.children("emitter")) {
       const auto object = Object::read(*element, context_);
       if (!object) continue;
@@ -867,13 +937,17 @@ class SceneReader {
         }
         continue;
       }
-      if (has_environment)
-        sink_.error(object->position(),
-                    fmt::format("{} is a second emitter of light from all around the scene; keep one of them",
-                                object->plugin().type));
-      has_environment = true;
-      read_environment(*object, scene_object, scene);
+      add_environment(*object, scene_object, scene);
     }
+  }
+
+  void add_environment(const Object& object, const Object& scene_object, Scene& scene) {
+    if (has_environment_)
+      sink_.error(object.position(),
+                  fmt::format("{} is a second emitter of light from all around the scene; keep one of them",
+                              object.plugin().type));
+    has_environment_ = true;
+    read_environment(object, scene_object, scene);
   }
 
   /// Light from outside: an emitter of the scene itself.
@@ -952,8 +1026,13 @@ class SceneReader {
                                                  object.plugin().type, what));
       return {};
     }
-    if (object.child_of("radiance") != nullptr) return {read_textured(object, "radiance", &scene), object.position()};
-    const auto radiance = object.get<glm::dvec3>("radiance");
+    const auto scale = object.get<double>("scale");
+    if (object.child_of("radiance") != nullptr) {
+      ColorParameter textured = read_textured(object, "radiance", &scene);
+      textured.value *= scale;
+      return {textured, object.position()};
+    }
+    const glm::dvec3 radiance = scale * object.get<glm::dvec3>("radiance");
     remember_fields(object, {"radiance"});
     if (object.given("radiance") && radiance == glm::dvec3(0.0)) {
       sink_.warning(object.position_of("radiance"), "radiance 0 0 0: this emitter sends no light");
@@ -1144,7 +1223,9 @@ class SceneReader {
   std::uintmax_t mesh_bytes_ = 0;
   bool too_many_meshes_ = false;
   bool in_test_ = false;
-  std::vector<EmptyMesh> empty_meshes_;  ///< of the scene that is being read
+  const Object* scene_object_ = nullptr;  ///< of the scene that is being read
+  bool has_environment_ = false;          ///< that scene
+  std::vector<EmptyMesh> empty_meshes_;   ///< of the scene that is being read
 };
 
 void report_unmatched_overrides(const ReadContext& context) {
@@ -1181,7 +1262,9 @@ std::optional<SceneFile> read_nori(const XmlDocument& document, const ReadOption
   ReadContext context{
       dialect,           document,       references, diagnostics,
       options.overrides, options.strict, {},         std::vector<bool>(options.overrides.size(), false)};
+  context.approximate = options.approximate;
   std::optional<SceneFile> result = SceneReader(context, load_mesh).read(*document.root());
+  if (auto* scene = result ? std::get_if<Scene>(&*result) : nullptr) scene->approximations = context.approximations;
   report_lacking(context);
   // After other errors an object may be missing that the override would have reached.
   if (diagnostics.error_count() == errors_before) report_unmatched_overrides(context);

@@ -32,6 +32,8 @@ std::vector<Plugin> texture_plugins() {
         {"wrap_mode", string, "repeat", {}, "what lies beyond its edges: repeat, mirror or clamp"},
         {"filter_type", string, "bilinear", {}, "between texels: bilinear or nearest"},
         {"raw", boolean, "false", {}, "8-bit numbers are no sRGB colours but numbers"},
+        {"tile", vector2, "1 1", kCoordinate, "size of the picture in texture coordinates, not 0"},
+        {"delta", point2, "0 0", kCoordinate, "offset in pictures: it is looked up at uv / tile − delta"},
         to_uv(),
         factor()},
        {}},

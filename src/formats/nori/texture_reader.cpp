@@ -18,6 +18,13 @@ glm::dmat3 plane_transform(const glm::dmat4& m) {
   return {m[0][0], m[0][1], 0.0, m[1][0], m[1][1], 0.0, m[3][0], m[3][1], 1.0};
 }
 
+/// A word in small letters: exporters of Blender write REPEAT, EXTEND, Linear and Closest.
+std::string small_word(const Object& object, const char* property) {
+  std::string word(text::trim(object.get<std::string>(property)));
+  for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return word;
+}
+
 /// Nori's words for a checkerboard: squares of side 1 in uv / scale − delta. Ours have side 1/2.
 glm::dmat3 square_transform(const glm::dvec3& scale, const glm::dvec3& delta) {
   return {0.5 / scale.x, 0.0, 0.0, 0.0, 0.5 / scale.y, 0.0, -0.5 * delta.x, -0.5 * delta.y, 1.0};
@@ -90,7 +97,13 @@ std::optional<Texture> TextureReader::read_bitmap_texture(const Object& object, 
   set_wrap(object, picture);
   set_filter(object, picture);
   if (object.get<bool>("raw")) picture.color_space = ColorSpace::linear;
-  texture.uv_transform = plane_transform(object.matrix("to_uv"));
+  const auto tile = object.get<glm::dvec3>("tile"), delta = object.get<glm::dvec3>("delta");
+  if (tile.x == 0.0 || tile.y == 0.0) {
+    context_.diagnostics.error(object.position_of("tile"), "a size of 0 leaves no picture; use another number");
+    return std::nullopt;
+  }
+  const glm::dmat3 tiles(1.0 / tile.x, 0.0, 0.0, 0.0, 1.0 / tile.y, 0.0, -delta.x, -delta.y, 1.0);
+  texture.uv_transform = plane_transform(object.matrix("to_uv")) * tiles;
   const std::optional<std::uint32_t> bitmap = read_picture(object, texture, scene);
   if (!bitmap) return std::nullopt;
   picture.bitmap = *bitmap;
@@ -115,11 +128,11 @@ TextureChannel TextureReader::read_channel(const Object& object) {
 }
 
 void TextureReader::set_wrap(const Object& object, BitmapTexture& picture) {
-  const std::string word(text::trim(object.get<std::string>("wrap_mode")));
+  const std::string word = small_word(object, "wrap_mode");
   TextureWrap wrap = TextureWrap::repeat;
   if (word == "mirror") {
     wrap = TextureWrap::mirror;
-  } else if (word == "clamp") {
+  } else if (word == "clamp" || word == "extend") {
     wrap = TextureWrap::clamp;
   } else if (word != "repeat") {
     context_.diagnostics.error(
@@ -131,10 +144,10 @@ void TextureReader::set_wrap(const Object& object, BitmapTexture& picture) {
 }
 
 void TextureReader::set_filter(const Object& object, BitmapTexture& picture) {
-  const std::string word(text::trim(object.get<std::string>("filter_type")));
-  if (word == "nearest") {
+  const std::string word = small_word(object, "filter_type");
+  if (word == "nearest" || word == "closest") {
     picture.filter = TextureFilter::nearest;
-  } else if (word != "bilinear") {
+  } else if (word != "bilinear" && word != "linear") {
     context_.diagnostics.error(object.position_of("filter_type"),
                                fmt::format("{} is no filter of textures{}; known are bilinear and nearest",
                                            text::quoted(word), text::did_you_mean(word, {"bilinear", "nearest"})));

@@ -1,0 +1,218 @@
+// What the scenes of courses have beside Nori's own: read where it can mean one thing only, named where it cannot.
+
+#include <gmock/gmock.h>
+
+#include "formats/nori/plugins.h"
+#include "formats_testing.h"
+
+namespace etendue::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A picture of 2 x 1 pixels.
+constexpr std::string_view kPicture =
+    "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x80\x80\x80\x82";
+
+/// Of a scene in a folder with a.hdr.
+Parsed parse_beside_picture(const std::string& content, const ReadOptions& options = {}) {
+  const TemporaryFolder folder;
+  folder.write("a.hdr", kPicture);
+  Parsed result;
+  result.file =
+      parse_scene_file(scene_around(content), folder.path("s.xml"), options, load_triangle, result.diagnostics);
+  return result;
+}
+
+Scene read_beside_picture(const std::string& content) {
+  const Parsed parsed = parse_beside_picture(content);
+  EXPECT_TRUE(parsed.file.has_value()) << all_messages(parsed.diagnostics);
+  return parsed.file ? parsed.scene() : Scene{};
+}
+
+std::string sphere(const std::string& content) {
+  return "<mesh type=\"sphere\">" + content + "</mesh>";
+}
+
+TEST(Courses, NumbersUnderOtherTags) {
+  const Scene scene = read_beside_picture(sphere(
+      R"(<vector name="center" value="1 2 3"/><integer name="radius" value="2"/>
+         <bsdf type="conductor"><float name="eta" value="0.25"/><integer name="k" value="3"/></bsdf>)"));
+  const auto& ball = std::get<Sphere>(scene.shapes.at(0));
+  EXPECT_EQ(ball.center, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(ball.radius, 2.0);
+  const auto& metal = std::get<ConductorBsdf>(scene.materials.at(0).bsdf);
+  EXPECT_EQ(metal.index.eta.value, glm::dvec3(0.25));
+  EXPECT_EQ(metal.index.k.value, glm::dvec3(3.0));
+  const Parsed wrong = parse_beside_picture(sphere(R"(<bsdf type="conductor"><float name="eta" value="1 2"/></bsdf>)"));
+  EXPECT_THAT(all_messages(wrong.diagnostics), HasSubstr("\"eta\""));
+  EXPECT_FALSE(wrong.file);
+}
+
+TEST(Courses, NamesAndVersionsThatMeanNothing) {
+  const Parsed parsed = parse(
+      R"(<scene version="0.5.0"><integrator type="path" name="i"/><camera type="perspective"/>
+         <mesh type="sphere" name="ball"><bsdf type="diffuse" name="red"/></mesh></scene>)");
+  EXPECT_EQ(all_messages(parsed.diagnostics), "");
+  EXPECT_TRUE(parsed.file);
+}
+
+TEST(Courses, LuminairesAreEmitters) {
+  const Scene scene =
+      read_beside_picture(sphere(R"(<luminaire type="area"><color name="radiance" value="1 2 3"/></luminaire>)"));
+  EXPECT_EQ(scene.emitters.at(0).radiance.value, glm::dvec3(1, 2, 3));
+}
+
+TEST(Courses, TagsThatArePassedOver) {
+  const Parsed parsed = parse_beside_picture(
+      R"(<acceleration type="bvh"><integer name="leafSize" value="10"/></acceleration><denoiser type="simple"/>)" +
+      sphere(""));
+  EXPECT_TRUE(parsed.file);
+  const std::string messages = all_messages(parsed.diagnostics);
+  EXPECT_THAT(messages, HasSubstr("2:1: <acceleration> is passed over"));
+  EXPECT_THAT(messages, HasSubstr("<denoiser> is passed over: pictures are left as they are rendered"));
+  ASSERT_EQ(parsed.diagnostics.list().size(), 2u);
+  EXPECT_EQ(parsed.diagnostics.list()[0].severity, Severity::note);
+  EXPECT_EQ(parsed.diagnostics.list()[1].severity, Severity::warning);
+}
+
+TEST(Courses, TexturesWithoutANameAreTheColour) {
+  const Scene scene = read_beside_picture(
+      sphere(
+          R"(<bsdf type="diffuse"><texture type="solid"><color name="albedo" value="0.1 0.2 0.3"/></texture></bsdf>)") +
+      sphere(
+          R"(<bsdf type="microfacet"><texture type="constant"><color name="value" value="0.4 0.5 0.6"/></texture></bsdf>
+        <emitter type="area"><texture type="checkerboard_color"/><float name="scale" value="3"/></emitter>)"));
+  const auto color = [&](const ColorParameter& parameter) {
+    return std::get<CheckerboardTexture>(scene.textures.at(parameter.texture.value()).source).color0;
+  };
+  EXPECT_EQ(color(std::get<DiffuseBsdf>(scene.materials.at(0).bsdf).albedo), glm::dvec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(color(std::get<MicrofacetBsdf>(scene.materials.at(1).bsdf).kd), glm::dvec3(0.4, 0.5, 0.6));
+  EXPECT_EQ(color(scene.emitters.at(0).radiance), glm::dvec3(0.0));
+  EXPECT_EQ(scene.emitters.at(0).radiance.value, glm::dvec3(3.0));
+  // A metal has several, none of which is its colour.
+  const Parsed metal = parse_beside_picture(sphere(R"(<bsdf type="conductor"><texture type="solid"/></bsdf>)"));
+  EXPECT_THAT(all_messages(metal.diagnostics), HasSubstr("needs the name of a property: \"eta\", \"k\""));
+}
+
+TEST(Courses, TexturesOfMeshesAreNamed) {
+  const Parsed parsed = parse_beside_picture(sphere(R"(<texture type="bitmap"/>)"));
+  EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr("it gives a property of <emitter> or <bsdf>"));
+}
+
+TEST(Courses, PicturesOfASizeInTextureCoordinates) {
+  const Scene scene = read_beside_picture(sphere(R"(<bsdf type="diffuse"><texture type="imageTexture" name="albedo">
+    <string name="fileName" value="a.hdr"/><vector name="scale" value="0.5 0.25"/><point name="delta" value="0.1 0.2"/>
+    <string name="interpolation" value="Closest"/><string name="extension" value="EXTEND"/></texture></bsdf>)"));
+  const Texture& texture = scene.textures.at(0);
+  const glm::dvec3 at = texture.uv_transform * glm::dvec3(1.0, 1.0, 1.0);
+  EXPECT_NEAR(at.x, 1.0 / 0.5 - 0.1, 1e-12);
+  EXPECT_NEAR(at.y, 1.0 / 0.25 - 0.2, 1e-12);
+  const auto& picture = std::get<BitmapTexture>(texture.source);
+  EXPECT_EQ(picture.filter, TextureFilter::nearest);
+  EXPECT_EQ(picture.wrap_u, TextureWrap::clamp);
+  // As a colour, scale is still a factor.
+  const Scene factor = read_beside_picture(sphere(R"(<bsdf type="diffuse"><texture type="bitmap" name="albedo">
+    <string name="filename" value="a.hdr"/><color name="scale" value="0.5 0.5 0.5"/></texture></bsdf>)"));
+  EXPECT_EQ(std::get<DiffuseBsdf>(factor.materials.at(0).bsdf).albedo.value, glm::dvec3(0.5));
+  const Parsed none = parse_beside_picture(sphere(R"(<bsdf type="diffuse"><texture type="bitmap" name="albedo">
+    <string name="filename" value="a.hdr"/><vector name="scale" value="0 1"/></texture></bsdf>)"));
+  EXPECT_THAT(all_messages(none.diagnostics), HasSubstr("a size of 0 leaves no picture"));
+}
+
+TEST(Courses, TheSkyOnASphere) {
+  const Parsed parsed = parse_beside_picture(
+      R"(<mesh type="sphere"><float name="radius" value="30"/><emitter type="environment">
+         <string name="filename" value="a.hdr"/><float name="strength" value="4"/></emitter></mesh>)" +
+      sphere(""));
+  ASSERT_TRUE(parsed.file) << all_messages(parsed.diagnostics);
+  EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr("is taken as light from all around the scene"));
+  const Scene& scene = parsed.scene();
+  EXPECT_EQ(scene.instances.size(), 1u);
+  ASSERT_TRUE(scene.sky.picture);
+  EXPECT_EQ(scene.sky.picture->scale, 4.0);
+  const std::string sky = R"(<emitter type="env"><string name="exr_path" value="a.hdr"/></emitter>)";
+  EXPECT_TRUE(parse_beside_picture(sky).file);
+  EXPECT_THAT(all_messages(parse_beside_picture(sky + sphere(sky)).diagnostics), HasSubstr("a second emitter"));
+}
+
+TEST(Courses, StrengthsOfLights) {
+  const Scene scene = read_beside_picture(
+      R"(<emitter type="point"><point name="position" value="1 2 3"/><color name="intensity" value="2 2 2"/>
+           <float name="scale" value="3"/></emitter>
+         <emitter type="directional"><vector name="direction" value="0 -1 0"/><color name="radiance" value="1 2 3"/>
+           <float name="strength" value="5"/></emitter>
+         <emitter type="spotLight"><point name="origin" value="0 4 0"/><point name="lookAt" value="0 0 0"/>
+           <color name="intensity" value="1 1 1"/><float name="cosTotalWidth" value="30"/>
+           <float name="cosFalloffStart" value="20"/></emitter>)" +
+      sphere(
+          R"(<emitter type="area"><color name="radiance" value="1 1 1"/><float name="strength" value="7"/></emitter>)"));
+  EXPECT_EQ(scene.delta_lights.at(0).intensity.value, glm::dvec3(6.0));
+  EXPECT_EQ(scene.delta_lights.at(1).intensity.value, glm::dvec3(5, 10, 15));
+  const DeltaLight& spot = scene.delta_lights.at(2);
+  EXPECT_EQ(spot.origin(), glm::dvec3(0, 4, 0));
+  EXPECT_EQ(spot.cutoff, 30.0);
+  EXPECT_EQ(spot.beam_width, 20.0);
+  EXPECT_EQ(scene.emitters.at(0).radiance.value, glm::dvec3(7.0));
+}
+
+TEST(Courses, PropertiesThatAreGivenTwiceAlike) {
+  const std::string once = "<float name=\"radius\" value=\"2\"/>";
+  const Parsed alike = parse_beside_picture(sphere(once + "<float name=\"radius\" value=\"2.0\"/>"));
+  EXPECT_TRUE(alike.file);
+  EXPECT_THAT(all_messages(alike.diagnostics), HasSubstr("is given twice, and alike"));
+  const Parsed other = parse_beside_picture(sphere(once + "<float name=\"radius\" value=\"3\"/>"));
+  EXPECT_FALSE(other.file);
+  EXPECT_THAT(all_messages(other.diagnostics), HasSubstr("is given twice; keep one"));
+}
+
+TEST(Courses, FocalLengthOfALensWhoseViewIsKnown) {
+  const std::string view = R"(<float name="fov" value="40"/><float name="focalLength" value="9.5"/>)";
+  const auto camera = [&](const std::string& content) {
+    return parse("<scene><integrator type=\"path\"/><camera type=\"perspective\">" + content +
+                 "</camera><mesh type=\"sphere\"/></scene>");
+  };
+  const Parsed lens = camera(view + R"(<float name="radius" value="0.03"/>)");
+  ASSERT_TRUE(lens.file) << all_messages(lens.diagnostics);
+  EXPECT_EQ(lens.scene().camera.aperture.focus_distance, 9.5);
+  EXPECT_EQ(lens.scene().camera.fov, 40.0);
+  EXPECT_THAT(all_messages(lens.diagnostics), HasSubstr("is taken for \"focusDistance\""));
+  EXPECT_THAT(all_messages(camera(view).diagnostics), HasSubstr("both say how wide the view is"));
+}
+
+TEST(Courses, DisneysMaterialWithoutHighlights) {
+  const Scene scene = read_beside_picture(sphere(R"(<bsdf type="disney"><float name="specular" value="0"/></bsdf>)"));
+  const double eta = std::get<PrincipledBsdf>(scene.materials.at(0).bsdf).eta.value;
+  EXPECT_GT(eta, 1.001);
+  EXPECT_LT(eta, 1.002);
+}
+
+TEST(Courses, WhatThereIsNotIsReplacedWhereThatIsWanted) {
+  const std::string text =
+      R"(<scene><integrator type="single_scattering"/><camera type="perspective"/><medium type="homogeneous"/>
+         <mesh type="sphere"><bsdf type="bssrdf"><color name="albedo" value="0.4 0.2 0.1"/></bsdf></mesh>
+         <mesh type="sphere"><bsdf type="diffuse"><texture type="perlin" name="albedo"/></bsdf>
+           <texture type="bitmap"/></mesh></scene>)";
+  const Parsed refused = parse(text);
+  EXPECT_FALSE(refused.file);
+  EXPECT_THAT(all_messages(refused.diagnostics), HasSubstr("the scene needs what there is not here: bsdf bssrdf (2:"));
+  for (const char* feature : {"integrator single_scattering (1:", "medium (1:", "texture perlin (3:"})
+    EXPECT_THAT(all_messages(refused.diagnostics), HasSubstr(feature));
+  ReadOptions options;
+  options.approximate = true;
+  const Parsed replaced = parse(text, options);
+  ASSERT_TRUE(replaced.file) << all_messages(replaced.diagnostics);
+  const Scene& scene = replaced.scene();
+  EXPECT_EQ(std::get<DiffuseBsdf>(scene.materials.at(0).bsdf).albedo.value, glm::dvec3(0.4, 0.2, 0.1));
+  EXPECT_EQ(std::get<DiffuseBsdf>(scene.materials.at(1).bsdf).albedo.value, glm::dvec3(0.5));
+  EXPECT_EQ(scene.integrator.type, Integrator::Type::path);
+  EXPECT_THAT(scene.approximations, ElementsAre("medium: left out", "integrator single_scattering: path_mis",
+                                                "bsdf bssrdf: diffuse, of its colour or grey",
+                                                "texture in mesh: left out", "texture perlin: grey, 0.5"));
+  EXPECT_THAT(all_messages(replaced.diagnostics), Not(HasSubstr("error")));
+}
+
+}  // namespace
+}  // namespace etendue::testing
