@@ -856,5 +856,125 @@ TEST(MitsubaAdapters, AMaterialCannotStandInItself) {
   EXPECT_NE(result.first_error().find("stands in itself"), std::string::npos) << result.messages();
 }
 
+TEST(MitsubaTransforms, LookWithoutUp) {
+  const auto up = [](const char* version) {
+    const Read result =
+        read(fmt::format(R"(<scene version="{}"><sensor type="perspective"><float name="fov" value="40"/>
+      <transform name="toWorld"><lookat origin="1 2 3" target="4 2 3"/></transform></sensor>
+      <shape type="sphere"/></scene>)",
+                         version));
+    EXPECT_TRUE(result.scene.has_value()) << result.messages();
+    return result.scene ? glm::dvec3(result.scene->camera.world_from_camera[1]) : glm::dvec3(0.0);
+  };
+  EXPECT_EQ(up("3.0.0"), glm::dvec3(0, 0, -1));
+  EXPECT_EQ(up("0.6.0"), glm::dvec3(0, -1, 0));
+}
+
+TEST(MitsubaMissing, TypesOfRenderersOfSomebodysOwn) {
+  const std::string text = around(R"(<integrator type="guided_path"><integer name="sppPerPass" value="1"/></integrator>
+    <shape type="sphere"><bsdf type="disneybsdf"/></shape>)");
+  const Read refused = read(text);
+  EXPECT_NE(refused.first_error().find("bsdf disneybsdf (s.xml:3:"), std::string::npos) << refused.messages();
+  EXPECT_NE(refused.first_error().find("integrator guided_path (s.xml:2:1)"), std::string::npos);
+  const Read approximated = read(text, {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(approximated.scene.has_value()) << approximated.messages();
+  EXPECT_EQ(approximated.scene->integrator.type, Integrator::Type::path);
+  // A slip of the pen stays one.
+  EXPECT_NE(read(around("<shape type=\"spere\"/>")).first_error().find("did you mean \"sphere\"?"), std::string::npos);
+  EXPECT_TRUE(read(around("<shape type=\"Rectangle\"/>")).scene.has_value());
+  EXPECT_NE(
+      read(around("<shape type=\"sphere\"><animation name=\"to_world\"/></shape>")).first_error().find("animation"),
+      std::string::npos);
+}
+
+TEST(MitsubaMissing, LobesOfPhongAndWard) {
+  const std::string text = around(R"(<shape type="sphere"><bsdf type="phong"><float name="exponent" value="6"/>
+      <rgb name="diffuseReflectance" value="0.3"/><rgb name="specularReflectance" value="0.1"/></bsdf></shape>
+    <shape type="sphere"><bsdf type="ward"><float name="alphaU" value="0.2"/><float name="alphaV" value="0.4"/>
+      <string name="variant" value="ward-duer"/></bsdf></shape>)");
+  EXPECT_NE(read(text).first_error().find("bsdf phong (s.xml:2:22); bsdf ward (s.xml:4:26)"), std::string::npos)
+      << read(text).messages();
+  const Read result = read(text, {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const std::vector<Material>& rows = result.scene->materials;
+  ASSERT_EQ(rows.size(), 6u);
+  const auto& blend = std::get<BlendAdapter>(rows[2].adapter.value());
+  EXPECT_NEAR(blend.weight.value, 0.25, 1e-12);
+  const auto& base = std::get<DiffuseBsdf>(rows[blend.first].bsdf);
+  const auto& lobe = std::get<RoughConductorBsdf>(rows[blend.second].bsdf);
+  // What both reflect in the mean is what the file says.
+  EXPECT_NEAR(0.75 * base.albedo.value.x, 0.3, 1e-12);
+  EXPECT_NEAR(0.25 * lobe.specular_reflectance.value.x, 0.1, 1e-12);
+  EXPECT_EQ(lobe.roughness.alpha_u.value, 0.5);  // √(2/(6 + 2))
+  const auto& ward = std::get<RoughConductorBsdf>(rows[4].bsdf);
+  EXPECT_EQ(ward.roughness.alpha_u.value, 0.2);
+  EXPECT_EQ(ward.roughness.alpha_v.value, 0.4);
+}
+
+TEST(MitsubaMissing, CoatsAreLeftOut) {
+  const std::string text = around(R"(<shape type="sphere"><bsdf type="roughcoating"><float name="alpha" value="0.1"/>
+    <bsdf type="conductor"><string name="material" value="Au"/></bsdf></bsdf></shape>)");
+  EXPECT_NE(read(text).first_error().find("bsdf roughcoating (s.xml:2:22)"), std::string::npos);
+  const Read result = read(text, {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const auto& all =
+      std::get<MaskAdapter>(result.scene->materials.at(result.scene->instances[0].material).adapter.value());
+  EXPECT_EQ(all.opacity.value, 1.0);
+  EXPECT_TRUE(std::holds_alternative<ConductorBsdf>(result.scene->materials[all.inner].bsdf));
+}
+
+TEST(MitsubaAdapters, MixturesAreBlends) {
+  const auto mixture = [](const std::string& weights) {
+    return read(
+        around("<shape type=\"sphere\"><bsdf type=\"mixturebsdf\"><string name=\"weights\" value=\"" + weights +
+               "\"/><bsdf type=\"dielectric\"/><bsdf type=\"conductor\"/><bsdf type=\"null\"/></bsdf></shape>"));
+  };
+  /// The share of each row that the material comes to in the end.
+  const auto shares = [](const Scene& scene) {
+    std::map<std::uint32_t, double> found;
+    const auto follow = [&](const auto& self, std::uint32_t row, double share) -> void {
+      const Material& material = scene.materials.at(row);
+      if (!material.adapter) return void(found[row] += share);
+      const auto& blend = std::get<BlendAdapter>(*material.adapter);
+      self(self, blend.first, share * (1.0 - blend.weight.value));
+      self(self, blend.second, share * blend.weight.value);
+    };
+    follow(follow, scene.instances.at(0).material, 1.0);
+    return found;
+  };
+  const Read whole = mixture("0.5, 0.3, 0.2");
+  ASSERT_TRUE(whole.scene.has_value()) << whole.messages();
+  auto share = shares(*whole.scene);
+  EXPECT_NEAR(share[0], 0.5, 1e-12);
+  EXPECT_NEAR(share[1], 0.3, 1e-12);
+  EXPECT_NEAR(share[2], 0.2, 1e-12);
+  const Read dark = mixture("0.25 0.25 0.25");
+  ASSERT_TRUE(dark.scene.has_value()) << dark.messages();
+  share = shares(*dark.scene);
+  EXPECT_NEAR(share[2], 0.25, 1e-12);
+  EXPECT_NEAR(share[3], 0.25, 1e-12);
+  EXPECT_EQ(std::get<DiffuseBsdf>(dark.scene->materials.at(3).bsdf).albedo.value, glm::dvec3(0.0));
+  const Read much = mixture("2, 1, 1");
+  ASSERT_TRUE(much.scene.has_value()) << much.messages();
+  EXPECT_NEAR(shares(*much.scene)[0], 0.5, 1e-12);
+  EXPECT_NE(much.messages().find("the weights add up to 4"), std::string::npos);
+  EXPECT_NE(mixture("1, 0").first_error().find("2 weights for 3 materials"), std::string::npos);
+  EXPECT_NE(mixture("1, 0, -1").first_error().find("-1 is out of range"), std::string::npos);
+  EXPECT_TRUE(mixture("0, 0, 1").scene.has_value());
+}
+
+TEST(MitsubaMaterials, PrincipledWithoutHighlights) {
+  const Bsdf bsdf = bsdf_of("<bsdf type=\"principled\"><float name=\"specular\" value=\"0\"/></bsdf>");
+  EXPECT_NEAR(std::get<PrincipledBsdf>(bsdf).eta.value, 1.0011, 1e-9);
+}
+
+TEST(MitsubaIntegrators, AovsAlone) {
+  const Read result =
+      read(around("<integrator type=\"aov\"><string name=\"aovs\" value=\"d:depth\"/></integrator>"
+                  "<shape type=\"sphere\"/>"));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  EXPECT_EQ(result.scene->aovs, std::vector{Aov::depth});
+}
+
 }  // namespace
 }  // namespace etendue::testing

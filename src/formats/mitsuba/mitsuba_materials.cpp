@@ -49,6 +49,13 @@ std::uint32_t MitsubaMaterials::default_row(bool emits, const SourcePosition& sh
 std::optional<Adapter> MitsubaMaterials::read_adapter(const MitsubaObject& object) {
   const std::string_view type = object.type();
   const bool turns = type == "normalmap" || type == "bumpmap";
+  if (type == "phong" || type == "ward") return read_lobe(object);
+  if (type == "mixturebsdf") return read_mixture(object);
+  if (type == "coating" || type == "roughcoating") {
+    context_.missing.add(fmt::format("bsdf {}", type), object.position(), "what it coats, without the coat");
+    const std::vector<const XmlElement*> coated = object.children("bsdf");
+    return MaskAdapter{1.0, coated.empty() ? default_row(false, object.position()) : row_of(*coated.front())};
+  }
   if (type != "twosided" && type != "mask" && type != "blendbsdf" && !turns) return std::nullopt;
   std::vector<std::uint32_t> rows;
   for (const XmlElement* child : object.children("bsdf")) rows.push_back(row_of(*child));
@@ -58,6 +65,71 @@ std::optional<Adapter> MitsubaMaterials::read_adapter(const MitsubaObject& objec
   const ScalarParameter share = share_of(object, type == "mask" ? "opacity" : "weight");
   if (type == "mask") return MaskAdapter{share, rows.front()};
   return BlendAdapter{share, rows.front(), rows.back()};
+}
+
+std::uint32_t MitsubaMaterials::add(Material material, const MitsubaObject& object) {
+  material.name = object.type();
+  material.position = object.position();
+  scene_.materials.push_back(std::move(material));
+  return static_cast<std::uint32_t>(scene_.materials.size() - 1);
+}
+
+/// A diffuse base and a rough mirror, chosen by how much they reflect, so that what each reflects is as it is written.
+Adapter MitsubaMaterials::read_lobe(const MitsubaObject& object) {
+  const bool phong = object.type() == "phong";
+  context_.missing.add(fmt::format("bsdf {}", object.type()), object.position(),
+                       "a diffuse base and the lobe of a rough mirror");
+  DiffuseBsdf base;
+  RoughConductorBsdf mirror{.index = {glm::dvec3(0.0), glm::dvec3(1.0)}};
+  assign(base.albedo, object, "diffuse_reflectance", SpectrumUse::reflectance);
+  assign(mirror.specular_reflectance, object, "specular_reflectance", SpectrumUse::reflectance);
+  const double slope = std::sqrt(2.0 / ((phong ? object.real("exponent") : 0.0) + 2.0));
+  const auto roughness = [&](const char* name) {
+    return std::clamp(phong ? slope : object.real(name), kMinRoughness, 1.0);
+  };
+  mirror.roughness = {.alpha_u = roughness("alpha_u"), .alpha_v = roughness("alpha_v")};
+  const auto mean = [](const ColorParameter& c) {
+    return (c.value.x + c.value.y + c.value.z) / (c.texture ? 6.0 : 3.0);  // a picture is half as bright, perhaps
+  };
+  const double light = mean(base.albedo) + mean(mirror.specular_reflectance);
+  const double weight = light > 0.0 ? std::clamp(mean(mirror.specular_reflectance) / light, 0.05, 0.95) : 0.5;
+  base.albedo.value = glm::min(base.albedo.value / (1.0 - weight), glm::dvec3(1.0));
+  mirror.specular_reflectance.value = glm::min(mirror.specular_reflectance.value / weight, glm::dvec3(1.0));
+  const std::uint32_t first = add({.bsdf = base}, object), second = add({.bsdf = mirror}, object);
+  return BlendAdapter{weight, first, second};
+}
+
+Adapter MitsubaMaterials::read_mixture(const MitsubaObject& object) {
+  std::vector<double> weights = object.numbers("weights");
+  std::vector<std::uint32_t> rows;
+  for (const XmlElement* child : object.children("bsdf")) rows.push_back(row_of(*child));
+  if (rows.empty() || weights.size() != rows.size()) {
+    if (!rows.empty() && object.given("weights"))
+      context_.sink.error(
+          object.position_of("weights"),
+          fmt::format("{} weights for {} materials; each needs exactly one", weights.size(), rows.size()));
+    return MaskAdapter{1.0, default_row(false, object.position())};
+  }
+  double sum = 0.0;
+  for (const double weight : weights) sum += weight;
+  constexpr double kRounding = 1e-6;
+  if (sum > 1.0 + kRounding)
+    context_.sink.note(object.position_of("weights"),
+                       fmt::format("the weights add up to {}; they are scaled to 1", sum));
+  if (sum < 1.0 - kRounding) {
+    weights.push_back(1.0 - sum);
+    rows.push_back(default_row(true, object.position()));
+  }
+  // Two at a time: of what has been mixed so far, and the next.
+  std::uint32_t mixed = rows.front();
+  double total = weights.front();
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    total += weights[i];
+    const BlendAdapter blend{total > 0.0 ? weights[i] / total : 0.0, mixed, rows[i]};
+    if (i + 1 == rows.size()) return blend;
+    mixed = add({.bsdf = DiffuseBsdf{}, .adapter = blend}, object);
+  }
+  return MaskAdapter{1.0, mixed};
 }
 
 Adapter MitsubaMaterials::read_map(const MitsubaObject& object, std::uint32_t inner) {
@@ -128,7 +200,8 @@ Bsdf MitsubaMaterials::read_principled(const MitsubaObject& object) {
   } else if (object.given("eta")) {
     bsdf.eta = object.ior("eta");
   } else if constexpr (std::is_same_v<Principled, PrincipledBsdf>) {
-    bsdf.eta = 2.0 / (1.0 - std::sqrt(0.08 * object.real("specular"))) - 1.0;  // by the reflectance along the normal
+    // By the reflectance along the normal; without any it is the least that bends, which reflects next to nothing.
+    bsdf.eta = std::max(2.0 / (1.0 - std::sqrt(0.08 * object.real("specular"))) - 1.0, 1.0 + 1.1 * kMinIndexContrast);
   }
   return bsdf;
 }

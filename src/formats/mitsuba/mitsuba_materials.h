@@ -25,6 +25,12 @@ class MitsubaMaterials {
   Bsdf read(const MitsubaObject& object);
   /// Nothing for a material of its own; the rows of what it chooses from are read first.
   std::optional<Adapter> read_adapter(const MitsubaObject& object);
+  /// What stands for a diffuse base with Phong's or Ward's lobe.
+  Adapter read_lobe(const MitsubaObject& object);
+  /// Materials by weights.
+  Adapter read_mixture(const MitsubaObject& object);
+  /// The row of a material that the object needs beside its own.
+  std::uint32_t add(Material material, const MitsubaObject& object);
   /// A normal or bump map.
   Adapter read_map(const MitsubaObject& object, std::uint32_t inner);
   /// What normal and bump maps do unless they are told not to.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/printable.h"
 #include "core/text.h"
 #include "formats/mitsuba/named_materials.h"
 #include "formats/mitsuba/plugins.h"
@@ -34,11 +35,13 @@ const Plugin* find_row(const XmlElement& element, const MitsubaContext& context,
     return nullptr;
   }
   if (const Plugin* plugin = dialect.find(tag, type->value)) return plugin;
-  if (dialect.is_known_but_unsupported(tag, type->value)) {
-    context.missing.add(fmt::format("{} {}", tag, type->value), context.document.position(element), substitute);
+  const std::vector<std::string> types = dialect.types_of(tag);
+  // What is like nothing known is of a renderer of somebody's own, and no slip of the pen.
+  if (dialect.is_known_but_unsupported(tag, type->value) || text::did_you_mean(type->value, types).empty()) {
+    context.missing.add(fmt::format("{} {}", tag, text::printable(type->value, 60)), context.document.position(element),
+                        substitute);
     return nullptr;
   }
-  const std::vector<std::string> types = dialect.types_of(tag);
   context.sink.error(context.document.value_position(*type),
                      fmt::format("unknown {} type {}{}; supported are: {}", element.name, text::quoted(type->value),
                                  text::did_you_mean(type->value, types), text::join(types)));
@@ -223,6 +226,22 @@ std::int64_t MitsubaObject::integer(const char* name) const {
 }
 bool MitsubaObject::boolean(const char* name) const {
   return std::get<bool>(value(name, ParameterType::boolean, {"boolean"}));
+}
+std::vector<double> MitsubaObject::numbers(const char* name) const {
+  const std::string list = text(name);
+  try {
+    std::vector<double> values;
+    for (const ListedNumber& number : parse_numbers(list)) {
+      if (!row_of(name).range.contains(number.value))
+        throw ValueError{0,
+                         fmt::format("{} is out of range; allowed is {}", number.value, row_of(name).range.describe())};
+      values.push_back(number.value);
+    }
+    return values;
+  } catch (const ValueError& error) {
+    context_->sink.error(position_of(name), fmt::format("\"{}\" of {}: {}", name, heading(), error.message));
+    return {};
+  }
 }
 std::string MitsubaObject::text(const char* name) const {
   return std::get<std::string>(value(name, ParameterType::string, {"string", "float", "integer"}));

@@ -53,6 +53,7 @@ class MitsubaObject {
   double real(const char* name) const;
   std::int64_t integer(const char* name) const;
   bool boolean(const char* name) const;
+  std::vector<double> numbers(const char* name) const;
   std::string text(const char* name) const;
   glm::dvec3 triple(const char* name) const;
   MitsubaColor color(const char* name, SpectrumUse use) const;

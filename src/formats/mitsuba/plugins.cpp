@@ -87,7 +87,7 @@ std::vector<Plugin> integrator_rows() {
        {{"aovs", string, nullptr, any(),
          "pairs of a name of one's own, which is not kept, and one of `depth`, `position`, `uv`, `geo_normal`, "
          "`sh_normal`, `prim_index`, `shape_index`, `albedo`, with commas between them: `d:depth,n:sh_normal`"}},
-       {{"integrator", 1, 1}}},
+       {{"integrator", 0, 1}}},
   };
   rows.push_back({"integrator",
                   "ao",
@@ -377,6 +377,49 @@ std::vector<Parameter> map_parameters(const Parameter& own) {
           {"use_shadowing_function", boolean, "true", any(), "only true: turned normals shadow"}};
 }
 
+/// Materials of 0.6 that are not here, but have a substitute, and mixtures.
+std::vector<Plugin> old_bsdf_rows() {
+  const std::vector<Parameter> lobe = {color_or_texture("specular_reflectance", "0.2 0.2 0.2", "weight of the lobe"),
+                                       color_or_texture("diffuse_reflectance", "0.5 0.5 0.5", "albedo of the base")};
+  const std::vector<Parameter> coat =
+      joined(indices("bk7"), {{"thickness", real, "1", at_least(0), "of the coat"},
+                              color_or_texture("sigma_a", "0 0 0", "what the coat absorbs"),
+                              color_or_texture("specular_reflectance", "1 1 1", "factor of what the coat reflects")});
+  const char* coated =
+      "A material under a clear coat (0.6). Not here: the scene is refused, or with --approximate shows what is "
+      "coated, "
+      "without the coat.";
+  return {
+      {"bsdf",
+       "phong",
+       "A diffuse base and a lobe around the direction of reflection (0.6). Not here: the scene is refused, or with "
+       "--approximate the lobe is that of a rough mirror, Beckmann, of roughness √(2/(exponent + 2)).",
+       joined({{"exponent", real, "30", at_least(0), "of the cosine"}}, lobe),
+       {}},
+      {"bsdf",
+       "ward",
+       "A diffuse base and Ward's lobe (0.6). Not here: the scene is refused, or with --approximate the lobe is that "
+       "of a "
+       "rough mirror, Beckmann, of the same roughness.",
+       joined({{"variant", string, "balanced", any(), "ward, ward-duer or balanced"},
+               {"alpha_u", real, "0.1", at_least(0), "roughness along the tangent"},
+               {"alpha_v", real, "0.1", at_least(0), "roughness across it"}},
+              lobe),
+       {}},
+      {"bsdf", "coating", coated, coat, {{"bsdf", 1, 1}}},
+      {"bsdf",
+       "roughcoating",
+       coated,
+       joined(coat, joined(distribution(), {alpha("alpha", "roughness of the coat")})),
+       {{"bsdf", 1, 1}}},
+      {"bsdf",
+       "mixturebsdf",
+       "A mixture of any number of materials (0.6). What their weights lack to 1 is black; more than 1 is scaled to 1.",
+       {{"weights", number_list, nullptr, at_least(0), "one for each material"}},
+       {{"bsdf", 1, kAnyNumber}}},
+  };
+}
+
 std::vector<Plugin> bsdf_rows() {
   return {
       {"bsdf",
@@ -606,6 +649,7 @@ std::vector<Plugin> make_rows() {
   append(rows, view_rows());
   append(rows, shape_rows());
   append(rows, bsdf_rows());
+  append(rows, old_bsdf_rows());
   append(rows, emitter_rows());
   append(rows, texture_rows());
   append(rows, delta_light_rows());
@@ -622,8 +666,8 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"shape",
        {"heightfield", "hair", "deformable", "linearcurve", "bsplinecurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh"}},
       {"bsdf",
-       {"measured", "hair", "phong", "ward", "roughdiffuse", "roughcoating", "coating", "mixturebsdf", "difftrans",
-        "hk", "pplastic", "polarizer", "retarder", "circular", "measured_polarized", "irawan"}},
+       {"measured", "hair", "roughdiffuse", "difftrans", "hk", "pplastic", "polarizer", "retarder", "circular",
+        "measured_polarized", "irawan"}},
       {"emitter", {"directionalarea", "collimated", "timed_sunsky", "volumelight"}},
       {"texture", {"volume", "gridtexture", "wireframe", "curvature"}},
   };
@@ -634,9 +678,10 @@ std::vector<UnsupportedTypes> unsupported_types() {
 const Dialect& mitsuba_dialect() {
   static const Dialect kDialect = {.plugins = make_rows(),
                                    .unsupported_types = unsupported_types(),
-                                   .unsupported_tags = {"medium", "phase", "volume", "subsurface"},
+                                   .unsupported_tags = {"medium", "phase", "volume", "subsurface", "animation"},
                                    .aliases = {{"luminaire", "emitter"}, {"camera", "sensor"}},
-                                   .mesh_facts = {.smooth_without_normals = true, .v_origin = VOrigin::top}};
+                                   .mesh_facts = {.smooth_without_normals = true, .v_origin = VOrigin::top},
+                                   .any_spelling = true};
   return kDialect;
 }
 

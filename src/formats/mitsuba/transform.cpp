@@ -71,15 +71,27 @@ glm::dmat4 read_matrix(const XmlElement& element) {
   return m;
 }
 
-glm::dmat4 read_lookat(const XmlElement& element) {
+/// What Mitsuba takes for up where a file says nothing: a direction across `dir`, of 0.6 another than later ones.
+glm::dvec3 default_up(const glm::dvec3& dir, bool old) {
+  if (old) {
+    const bool by_x = std::abs(dir.x) > std::abs(dir.y);
+    const glm::dvec3 c = by_x ? glm::dvec3(dir.z, 0.0, -dir.x) : glm::dvec3(0.0, dir.z, -dir.y);
+    return glm::cross(glm::normalize(c), dir);
+  }
+  const double sign = std::signbit(dir.z) ? -1.0 : 1.0, a = -1.0 / (sign + dir.z);  // [Duff2017]
+  return {1.0 + sign * dir.x * dir.x * a, sign * dir.x * dir.y * a, -sign * dir.x};
+}
+
+glm::dmat4 read_lookat(const XmlElement& element, bool old) {
   const auto triple = [&](const char* name) {
     const XmlAttribute& attribute = required(element, name);
     return at_attribute(element, attribute, [&] { return parse_triple(attribute.value); });
   };
-  const glm::dvec3 origin = triple("origin"), target = triple("target"), up = triple("up");
+  const glm::dvec3 origin = triple("origin"), target = triple("target");
   if (!(glm::length(target - origin) > 0.0))
     throw ValueError{element.offset, "<lookat> has its target at its origin; move one of them"};
   const glm::dvec3 dir = glm::normalize(target - origin);
+  const glm::dvec3 up = element.find("up") == nullptr ? default_up(dir, old) : triple("up");
   const glm::dvec3 side = glm::cross(up, dir);
   if (!(glm::length(side) > 1e-9 * glm::length(up)))
     throw ValueError{element.offset, "\"up\" of <lookat> is 0 or parallel to the direction of view; give another one"};
@@ -87,12 +99,13 @@ glm::dmat4 read_lookat(const XmlElement& element) {
   return {glm::dvec4(left, 0.0), glm::dvec4(glm::cross(dir, left), 0.0), glm::dvec4(dir, 0.0), glm::dvec4(origin, 1.0)};
 }
 
-glm::dmat4 read_operation(const XmlElement& element) {
+glm::dmat4 read_operation(const XmlElement& element, bool old) {
   if (element.name == "translate") return glm::translate(glm::dmat4(1.0), read_axes(element, 0.0));
   if (element.name == "scale") return glm::scale(glm::dmat4(1.0), read_axes(element, 1.0));
   if (element.name == "rotate") return read_rotate(element);
   if (element.name == "matrix") return read_matrix(element);
-  if (element.name == "lookat" || element.name == "lookAt" || element.name == "look_at") return read_lookat(element);
+  if (element.name == "lookat" || element.name == "lookAt" || element.name == "look_at")
+    return read_lookat(element, old);
   const std::vector<std::string> known = {"translate", "scale", "rotate", "matrix", "lookat"};
   throw ValueError{element.offset,
                    fmt::format("<transform> has no operation {}{}; known are: {}", text::quoted(element.name),
@@ -103,10 +116,11 @@ glm::dmat4 read_operation(const XmlElement& element) {
 
 glm::dmat4 read_mitsuba_transform(const XmlElement& element, const MitsubaContext& context) {
   glm::dmat4 product(1.0);
+  const bool old = context.document.version().starts_with("0.");
   for (const XmlElement& child : element.children) {
     if (!context.sink.wants_errors()) break;
     try {
-      product = read_operation(child) * product;
+      product = read_operation(child, old) * product;
     } catch (const ValueError& error) {
       context.sink.error(context.document.position(error.offset), error.message);
     }

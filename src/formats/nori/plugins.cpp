@@ -626,7 +626,7 @@ std::vector<IgnoredTag> ignored_tags() {
   return {{"acceleration", faster, false},
           {"accel", faster, false},
           {"bvh", faster, false},
-          {"denoiser", "pictures are left as they are rendered", true}};
+          {"denoiser", "pictures are left as they are rendered; `etendue denoise` takes the noise out", true}};
 }
 
 }  // namespace
