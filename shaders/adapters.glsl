@@ -14,11 +14,18 @@ layout(constant_id = kConstantCountPasses) const bool kCountPasses = true;  // a
 
 #define adapter_is(header, type) ((kAdapters >> ((type) - kAdapterFirst) & 1u) != 0u && ((header) & kMaterialTypeMask) == (type))
 
-// A material that was chosen, and the frame in which it sees directions.
+// A material that was chosen, or an adapter on the way to it, and the frame in which it sees directions.
 struct Choice {
   uint material;  // kNone: light passes the surface
   ShadingFrame frame;
   vec3 base;      // the normal before maps turned it, on the side that is looked at
+  float side;     // of frame.n, against the normal of the surface
+};
+
+// What the first blend on the way to a material would have chosen else.
+struct OtherChoice {
+  Choice choice;
+  float share;  // the probability of what was chosen; below 0 where no blend was met
 };
 
 // The probability that an adapter has at a point.
@@ -58,10 +65,8 @@ vec3 mapped_normal(uint row, MaterialRecord record, vec3 n, float side, SurfaceP
   return dot(m, n) < 0.0 ? -m : m;
 }
 
-// `w` points away from the surface, to the side that is looked at; `words` are those of choice_words().
-Choice choose_material(uint row, ShadingFrame surface_frame, SurfacePoint at, Primitive geometry, vec3 w, uvec4 words) {
-  Choice choice = Choice(row, surface_frame, surface_frame.n);
-  float side = 1.0;
+// Goes on from an adapter to a material. `w` points away from the surface, to the side that is looked at; `words` are those of choice_words().
+void go_to_material(inout Choice choice, inout OtherChoice other, SurfacePoint at, Primitive geometry, vec3 w, uvec4 words) {
   for (uint i = 0u; i <= kAdapterDepth; ++i) {
     const MaterialRecord record = fetch_material(choice.material, 1u);
     const uint first = uint(record.params.x), second = uint(record.params.y);
@@ -73,21 +78,28 @@ Choice choose_material(uint row, ShadingFrame surface_frame, SurfacePoint at, Pr
       if (behind) {
         choice.frame.n = -choice.frame.n;
         choice.base = -choice.base;
-        side = -side;
+        choice.side = -choice.side;
       }
     }
     if (kPerturbed && (adapter_is(record.header, kAdapterNormalMap) || adapter_is(record.header, kAdapterBumpMap))) {
       const vec3 n = choice.frame.n;
-      vec3 mapped = mapped_normal(choice.material, record, n, side, at, geometry);
+      vec3 mapped = mapped_normal(choice.material, record, n, choice.side, at, geometry);
       if (dot(mapped, w) * dot(n, w) <= 0.0) mapped = n * (2.0 * dot(n, mapped)) - mapped;
       choice.frame = make_frame(mapped);
       next = first;
     }
-    if (adapter_is(record.header, kAdapterMask) || adapter_is(record.header, kAdapterBlend)) {
-      const bool blend = adapter_is(record.header, kAdapterBlend);
-      const bool chosen = choice_number(words, choice.material) < adapter_number(choice.material, record, at);
-      next = blend ? (chosen ? second : first) : (chosen ? first : kNone);
-      MUTATE(kMutantBlendSwapped, next = blend ? (chosen ? first : second) : next);
+    if (adapter_is(record.header, kAdapterMask)) {
+      next = choice_number(words, choice.material) < adapter_number(choice.material, record, at) ? first : kNone;
+    }
+    if (adapter_is(record.header, kAdapterBlend)) {
+      const float weight = clamp(adapter_number(choice.material, record, at), 0.0, 1.0);
+      bool chosen = choice_number(words, choice.material) < weight;
+      if (other.share < 0.0) {
+        other = OtherChoice(choice, chosen ? weight : 1.0 - weight);
+        other.choice.material = chosen ? first : second;
+      }
+      MUTATE(kMutantBlendSwapped, chosen = !chosen);
+      next = chosen ? second : first;
     }
     const uint type = record.header & kMaterialTypeMask;
     if (type < kAdapterFirst) {
@@ -97,6 +109,12 @@ Choice choose_material(uint row, ShadingFrame surface_frame, SurfacePoint at, Pr
     choice.material = next;
     if (next == kNone) break;
   }
+}
+
+Choice choose_material(uint row, ShadingFrame surface_frame, SurfacePoint at, Primitive geometry, vec3 w, uvec4 words, out OtherChoice other) {
+  Choice choice = Choice(row, surface_frame, surface_frame.n, 1.0);
+  other = OtherChoice(choice, -1.0);
+  go_to_material(choice, other, at, geometry, w, words);
   return choice;
 }
 

@@ -121,7 +121,9 @@ const uint kMutantFilmShiftForgotten = 105u;
 const uint kMutantBumpByTexel = 106u;
 const uint kMutantMapsShineThrough = 107u;
 const uint kMutantCoatUnmasked = 108u;
-const uint kMutantCount = 109u;
+const uint kMutantMixtureHalfWhole = 109u;
+const uint kMutantMixtureHalfDense = 110u;
+const uint kMutantCount = 111u;
 #endif
 
 #ifdef __cplusplus

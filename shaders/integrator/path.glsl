@@ -146,8 +146,29 @@ LightSample sample_environment_or_light(Path path, Surface s, vec3 n) {
   return light;
 }
 
+// A surface as a material sees it that scatters there, and the direction in which light is looked for.
+struct Scatterer {
+  Surface s;
+  Material material;
+  vec3 wo;
+};
+
+// The other half of a mixture: a blend chose one of the two with the probability that is its share, and the mixture reflects
+// `share f₁ + (1 − share) f₂`, whichever was chosen.
+struct OtherHalf {
+  Scatterer scatterer;
+  float share;  // of the one that was chosen; below 0 where there is no other
+};
+#define is_mixed(other) (kBlended && (other).share >= 0.0)
+
 // The normal by which lights are chosen: 0 where light from both sides counts.
 vec3 light_normal(Surface s, Material material) { return material_has(material, kMaterialTransmissive) ? vec3(0.0) : s.frame.n; }
+// Of a mixture it does not depend on which half was chosen.
+vec3 light_normal(Scatterer chosen, OtherHalf other) {
+  const vec3 n = light_normal(chosen.s, chosen.material);
+  if (!is_mixed(other)) return n;
+  return n == light_normal(other.scatterer.s, other.scatterer.material) ? n : vec3(0.0);
+}
 
 // Where a map has turned the normal, directions on whose side it and the normal before do not agree carry no light, ...
 bool sides_agree(Surface s, vec3 w, float cosine) {
@@ -163,15 +184,58 @@ float turned_share(Surface s, vec3 w) {
   return 2.0 / (1.0 + sqrt(1.0 + min(0.125 * slope2, 1.0) * tan2));
 }
 
+// f · |cos θ_i| toward w in the world.
+vec3 scattering(Scatterer m, vec3 w) {
+  const vec3 wi = to_local(m.s.frame, w);
+  return sides_agree(m.s, w, wi.z) ? bsdf_eval(m.material, m.wo, wi) * turned_share(m.s, w) : vec3(0.0);
+}
+float scattering_pdf(Scatterer m, vec3 w) { return bsdf_pdf(m.material, m.wo, to_local(m.s.frame, w)); }
+
+// Of a mixture, a number of each half.
+float mixed(OtherHalf other, float a, float b) { return other.share * a + (1.0 - other.share) * b; }
+vec3 mixed(OtherHalf other, vec3 a, vec3 b) { return other.share * a + (1.0 - other.share) * b; }
+
+// What has been chosen at a surface, and what of it light sees that looks from w.
+Scatterer scatterer_of(Choice choice, Surface s, SurfacePoint at, Primitive geometry, vec3 w) {
+  const Material material = evaluate_material(choice.material, at);
+  s.frame = choice.frame;
+  s.base = choice.base;
+  if (textures_have(kTexturesTangents) && material_has(material, kMaterialAligned)) s.frame = aligned_frame(s.frame.n, at, geometry);
+  return Scatterer(s, material, to_local(s.frame, w));
+}
+
+// Whether nothing scatters toward w.
+bool is_black(Scatterer m, vec3 w) {
+  return (material_has(m.material, kMaterialOneSided) && m.wo.z <= 0.0) || !sides_agree(m.s, w, m.wo.z);
+}
+
+bool absorbs_behind(Material m) { return kVolumes && material_has(m, kMaterialVolume) && material_has(m, kMaterialTransmissive); }
+
+// What a blend has not chosen, for a mixture with what it has. None where that lets the ray pass or is black, or where light is absorbed behind either.
+OtherHalf other_half(Scatterer chosen, OtherChoice choice, SurfacePoint at, Primitive geometry, vec3 w, uvec4 words) {
+  OtherChoice nested = choice;
+  go_to_material(choice.choice, nested, at, geometry, w, words);
+  const bool passes = choice.choice.material == kNone;
+  if (passes) choice.choice.material = 0u;
+  const Scatterer other = scatterer_of(choice.choice, chosen.s, at, geometry, w);
+  return OtherHalf(other, passes || absorbs_behind(chosen.material) || absorbs_behind(other.material) || is_black(other, w) ? -1.0 : choice.share);
+}
+
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
-void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo, inout Decisions decisions) {
-  const LightSample light = sample_environment_or_light(path, s, light_normal(s, material));
+void sample_direct_light(inout Path path, Scatterer chosen, OtherHalf other, inout Decisions decisions) {
+  const Surface s = chosen.s;
+  const LightSample light = sample_environment_or_light(path, s, light_normal(chosen, other));
   decisions.light_instance = light.instance;
   decisions.light_primitive = light.instance != kNone ? light.primitive : kNone;
   decisions.light_contributed = light.instance != kNone ? 0u : kNone;
-  const vec3 wi = to_local(s.frame, light.wi);
-  vec3 reflected = bsdf_eval(material, wo, wi) * light.radiance;
-  reflected = sides_agree(s, light.wi, wi.z) ? reflected * turned_share(s, light.wi) : vec3(0.0);
+  vec3 reflected = scattering(chosen, light.wi);
+  float pdf = scattering_pdf(chosen, light.wi);
+  if (is_mixed(other)) {
+    reflected = mixed(other, reflected, scattering(other.scatterer, light.wi));
+    MUTATE(kMutantMixtureHalfWhole, reflected += (1.0 - other.share) * scattering(chosen, light.wi));
+    pdf = mixed(other, pdf, scattering_pdf(other.scatterer, light.wi));
+  }
+  reflected *= light.radiance;
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0;
   const bool from_outside = (kHasEnvironment && light.instance == kEnvironmentLight) ||
                             (kDistantLights > 0u && light.instance == kDeltaLightSampled && light.error < 0.0);
@@ -180,10 +244,10 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   } else {
     path.shadow_ray = spawn_shadow_ray(s.p, s.ng, s.error, light.p, light.ng, light.error);
   }
-  const float w_light =
-      kMis ? power_heuristic(light_sample_count() * light.mis_pdf, bsdf_sample_count() * bsdf_pdf(material, wo, wi)) : 1.0;
+  const float w_light = kMis ? power_heuristic(light_sample_count() * light.mis_pdf, bsdf_sample_count() * pdf) : 1.0;
   path.shadow_value = path.beta * reflected * (w_light / (light_sample_count() * light.pdf_w));
-  if (kVolumes) path.shadow_value *= transmittance(absorption_toward(material, wi, path.absorption), path.shadow_ray.t_max);
+  if (kVolumes)
+    path.shadow_value *= transmittance(absorption_toward(chosen.material, to_local(s.frame, light.wi), path.absorption), path.shadow_ray.t_max);
   // Near a point light has no bound; nearer than single precision tells places apart, this is one.
   if (kDeltaLights != 0u && light.instance == kDeltaLightSampled) path.shadow_value = min(path.shadow_value, vec3(frame.delta_light_limit));
   if (!part_counts(path.bounces + 1u)) path.shadow_value = vec3(0.0);
@@ -192,12 +256,12 @@ void sample_direct_light(inout Path path, Surface s, Material material, vec3 wo,
   path.shadow_vertex = path.segment - 1u;
 }
 
-// What stands at vertex k, or where a shadow ray from there has met a surface; d is the direction of the ray, `flags` as in choice_words().
-Choice choose_at(Path path, uint k, Surface s, uint material, SurfacePoint at, Primitive geometry, vec3 d, uint flags) {
+// Words for the choice of what stands at vertex k, or where a shadow ray from there has met a surface; d is the direction of the ray, `flags` as in
+// choice_words().
+uvec4 choice_words_at(Path path, uint k, Surface s, vec3 d, uint flags) {
   uint side = dot(d, s.ng) > 0.0 ? 1u : 0u;
   MUTATE(kMutantMaskSidesTogether, side = 0u);
-  return choose_material(material, s.frame, at, geometry, -d,
-                         choice_words(frame.seed, path.pixel, path.sample_index, k, s.instance, s.primitive, side | flags));
+  return choice_words(frame.seed, path.pixel, path.sample_index, k, s.instance, s.primitive, side | flags);
 }
 
 // Whether the shadow ray, which has met a surface, goes on behind it.
@@ -208,7 +272,10 @@ bool shadow_passes(inout Path path, Ray ray, Hit hit) {
   if (limited && path.shadow_segments == 0u) return false;
   const Instance instance = fetch_instance(hit.instance);
   const Surface s = make_surface(ray, hit, instance);
-  if (choose_at(path, path.shadow_vertex, s, instance.material, SurfacePoint(s.instance, s.primitive, hit.weights, s.ng), hit.geometry, ray.d, 2u).material != kNone) return false;
+  OtherChoice other;
+  const SurfacePoint at = SurfacePoint(s.instance, s.primitive, hit.weights, s.ng);
+  const uvec4 words = choice_words_at(path, path.shadow_vertex, s, ray.d, 2u);
+  if (choose_material(instance.material, s.frame, at, hit.geometry, -ray.d, words, other).material != kNone) return false;
   --path.shadow_segments;
   path.shadow_ray.t_min = hit.t;
   path.shadow_passed = pass_behind(s, hit.t, ray.d);
@@ -238,23 +305,31 @@ bool survive_roulette(inout Path path, float u) {
 }
 
 // Step 5 and 6: the next direction. Leaves path.alive false when the path ends here.
-void scatter(inout Path path, Surface s, Material material, vec3 wo, inout Decisions decisions) {
+void scatter(inout Path path, Scatterer chosen, OtherHalf other, inout Decisions decisions) {
+  const Surface s = chosen.s;
   const uvec4 words = random_words(frame.seed, path.pixel, path.sample_index, block_bsdf(path.segment - 1u));
-  const BsdfSample bs = bsdf_sample(material, wo, to_unit(words.x), to_unit(words.yz));
+  BsdfSample bs = bsdf_sample(chosen.material, chosen.wo, to_unit(words.x), to_unit(words.yz));
   const vec3 wi = to_world(s.frame, bs.wi);
-  if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0 || !sides_agree(s, wi, bs.wi.z)) {
+  bs.weight *= sides_agree(s, wi, bs.wi.z) ? turned_share(s, wi) : 0.0;
+  if (is_mixed(other) && bs.pdf > 0.0 && !is_delta(bs.lobe)) {
+    float pdf = mixed(other, bs.pdf, scattering_pdf(other.scatterer, wi));
+    MUTATE(kMutantMixtureHalfDense, pdf = bs.pdf);
+    bs.weight = mixed(other, bs.pdf * bs.weight, scattering(other.scatterer, wi)) / pdf;
+    bs.pdf = pdf;
+  }
+  if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0) {
     decisions.lobe = kLobeNone;
     return;
   }
   decisions.lobe = bs.lobe;
   ++path.bounces;
-  path.beta *= bs.weight * (turned_share(s, wi) / bsdf_sample_count());
+  path.beta *= bs.weight * (1.0 / bsdf_sample_count());
   path.eta_scale *= bs.eta_scale;
   path.full_emission = is_delta(bs.lobe) || !kNee;
   MUTATE(kMutantEmissionAfterDeltaLost, path.full_emission = !kNee);
   path.bsdf_pdf = bs.pdf;
-  if (kVolumes) path.absorption = absorption_toward(material, bs.wi, path.absorption);
-  path.n = light_normal(s, material);
+  if (kVolumes) path.absorption = absorption_toward(chosen.material, bs.wi, path.absorption);
+  path.n = light_normal(chosen, other);
   path.ray = spawn_ray(s.p, s.ng, s.error, wi);
   path.passed = kNothingPassed;
   path.alive = true;
@@ -315,9 +390,11 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   }
   uint max_depth = frame.max_depth;
   MUTATE(kMutantDepthOffByOne, ++max_depth);
-  Choice choice = Choice(instance.material, s.frame, s.base);
+  Choice choice = Choice(instance.material, s.frame, s.base, 1.0);
+  OtherChoice other_choice = OtherChoice(choice, -1.0);
+  const uvec4 words = choice_words_at(path, path.segment - 1u, s, path.ray.d, 0u);
   if (kAdapters != 0u && (path.segment < max_depth || !kCountPasses)) {
-    choice = choose_at(path, path.segment - 1u, s, instance.material, at, hit.geometry, path.ray.d, 0u);
+    choice = choose_material(instance.material, s.frame, at, hit.geometry, -path.ray.d, words, other_choice);
     if (kPassable && choice.material == kNone) {
       pass_surface(path, s, hit.t, decisions);
       return;
@@ -335,22 +412,26 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   }
   if (kLightPart == kLightPartDirect && path.bounces > 0u) return;
   if (path.segment >= max_depth) return;
-  const Material material = evaluate_material(choice.material, at);
-  if (textures_have(kTexturesTangents) && material_has(material, kMaterialAligned)) s.frame = aligned_frame(s.frame.n, at, hit.geometry);
-  const vec3 wo = to_local(s.frame, -path.ray.d);
+  const Scatterer chosen = scatterer_of(choice, s, at, hit.geometry, -path.ray.d);
+  const Material material = chosen.material;
+  s = chosen.s;
   if (kIntegrator == kIntegratorAov && frame.aov == kAovNormal && !material_has(material, kMaterialDelta)) {
     path.radiance = s.frame.n;
     return;
   }
-  if ((material_has(material, kMaterialOneSided) && wo.z <= 0.0) || !sides_agree(s, -path.ray.d, wo.z)) {
+  if (is_black(chosen, -path.ray.d)) {
     decisions.lobe = kLobeNone;
     return;
   }
+  OtherHalf other = OtherHalf(chosen, -1.0);
+  if (kBlended && kGathersLight && other_choice.share >= 0.0)
+    other = other_half(chosen, other_choice, at, hit.geometry, -path.ray.d, words);
   const bool delta = material_has(material, kMaterialDelta);
+  const bool all_delta = delta && (!is_mixed(other) || material_has(other.scatterer.material, kMaterialDelta));
   const uint round = direct_round(path);
-  if (kNee && !delta && (kIntegrator != kIntegratorDirect || round < frame.emitter_samples)) sample_direct_light(path, s, material, wo, decisions);
+  if (kNee && !all_delta && (kIntegrator != kIntegratorDirect || round < frame.emitter_samples)) sample_direct_light(path, chosen, other, decisions);
   if (kIntegrator == kIntegratorWhitted && !delta) return;
-  if (kIntegrator != kIntegratorDirect || round < frame.bsdf_samples) scatter(path, s, material, wo, decisions);
+  if (kIntegrator != kIntegratorDirect || round < frame.bsdf_samples) scatter(path, chosen, other, decisions);
   if (kIntegrator == kIntegratorDirect && !path.alive) next_direct_round(path);
   bool seen = !delta;
   MUTATE(kMutantAovEndsAtMirror, seen = true);

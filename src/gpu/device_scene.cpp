@@ -146,8 +146,9 @@ LoopRounds::LoopRounds(const CompiledScene& scene) {
   primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
   distant = static_cast<std::uint32_t>(std::bit_width(scene.distant_lights));
   const std::uint32_t adapters = MaterialsUsed(scene).adapter_depth, textures = most_texture_uses(scene);
-  // Adapters also of what shadow rays meet; each loop looks once more whether it ends.
-  materials = (adapters > 0 ? 2 * (adapters + 2) : 0) + (textures > 0 ? textures + 1 : 0);
+  // Adapters also of what shadow rays meet, and of what a blend has not chosen; each loop looks once more whether it
+  // ends.
+  materials = (adapters > 0 ? 3 * (adapters + 2) : 0) + (textures > 0 ? textures + 1 : 0);
   if (scene.environment.facts.kind == gpu::kEnvironmentNone) return;
   environment_rows = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.row_count - 1));
   environment_columns = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.columns - 1));

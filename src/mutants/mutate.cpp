@@ -232,6 +232,10 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
     {gpu::kMutantMapsShineThrough, "maps shine through", "light from below a surface reaches it by its turned normals",
      "picture of maps"},
     {gpu::kMutantCoatUnmasked, "coat unmasked", "the coat's microfacets do not hide each other", "albedo, coat"},
+    {gpu::kMutantMixtureHalfWhole, "half of a mixture whole",
+     "the half of a mixture that was chosen reflects all of a sampled light", "adapters, floor b(dd)"},
+    {gpu::kMutantMixtureHalfDense, "half of a mixture dense",
+     "a direction's density is that of the half of a mixture that was chosen", "picture of mixtures"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -507,6 +511,26 @@ Scene room_of_volumes() {
   return scene;
 }
 
+const ConductorIndex kGold{{0.143036, 0.375307, 1.44205}, {3.983, 2.38556, 1.60336}};
+const RoughPlasticBsdf kRoughPlastic{.diffuse_reflectance = glm::dvec3(0.2, 0.5, 0.7), .alpha = 0.3};
+
+/// The room with walls that are half matt, half gleaming.
+Scene room_of_mixtures() {
+  Scene scene = room();
+  scene.name = scene.file = "room of mixtures";
+  const auto mix = [&](Instance& instance, const Bsdf& other) {
+    const auto rows = static_cast<std::uint32_t>(scene.materials.size());
+    scene.materials.push_back({.bsdf = other});
+    scene.materials.push_back({.bsdf = DiffuseBsdf{}, .adapter = BlendAdapter{0.5, instance.material, rows}});
+    instance.material = rows + 1;
+  };
+  for (std::size_t i = 0; i < 5; ++i)  // floor, ceiling and walls
+    mix(scene.instances[i], RoughConductorBsdf{kGold, {Roughness::Distribution::ggx, 0.1, 0.1}, glm::dvec3(1.0)});
+  mix(scene.instances.back(), kRoughPlastic);
+  scene.integrator.max_depth = 3;
+  return scene;
+}
+
 /// The room with a point, a spot that fades over all of its cone and a projector in place of the lamp.
 Scene room_under_points() {
   Scene scene = room();
@@ -587,13 +611,11 @@ SuiteTest albedo_test(std::string name, const Bsdf& bsdf, const glm::dvec3& wo) 
   return {std::move(name), [=](const GpuOptions& gpu) { return std::make_unique<AlbedoTrial>(bsdf, wo, gpu); }};
 }
 
-const ConductorIndex kGold{{0.143036, 0.375307, 1.44205}, {3.983, 2.38556, 1.60336}};
 const RoughConductorBsdf kRoughGold{kGold, {Roughness::Distribution::ggx, 0.5, 0.3}, glm::dvec3(1.0)};
 const MicrofacetBsdf kCoated{.kd = glm::dvec3(0.2, 0.4, 0.3), .alpha = 0.4};
 const RoughDielectricBsdf kFrosted{
     .int_ior = 1.5, .ext_ior = 1.0, .roughness = {Roughness::Distribution::ggx, 0.3, 0.5}};
 const PlasticBsdf kPlastic{.diffuse_reflectance = glm::dvec3(0.2, 0.5, 0.7), .nonlinear = true};
-const RoughPlasticBsdf kRoughPlastic{.diffuse_reflectance = glm::dvec3(0.2, 0.5, 0.7), .alpha = 0.3};
 const PrincipledBsdf kPrincipled{.base_color = glm::dvec3(0.2, 0.5, 0.7),
                                  .roughness = 0.6,
                                  .metallic = 0.1,
@@ -714,6 +736,8 @@ std::vector<SuiteTest> make_suite() {
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_round_shapes(), gpu); }},
       {"picture of maps against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_maps(), gpu); }},
+      {"picture of mixtures against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_mixtures(), gpu); }},
       {"picture of volumes against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_volumes(), gpu); }},
       {"picture of twins against the reference",

@@ -1,22 +1,30 @@
 #include "reference/adapters.h"
 
+#include <algorithm>
+
 #include "reference/texture.h"
 #include "scene/materials.h"
 
 namespace etendue::reference {
 namespace {
 
-/// On the way from an adapter to a material.
-struct Chooser {
+/// A place on the way from an adapter to a material.
+struct Place {
+  std::uint32_t row;
+  Frame frame;
+  double side = 1.0;  ///< of the frame's normal, against that of the surface
+  std::optional<Vec3> base = {};
+};
+
+/// Goes the way.
+struct Chooser : Place {
   const Scene& scene;
   const Surface& surface;
   const Vec3& d;
   const SampleRandom& random;
   SampleRandom::Decision decision;
-  std::uint32_t row;
-  Frame frame;
-  double side = 1.0;  ///< of the frame's normal, against that of the surface
-  std::optional<Vec3> base = {};
+  double share = 1.0;
+  std::optional<Place> other = {};  ///< where the first blend did not go
 
   // Each goes on to a row, or says that the ray passes.
   bool step(const TwoSidedAdapter& adapter) {
@@ -35,7 +43,14 @@ struct Chooser {
     return true;
   }
   bool step(const BlendAdapter& blend) {
-    row = random.choice(decision, row) < at_point(scene, blend.weight, surface) ? blend.second : blend.first;
+    const double weight = std::clamp(at_point(scene, blend.weight, surface), 0.0, 1.0);
+    const bool second = random.choice(decision, row) < weight;
+    if (!other) {
+      other = *this;
+      other->row = second ? blend.first : blend.second;
+      share = second ? weight : 1.0 - weight;
+    }
+    row = second ? blend.second : blend.first;
     return true;
   }
   /// Tangent, bitangent and normal are those of the surface; seen from behind, height is counted backward.
@@ -74,27 +89,44 @@ struct Chooser {
   }
 };
 
-}  // namespace
-
-std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface& surface, const Vec3& d,
-                                              const SampleRandom& random, std::uint32_t k, bool shadow_ray) {
-  Chooser chooser{.scene = scene,
-                  .surface = surface,
-                  .d = d,
-                  .random = random,
-                  .decision = {k, surface.instance, surface.primitive, glm::dot(d, surface.ng) > 0.0, shadow_ray},
-                  .row = scene.instances[surface.instance].material,
-                  .frame = Frame(surface.ns)};
+/// Goes to the end. Nothing where the ray passes.
+std::optional<ChosenMaterial> arrive(Chooser& chooser) {
   for (;;) {
-    const Material& material = scene.materials[chooser.row];
+    const Material& material = chooser.scene.materials[chooser.row];
     if (!material.adapter) {
       if (std::holds_alternative<NullBsdf>(material.bsdf)) return std::nullopt;
-      const bool aligned = is_aligned(material);
-      return ChosenMaterial{chooser.row, aligned ? chooser.frame.along(tangents(scene, 0, surface).u) : chooser.frame,
+      const Frame& frame = chooser.frame;
+      return ChosenMaterial{chooser.row,
+                            is_aligned(material) ? frame.along(tangents(chooser.scene, 0, chooser.surface).u) : frame,
                             chooser.base};
     }
     if (!std::visit([&](const auto& adapter) { return chooser.step(adapter); }, *material.adapter)) return std::nullopt;
   }
+}
+
+Chooser begin(const Scene& scene, const Surface& surface, const Vec3& d, const SampleRandom& random, std::uint32_t k,
+              bool shadow_ray) {
+  return {{.row = scene.instances[surface.instance].material, .frame = Frame(surface.ns)},    scene, surface, d, random,
+          {k, surface.instance, surface.primitive, glm::dot(d, surface.ng) > 0.0, shadow_ray}};
+}
+
+}  // namespace
+
+std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface& surface, const Vec3& d,
+                                              const SampleRandom& random, std::uint32_t k, bool shadow_ray) {
+  Chooser chooser = begin(scene, surface, d, random, k, shadow_ray);
+  return arrive(chooser);
+}
+
+std::optional<ChosenMaterials> choose_materials(const Scene& scene, const Surface& surface, const Vec3& d,
+                                                const SampleRandom& random, std::uint32_t k) {
+  Chooser chooser = begin(scene, surface, d, random, k, false);
+  const std::optional<ChosenMaterial> chosen = arrive(chooser);
+  if (!chosen) return std::nullopt;
+  if (!chooser.other) return ChosenMaterials{*chosen};
+  const double share = chooser.share;
+  static_cast<Place&>(chooser) = Place(*chooser.other);
+  return ChosenMaterials{*chosen, share, arrive(chooser)};
 }
 
 }  // namespace etendue::reference

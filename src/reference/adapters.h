@@ -19,9 +19,19 @@ struct ChosenMaterial {
   std::optional<Vec3> base = {};
 };
 
+/// A material that was chosen, and what the outermost blend on the way to it would have chosen else.
+struct ChosenMaterials {
+  ChosenMaterial chosen;
+  double share = 1.0;                        ///< the probability with which that blend chose as it did
+  std::optional<ChosenMaterial> other = {};  ///< nothing where there is no blend, or where light would pass
+};
+
 /// The material that stands where a ray in direction `d` has met a surface: vertex `k`, or what a shadow ray from there
 /// has met. Nothing where the ray passes.
 std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface& surface, const Vec3& d,
                                               const SampleRandom& random, std::uint32_t k, bool shadow_ray);
+/// The same with what a blend did not choose, for a path that arrives at vertex `k`.
+std::optional<ChosenMaterials> choose_materials(const Scene& scene, const Surface& surface, const Vec3& d,
+                                                const SampleRandom& random, std::uint32_t k);
 
 }  // namespace etendue::reference

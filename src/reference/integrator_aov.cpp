@@ -80,7 +80,8 @@ class Look {
       return false;
     }
     if (segment == kMaxSegments) return false;
-    const Scatterer scatterer(at_point(scene_, scene_.materials[chosen.row].bsdf, surface), chosen, -ray.direction);
+    const Mixture scatterer(
+        Scatterer(at_point(scene_, scene_.materials[chosen.row].bsdf, surface), chosen, -ray.direction));
     if (aov == Aov::normal && !scatterer.delta()) {
       value_ = chosen.frame.normal();
       return false;

@@ -119,11 +119,16 @@ class Path {
     }
   }
 
-  /// The material that light from vertex `k` on meets in the direction `w`, or nothing where it passes the surface.
-  std::optional<Scatterer> scatterer_at(const Surface& surface, const Vec3& w, std::uint32_t k) const {
-    const std::optional<ChosenMaterial> chosen = choose_material(world_.scene(), surface, w, random_, k, false);
-    if (!chosen) return std::nullopt;
-    return Scatterer(at_point(world_.scene(), world_.scene().materials[chosen->row].bsdf, surface), *chosen, -w);
+  /// What light from vertex `k` on meets in the direction `w`, or nothing where it passes the surface.
+  std::optional<Mixture> scatterer_at(const Surface& surface, const Vec3& w, std::uint32_t k) const {
+    const Scene& scene = world_.scene();
+    const std::optional<ChosenMaterials> found = choose_materials(scene, surface, w, random_, k);
+    if (!found) return std::nullopt;
+    const auto scatterer = [&](const ChosenMaterial& m) {
+      return Scatterer(at_point(scene, scene.materials[m.row].bsdf, surface), m, -w);
+    };
+    if (!found->other) return Mixture(scatterer(found->chosen));
+    return Mixture(scatterer(found->chosen), found->share, scatterer(*found->other));
   }
 
   Step pass(const Surface& surface, Ray& ray) {
@@ -148,9 +153,9 @@ class Path {
     if (round == 0) gather(bounces_, beta_ * emission(surface, -ray.direction));
     // Numbers are counted by segments, of which a round has two.
     const std::uint32_t k = 2 * round;
-    const std::optional<Scatterer> chosen = scatterer_at(surface, ray.direction, k);
+    const std::optional<Mixture> chosen = scatterer_at(surface, ray.direction, k);
     if (!chosen) return pass(surface, ray);
-    const Scatterer& scatterer = *chosen;
+    const Mixture& scatterer = *chosen;
     black_ = scatterer.black();
     if (black_) {
       log_.lobe(Lobe::none);
@@ -189,16 +194,16 @@ class Path {
     const std::uint32_t k = depth - 1;
     gather(bounces_, beta_ * emission(surface, -ray.direction));
     if (last && counts_passes_) return Step::ends;
-    const std::optional<Scatterer> chosen = scatterer_at(surface, ray.direction, k);
+    const std::optional<Mixture> chosen = scatterer_at(surface, ray.direction, k);
     if (!chosen) return pass(surface, ray);
     if (last || (integrator_.light_part == Integrator::LightPart::direct && bounces_ > 0)) return Step::ends;
-    const Scatterer& scatterer = *chosen;
+    const Mixture& scatterer = *chosen;
     if (scatterer.black()) {
       log_.lobe(Lobe::none);
       return Step::ends;
     }
     if (samples_lights_ && !scatterer.delta()) add_sampled_light(surface, scatterer, k);
-    if (integrator_.type == Integrator::Type::whitted && !scatterer.delta()) return Step::ends;
+    if (integrator_.type == Integrator::Type::whitted && !scatterer.chosen().delta()) return Step::ends;
 
     const SampleRandom::Material random = random_.material(k);
     const BsdfSample bounce = scatterer.sample(random);
@@ -228,7 +233,7 @@ class Path {
   }
 
   /// Light of points has no bound; nearer than the film can tell, this is one.
-  void add_sampled_light(const Surface& surface, const Scatterer& scatterer, std::uint32_t k) {
+  void add_sampled_light(const Surface& surface, const Mixture& scatterer, std::uint32_t k) {
     bool delta = false;
     const Vec3 added = beta_ * sampled_light(surface, scatterer, k, delta);
     gather(bounces_ + 1, delta ? glm::min(added, Vec3(world_.delta_light_limit())) : added);
@@ -236,7 +241,7 @@ class Path {
 
   /// Next-event estimation at vertex `k`: reflected radiance due to a direction of the environment or a point of a
   /// light.
-  Vec3 sampled_light(const Surface& surface, const Scatterer& scatterer, std::uint32_t k, bool& delta) const {
+  Vec3 sampled_light(const Surface& surface, const Mixture& scatterer, std::uint32_t k, bool& delta) const {
     const Environment& environment = world_.environment();
     if (environment.is_sampled()) {
       if (const auto sample = environment.sample(random_.environment(k)))
@@ -246,8 +251,8 @@ class Path {
     return direct_light(surface, scatterer, k, delta) / environment.lights_prob();
   }
 
-  Vec3 outside_light(const Surface& surface, const Scatterer& scatterer, const EnvironmentSample& sample,
-                     std::uint32_t k, bool& delta) const {
+  Vec3 outside_light(const Surface& surface, const Mixture& scatterer, const EnvironmentSample& sample, std::uint32_t k,
+                     bool& delta) const {
     delta = sample.delta;
     const Vec3 unshadowed = scatterer.eval(sample.wi) * sample.radiance;
     const auto free = [&] {
@@ -266,7 +271,7 @@ class Path {
   }
 
   /// Reflected radiance due to one sampled point of one light, where no other than those is chosen.
-  Vec3 direct_light(const Surface& surface, const Scatterer& scatterer, std::uint32_t k, bool& delta) const {
+  Vec3 direct_light(const Surface& surface, const Mixture& scatterer, std::uint32_t k, bool& delta) const {
     const std::optional<LightSample> chosen =
         world_.lights().sample(world_.scene(), surface.p, scatterer.light_normal(), random_.light(k));
     if (!chosen) return Vec3(0.0);

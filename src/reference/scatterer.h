@@ -41,15 +41,16 @@ class Scatterer {
     return agrees(wi) ? share(wi) * reference::eval(bsdf_, wo_, frame_.to_local(wi)) : Vec3(0.0);
   }
   double pdf(const Vec3& wi) const { return reference::pdf(bsdf_, wo_, frame_.to_local(wi)); }
-  /// Like that of bsdf.h, with `wi` in world space; lobe `none` unless its weight is positive somewhere.
+  /// Like that of bsdf.h, with `wi` in world space.
   BsdfSample sample(const SampleRandom::Material& random) const {
     BsdfSample sample = reference::sample(bsdf_, wo_, random.lobe, {random.u, random.v});
-    if (sample.lobe == Lobe::none || is_zero(sample.weight)) return {};
+    if (sample.lobe == Lobe::none) return {};
     sample.wi = frame_.to_world(sample.wi);
-    if (!agrees(sample.wi)) return {};
-    sample.weight *= share(sample.wi);
+    sample.weight *= agrees(sample.wi) ? share(sample.wi) : 0.0;
     return sample;
   }
+  /// Light is absorbed behind it.
+  bool encloses() const { return !is_zero(absorption_toward(-frame_.normal(), Vec3(0.0))); }
 
  private:
   /// A direction on one side of the normal and, where a map has turned it, of the normal before: others carry no light.
@@ -68,6 +69,50 @@ class Scatterer {
   std::optional<Vec3> base_;
   Vec3 wo_;
   bool unseen_;
+};
+
+/// What a vertex of a path scatters by: a material, or a mixture of two, of which one was chosen with the probability
+/// that is its share. A mixture reflects `share f₁ + (1 − share) f₂`, whichever was chosen.
+class Mixture {
+ public:
+  explicit Mixture(Scatterer chosen) : chosen_(std::move(chosen)) {}
+  Mixture(Scatterer chosen, double share, Scatterer other) : Mixture(std::move(chosen)) {
+    if (chosen_.black() || other.black() || chosen_.encloses() || other.encloses()) return;
+    other_ = std::move(other);
+    share_ = share;
+  }
+
+  const Scatterer& chosen() const { return chosen_; }
+  /// As those of a single material. Lights have to be chosen alike whichever material was.
+  Vec3 light_normal() const {
+    return !other_ || other_->light_normal() == chosen_.light_normal() ? chosen_.light_normal() : Vec3(0.0);
+  }
+  Vec3 absorption_toward(const Vec3& wi, const Vec3& current) const { return chosen_.absorption_toward(wi, current); }
+  bool delta() const { return chosen_.delta() && (!other_ || other_->delta()); }
+  bool black() const { return chosen_.black(); }
+  Vec3 eval(const Vec3& wi) const {
+    return other_ ? share_ * chosen_.eval(wi) + (1.0 - share_) * other_->eval(wi) : chosen_.eval(wi);
+  }
+  double pdf(const Vec3& wi) const {
+    return other_ ? share_ * chosen_.pdf(wi) + (1.0 - share_) * other_->pdf(wi) : chosen_.pdf(wi);
+  }
+  /// A direction by the chosen one; lobe `none` unless its weight is positive somewhere.
+  BsdfSample sample(const SampleRandom::Material& random) const {
+    BsdfSample sample = chosen_.sample(random);
+    if (sample.lobe == Lobe::none) return {};
+    if (other_ && !is_delta(sample.lobe)) {
+      const double density = share_ * sample.pdf + (1.0 - share_) * other_->pdf(sample.wi);
+      sample.weight = (share_ * sample.pdf * sample.weight + (1.0 - share_) * other_->eval(sample.wi)) / density;
+      sample.pdf = density;
+    }
+    if (is_zero(sample.weight)) return {};
+    return sample;
+  }
+
+ private:
+  Scatterer chosen_;
+  double share_ = 1.0;
+  std::optional<Scatterer> other_;
 };
 
 }  // namespace etendue::reference
