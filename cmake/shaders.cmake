@@ -24,7 +24,7 @@ function(etendue_embed_kernels target)
     endif()
     add_custom_command(
       OUTPUT ${spv}
-      COMMAND ${GLSLANG_VALIDATOR} --target-env vulkan1.2 -V -g0 --quiet -I${PROJECT_SOURCE_DIR}/shaders -DETENDUE_BVH_WIDTH=${ETENDUE_BVH_WIDTH}
+      COMMAND ${GLSLANG_VALIDATOR} --target-env vulkan1.2 -V --quiet -I${PROJECT_SOURCE_DIR}/shaders -DETENDUE_BVH_WIDTH=${ETENDUE_BVH_WIDTH}
               ${arg_DEFINES}
               --depfile ${spv}.d -o ${spv} ${kernel}
       ${prune_this}
