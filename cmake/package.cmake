@@ -37,7 +37,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libetendue-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS OFF)
 # Static libraries bring no dependencies of their own; these are those of etendue.pc and EtendueConfig.cmake.
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libdraco-dev, libfmt-dev, libglm-dev, libjpeg-dev, libmeshoptimizer-dev, libopenexr-dev, libpng-dev, libvulkan1, libwebp-dev, libxxhash-dev, zlib1g-dev")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libdraco-dev, libfmt-dev, libglm-dev, libjpeg-dev, libmeshoptimizer-dev, libopenexr-dev, libpng-dev, libvulkan1, libwebp-dev, libxxhash-dev, spirv-tools, zlib1g-dev")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "mesa-vulkan-drivers | vulkan-icd")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SUGGESTS "cmake, pkgconf")
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION
