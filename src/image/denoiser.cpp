@@ -33,9 +33,6 @@ constexpr int kDeviceTypeCpu = 1;
 constexpr int kFormatFloat3 = 3;
 constexpr int kErrorNone = 0;
 
-using Device = struct OpaqueDevice*;
-using Filter = struct OpaqueFilter*;
-
 std::array<std::string, 3> layer_channels(const char* layer, const char* letters) {
   std::array<std::string, 3> names;
   for (std::size_t i = 0; i < 3; ++i) names[i] = fmt::format("{}.{}", layer, letters[i]);
@@ -77,6 +74,9 @@ void check_finite(const std::vector<glm::vec3>& values, const char* what, std::u
 
 /// The functions that are called, as the library's documentation declares them.
 struct Denoiser::Library {
+  using Device = struct OpaqueDevice*;
+  using Filter = struct OpaqueFilter*;
+
   void* handle = nullptr;
   Device device = nullptr;
 

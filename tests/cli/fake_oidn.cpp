@@ -39,6 +39,7 @@ int g_error = 0;
 
 }  // namespace
 
+#pragma GCC visibility push(default)
 extern "C" {
 
 void* oidnNewDevice(int type) {
@@ -111,3 +112,4 @@ void oidnReleaseFilter(FakeFilter* filter) {
   delete filter;
 }
 }
+#pragma GCC visibility pop

@@ -401,7 +401,8 @@ TEST(BadScene, FilesMadeToExhaustTheReader) {
   expect_bad_scene("10 MB of line ends", ten_megabytes('\n'), "no element");
   expect_bad_scene("10 MB of carriage returns", "<scene>" + ten_megabytes('\r'), "never closed");
   expect_bad_scene("10 MB of an attribute", "<scene a=\"" + ten_megabytes('a'), "no closing quote");
-  expect_bad_scene("10 MB of a name", "<" + ten_megabytes('a') + "/>", "root element");
+  // Not "<" + …: GCC 12 takes the string for one of 2^63 bytes.
+  expect_bad_scene("10 MB of a name", std::string("<").append(ten_megabytes('a')).append("/>"), "root element");
   expect_bad_scene(
       "10 MB of a number",
       scene_with("<mesh type=\"sphere\"><float name=\"radius\" value=\"" + ten_megabytes('1') + "\"/></mesh>"),
