@@ -77,6 +77,12 @@ def aovs(studio):
     keep_sheet(studio, "page-aovs", tiles, 5)
 
 
+def turntable(studio):
+    tiles = [tile_of(studio.render("cameras/turntable", f"page-turntable-{second}", spp=studio.pick(64, 1), size=studio.pick((203, 114), (20, 12)),
+                                   device=studio.pick(None, "reference"), more=["--at", str(second)]).png()) for second in range(4)]  # yapf: disable
+    keep_sheet(studio, "page-turntable", tiles, 4)
+
+
 def run(studio):
     for name, (size, spp, columns, scenes) in SHEETS.items():
         size = studio.pick(size, (size[0] // 10, size[1] // 10))
@@ -84,4 +90,5 @@ def run(studio):
                                        device=studio.pick(None, "reference")).png())
                  for i, (scene, define) in enumerate(scenes)]  # yapf: disable
         keep_sheet(studio, name, tiles, columns)
+    turntable(studio)
     aovs(studio)
