@@ -146,7 +146,7 @@ LightSample sample_environment_or_light(Path path, Surface s, vec3 n) {
   return light;
 }
 
-// A surface as a material sees it that scatters there, and the direction in which light is looked for.
+// A material, the surface as it sees it, and the direction toward which it scatters.
 struct Scatterer {
   Surface s;
   Material material;

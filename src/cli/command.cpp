@@ -5,9 +5,7 @@
 #include "cli/units.h"
 #include "core/log.h"
 #include "core/parallel.h"
-#include "gpu/bsdf_probe.h"
 #include "library/device_selection.h"
-#include "reference/material_probe.h"
 
 namespace etendue::cli {
 
@@ -159,9 +157,7 @@ RendererFactory DeviceOption::factory() const {
 }
 
 BsdfProbeFactory DeviceOption::probe_factory() const {
-  const DeviceSelection device = selection();
-  if (selector == "reference") return make_reference_bsdf_probe;
-  return [options = etendue::gpu_options(device)](const Bsdf& bsdf) { return make_gpu_bsdf_probe(bsdf, options); };
+  return bsdf_probe_factory(selection());
 }
 
 GpuOptions DeviceOption::gpu_options() const {

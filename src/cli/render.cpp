@@ -534,8 +534,9 @@ void set_stage(std::unique_ptr<Stage>& stage, const RenderArguments& options, do
   if (!stage) stage = std::make_unique<Stage>(Stage{read_prepared(options, read), {}});
   Camera& camera = stage->scene.camera;
   if (camera.path.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("--frames: nothing in {} moves; its camera has no keyframes", options.scene_file));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("--frames: nothing in {} moves; give its camera keyframes (docs/cameras.md).", options.scene_file));
   camera.world_from_camera = pose_at(camera.path, time);
 }
 

@@ -5,6 +5,8 @@
 #include <fmt/core.h>
 
 #include "core/errors.h"
+#include "gpu/bsdf_probe.h"
+#include "reference/material_probe.h"
 #include "reference/reference_renderer.h"
 #include "scene/invariants.h"
 #include "vulkan/context.h"
@@ -67,6 +69,11 @@ GpuOptions gpu_options(const DeviceSelection& device) {
   options.fixed_samples = device.pass_samples;
   if (device.max_wait_seconds) options.context.max_wait_seconds = *device.max_wait_seconds;
   return options;
+}
+
+BsdfProbeFactory bsdf_probe_factory(const DeviceSelection& device) {
+  if (device.selector == kReference) return make_reference_bsdf_probe;
+  return [options = gpu_options(device)](const Bsdf& bsdf) { return make_gpu_bsdf_probe(bsdf, options); };
 }
 
 std::vector<DeviceDescription> list_devices() {

@@ -6,6 +6,7 @@
 
 #include "etendue/render.h"
 #include "gpu/gpu_renderer.h"
+#include "render/bsdf_probe.h"
 
 namespace etendue {
 
@@ -18,5 +19,8 @@ std::vector<std::string> usable_devices();
 
 /// Options of the Vulkan renderer on the device with this selector, which must be a single one.
 GpuOptions gpu_options(const DeviceSelection& device);
+
+/// Materials on the device with this selector, which must be a single one.
+BsdfProbeFactory bsdf_probe_factory(const DeviceSelection& device);
 
 }  // namespace etendue
