@@ -25,7 +25,7 @@ import template
 
 ROOT = Path(__file__).resolve().parents[2]
 CHAPTERS = ["paths", "antialiasing", "convergence", "materials", "lights", "proofs", "tree", "determinism", "performance",
-            "swatches", "gallery", "families"]
+            "swatches", "plugins", "gallery", "families"]
 UNASKED = {"comparison": {"time_compare.json"}}  # chapters that need other programs, run only by --only, and what they make
 
 
