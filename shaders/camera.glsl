@@ -24,7 +24,8 @@ float sample_filter(float u, out float weight) {
   const float position = u * float(kFilterSteps);
   const uint i = min(uint(position), kFilterSteps - 1u);
   const float x = mix(fetch_filter_knot(i), fetch_filter_knot(i + 1u), position - float(i));
-  weight = abs(x) > frame.filter_zero ? -frame.filter_weight : frame.filter_weight;
+  const bool negative = kFilterKind == kFilterAlternating ? (uint(abs(x)) & 1u) != 0u : abs(x) > frame.filter_zero;
+  weight = negative ? -frame.filter_weight : frame.filter_weight;
   MUTATE(kMutantFilterSignDropped, weight = frame.filter_weight);
   return x;
 }

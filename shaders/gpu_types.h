@@ -212,6 +212,7 @@ const uint kCameraIrradiance = 4u;  // from that plane into the hemisphere befor
 
 const uint kFilterBox = 0u;
 const uint kFilterTable = 1u;
+const uint kFilterAlternating = 2u;  // a table of a filter that changes its sign at every whole number of pixels
 const uint kFilterSteps = 1024u;  // intervals of the tabulated inverse CDF
 
 const uint kPrimitiveTriangle = 0u;

@@ -56,6 +56,7 @@ FORMULAS = {
     ("rfilter", "tent"): ("Camera and filter", "The film position"),
     ("rfilter", "gaussian"): ("Camera and filter", "The film position"),
     ("rfilter", "mitchell"): ("Camera and filter", "The film position"),
+    ("rfilter", "lanczos"): ("Camera and filter", "The film position"),
     ("mesh", "disk"): ("Warps", "- Disk:"),
     ("mesh", "cylinder"): ("Warps", "- Cylinder:"),
     ("mesh", "sphere"): ("Warps", "- Sphere from outside:"),

@@ -196,6 +196,7 @@ CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32
   const FilterTable table = make_filter_table(camera.filter);
   f.filter_weight = static_cast<float>(table.weight);
   f.filter_zero = table.has_negative_lobes ? static_cast<float>(table.zero) : INFINITY;
+  out.filter = table.knots.empty() ? gpu::kFilterBox : table.alternates ? gpu::kFilterAlternating : gpu::kFilterTable;
   out.filter_knots = table.knots;
   return out;
 }

@@ -32,6 +32,7 @@ struct CompiledView {
   bool window = false;                              ///< see kConstantCameraWindow
   std::uint32_t integrator = gpu::kIntegratorPath;  ///< kIntegrator*
   std::uint32_t light_part = gpu::kLightPartAll;    ///< kLightPart*
+  std::uint32_t filter = gpu::kFilterBox;           ///< kFilter*
   std::vector<float> filter_knots;                  ///< kFilterSteps + 1 offsets in pixels; empty for the box filter
 };
 

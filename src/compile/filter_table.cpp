@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "gpu_types.h"
 
@@ -11,7 +12,18 @@ namespace {
 constexpr int kIntegrationSteps = 1 << 16;  // midpoint rule over the support: relative error below 1e-9
 
 double filter_radius(const ReconstructionFilter& f) {
-  return f.type == ReconstructionFilter::Type::tent ? 1.0 : f.radius;
+  switch (f.type) {
+    case ReconstructionFilter::Type::box:
+      return 0.5 * f.stretch;
+    case ReconstructionFilter::Type::tent:
+      return f.stretch;
+    case ReconstructionFilter::Type::lanczos:
+      return f.lobes;
+    case ReconstructionFilter::Type::gaussian:
+    case ReconstructionFilter::Type::mitchell:
+      break;
+  }
+  return f.radius;
 }
 
 // Standard deviations beyond which a Gaussian is 0 to any precision.
@@ -42,6 +54,12 @@ double mitchell(double x, double b, double c) {
   return 0.0;
 }
 
+// The sinc function under the middle lobe of a wider one [Turkowski1990].
+double lanczos(double x, double lobes) {
+  const auto sinc = [](double t) { return t < 1e-9 ? 1.0 : std::sin(std::numbers::pi * t) / (std::numbers::pi * t); };
+  return sinc(x) * sinc(x / lobes);
+}
+
 // At u · reach, u in [−1, 1], up to a factor.
 double filter_value(const ReconstructionFilter& f, double u) {
   u = std::abs(u);
@@ -52,6 +70,8 @@ double filter_value(const ReconstructionFilter& f, double u) {
       return gaussian(f, u);
     case ReconstructionFilter::Type::mitchell:
       return mitchell(2.0 * u, f.b, f.c);
+    case ReconstructionFilter::Type::lanczos:
+      return lanczos(u * f.lobes, f.lobes);
     case ReconstructionFilter::Type::box:
       return 1.0;
   }
@@ -81,7 +101,7 @@ double find_zero(const ReconstructionFilter& f) {
 
 FilterTable make_filter_table(const ReconstructionFilter& f) {
   FilterTable table;
-  if (f.type == ReconstructionFilter::Type::box) return table;
+  if (f.type == ReconstructionFilter::Type::box && f.stretch == 1.0) return table;
   const double reach = filter_reach(f);
   constexpr double kStep = 2.0 / kIntegrationSteps;
   std::vector<double> cdf(kIntegrationSteps + 1, 0.0);
@@ -92,7 +112,8 @@ FilterTable make_filter_table(const ReconstructionFilter& f) {
     signed_sum += value;
   }
   table.weight = cdf.back() / signed_sum;
-  const double zero = find_zero(f);
+  table.alternates = f.type == ReconstructionFilter::Type::lanczos;
+  const double zero = table.alternates ? 1.0 : find_zero(f);
   table.zero = zero * reach;
   table.has_negative_lobes = zero < 1.0;
   int cell = 0;

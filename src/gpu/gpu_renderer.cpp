@@ -260,7 +260,7 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
   const LoopRounds& rounds = scene_->loop_rounds();
   const bool light = gathers_light(view.integrator);
   const bool follows_light = light || view.integrator.type == Integrator::Type::aov;
-  return {{gpu::kConstantFilterKind, compiled.filter_knots.empty() ? gpu::kFilterBox : gpu::kFilterTable},
+  return {{gpu::kConstantFilterKind, compiled.filter},
           {gpu::kConstantCamera, compiled.camera},
           {gpu::kConstantCameraWindow, compiled.window ? 1u : 0u},
           {gpu::kConstantIntegrator, compiled.integrator},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace etendue::reference {
 namespace {
@@ -21,6 +22,13 @@ double mitchell(double x, double b, double c) {
   if (x >= 2.0) return 0.0;
   if (x < 1.0) return ((12 - 9 * b - 6 * c) * x * x * x + (-18 + 12 * b + 6 * c) * x * x + (6 - 2 * b)) / 6;
   return ((-b - 6 * c) * x * x * x + (6 * b + 30 * c) * x * x + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) / 6;
+}
+
+/// The sinc function sin(πx)/(πx), cut off at `lobes` by the middle lobe of a wider one; source: [Turkowski1990].
+double lanczos(double x, double lobes) {
+  const double t = std::numbers::pi * std::abs(x);
+  if (std::abs(x) >= lobes) return 0.0;
+  return t < 1e-8 ? 1.0 : lobes * std::sin(t) * std::sin(t / lobes) / (t * t);
 }
 
 /// ∫ g over [a, b] by the five-point Gauss–Legendre rule: exact for polynomials up to degree 9.
@@ -72,9 +80,11 @@ std::vector<double> cell_ends(const ReconstructionFilter& filter) {
 double filter_radius(const ReconstructionFilter& filter) {
   switch (filter.type) {
     case ReconstructionFilter::Type::box:
-      return 0.5;
+      return 0.5 * filter.stretch;
     case ReconstructionFilter::Type::tent:
-      return 1.0;
+      return filter.stretch;
+    case ReconstructionFilter::Type::lanczos:
+      return filter.lobes;
     case ReconstructionFilter::Type::gaussian:
     case ReconstructionFilter::Type::mitchell:
       return filter.radius;
@@ -85,19 +95,21 @@ double filter_radius(const ReconstructionFilter& filter) {
 double filter_value(const ReconstructionFilter& filter, double x) {
   switch (filter.type) {
     case ReconstructionFilter::Type::box:
-      return std::abs(x) <= 0.5 ? 1.0 : 0.0;
+      return std::abs(x) <= 0.5 * filter.stretch ? 1.0 : 0.0;
     case ReconstructionFilter::Type::tent:
-      return std::max(0.0, 1.0 - std::abs(x));
+      return std::max(0.0, 1.0 - std::abs(x) / filter.stretch);
     case ReconstructionFilter::Type::gaussian:
       return gaussian(x, filter.radius, filter.stddev);
     case ReconstructionFilter::Type::mitchell:
       return mitchell(2.0 * x / filter.radius, filter.b, filter.c);
+    case ReconstructionFilter::Type::lanczos:
+      return lanczos(x, filter.lobes);
   }
   return 0.0;
 }
 
 FilterSampler::FilterSampler(const ReconstructionFilter& filter) : filter_(filter) {
-  if (filter.type == ReconstructionFilter::Type::box) return;
+  if (is_pixel()) return;
   const auto value = [&](double x) { return filter_value(filter, x); };
   const auto magnitude = [&](double x) { return std::abs(filter_value(filter, x)); };
   const std::vector<double> ends = cell_ends(filter);
@@ -126,8 +138,12 @@ FilterSampler::FilterSampler(const ReconstructionFilter& filter) : filter_(filte
   knots_.back() = filter_radius(filter);
 }
 
+bool FilterSampler::is_pixel() const {
+  return filter_.type == ReconstructionFilter::Type::box && filter_.stretch == 1.0;
+}
+
 FilterSampler::Sample FilterSampler::sample(double u) const {
-  if (filter_.type == ReconstructionFilter::Type::box) return {u - 0.5, 1.0};
+  if (is_pixel()) return {u - 0.5, 1.0};
   const double scaled = u * kIntervals;
   const auto i = static_cast<std::size_t>(scaled);
   const double fraction = scaled - static_cast<double>(i);

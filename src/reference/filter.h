@@ -8,7 +8,7 @@
 
 namespace etendue::reference {
 
-/// Value of the (unnormalised) filter at `x` pixels from its centre. Source: [Mitchell1988].
+/// Value of the (unnormalised) filter at `x` pixels from its centre. Sources: [Mitchell1988], [Turkowski1990].
 double filter_value(const ReconstructionFilter& filter, double x);
 /// Half the width of the filter's support, pixels.
 double filter_radius(const ReconstructionFilter& filter);
@@ -26,12 +26,14 @@ class FilterSampler {
   };
   Sample sample(double u) const;  ///< u in [0,1)
 
-  /// Inverse CDF of |filter| at i/1024, i = 0…1024; empty for the box.
+  /// Inverse CDF of |filter| at i/1024, i = 0…1024; empty for the box of one pixel.
   const std::vector<double>& knots() const { return knots_; }
   /// ∫|f| / ∫f
   double normalization() const { return normalization_; }
 
  private:
+  bool is_pixel() const;
+
   ReconstructionFilter filter_;
   std::vector<double> knots_;
   double normalization_ = 1.0;

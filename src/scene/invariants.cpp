@@ -122,12 +122,15 @@ class Checker {
     check_window_and_aperture(camera);
     const ReconstructionFilter& filter = camera.filter;
     const bool usable = filter.radius > 0.0 && std::isfinite(filter.radius) && filter.stddev > 0.0 &&
-                        std::isfinite(filter.stddev) && std::isfinite(filter.b) && std::isfinite(filter.c);
+                        std::isfinite(filter.stddev) && std::isfinite(filter.b) && std::isfinite(filter.c) &&
+                        filter.stretch > 0.0 && std::isfinite(filter.stretch) && filter.lobes >= 1 &&
+                        filter.lobes <= kMaxFilterLobes;
     if (!usable)
-      error(camera.position, "filter",
-            fmt::format("the pixel filter has radius {}, standard deviation {}, B {} and C {}; they must be finite, "
-                        "radius and deviation above 0",
-                        filter.radius, filter.stddev, filter.b, filter.c));
+      error(
+          camera.position, "filter",
+          fmt::format("the pixel filter has radius {}, standard deviation {}, B {}, C {}, stretch {} and {} lobes; "
+                      "they must be finite, radius, deviation and stretch above 0, lobes 1 to {}",
+                      filter.radius, filter.stddev, filter.b, filter.c, filter.stretch, filter.lobes, kMaxFilterLobes));
   }
 
   void check_window_and_aperture(const Camera& camera) {

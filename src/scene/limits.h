@@ -48,4 +48,7 @@ inline constexpr std::size_t kMaxTextures = std::size_t{1} << 24;
 /// precision.
 inline constexpr double kMaxTextureCoordinate = 1e9;
 
+/// Lobes of a Lanczos filter: each of them is at most 1/32 of the table that it is sampled by.
+inline constexpr std::uint32_t kMaxFilterLobes = 16;
+
 }  // namespace etendue

@@ -279,6 +279,9 @@ void hash(Hasher& h, const Camera& camera) {
   h.value(camera.filter.stddev);
   h.value(camera.filter.b);
   h.value(camera.filter.c);
+  // Not what filters of before had no word for: their scenes keep their hashes.
+  if (camera.filter.stretch != 1.0) h.value(camera.filter.stretch);
+  if (camera.filter.type == ReconstructionFilter::Type::lanczos) h.value(camera.filter.lobes);
   hash_rest(h, camera);
 }
 

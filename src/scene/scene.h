@@ -125,12 +125,14 @@ struct Instance {
 
 /// Reconstruction filter; see docs/conventions.md for the exact functions.
 struct ReconstructionFilter {
-  enum class Type : std::uint32_t { box, tent, gaussian, mitchell };
+  enum class Type : std::uint32_t { box, tent, gaussian, mitchell, lanczos };
   Type type = Type::box;
-  double radius = 2.0;   ///< pixels; gaussian and mitchell
-  double stddev = 0.5;   ///< pixels; gaussian
-  double b = 1.0 / 3.0;  ///< mitchell
-  double c = 1.0 / 3.0;  ///< mitchell
+  double radius = 2.0;      ///< pixels; gaussian and mitchell
+  double stddev = 0.5;      ///< pixels; gaussian
+  double b = 1.0 / 3.0;     ///< mitchell
+  double c = 1.0 / 3.0;     ///< mitchell
+  double stretch = 1.0;     ///< box and tent: how many times as wide as a pixel, or as a tent of radius 1
+  std::uint32_t lobes = 3;  ///< lanczos: its radius, a whole number of pixels
 };
 
 /// The part of a film that is rendered, and where the camera's axis meets it; fractions of the whole film's width and

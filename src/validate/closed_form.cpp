@@ -26,12 +26,16 @@ double filter_value(const ReconstructionFilter& f, double x) {
   const double size = std::abs(x);
   switch (f.type) {
     case Type::box:
-      return size <= 0.5 ? 1.0 : 0.0;
+      return size <= 0.5 * f.stretch ? 1.0 : 0.0;
     case Type::tent:
-      return std::max(0.0, 1.0 - size);
+      return std::max(0.0, f.stretch - size);
     case Type::gaussian: {
       const double s = 2.0 * f.stddev * f.stddev;
       return std::max(0.0, std::exp(-x * x / s) - std::exp(-f.radius * f.radius / s));
+    }
+    case Type::lanczos: {
+      const double t = std::numbers::pi * size, n = f.lobes;
+      return size >= n ? 0.0 : size == 0.0 ? 1.0 : n * std::sin(t) * std::sin(t / n) / (t * t);
     }
     case Type::mitchell:
       break;
@@ -45,7 +49,9 @@ double filter_value(const ReconstructionFilter& f, double x) {
 
 double filter_support(const ReconstructionFilter& f) {
   using Type = ReconstructionFilter::Type;
-  return f.type == Type::box ? 0.5 : f.type == Type::tent ? 1.0 : f.radius;
+  if (f.type == Type::box) return 0.5 * f.stretch;
+  if (f.type == Type::tent) return f.stretch;
+  return f.type == Type::lanczos ? f.lobes : f.radius;
 }
 
 /// Midpoint rule: exact enough for the kinks the filters have, 1e-7 of the whole.

@@ -55,7 +55,7 @@ ClosedFormScene far_rectangle(Dice& dice) {
   scene.integrator.max_depth = 1;
   move_scene(scene, dice, true);
   result.expected = rectangle.covered * luminance(radiance);
-  constexpr std::array<const char*, 4> kNames{"box", "tent", "gaussian", "mitchell"};
+  constexpr std::array<const char*, 5> kNames{"box", "tent", "gaussian", "mitchell", "lanczos"};
   result.name = fmt::format("far rectangle, {} filter, {:.1e} away",
                             kNames[static_cast<std::size_t>(camera.filter.type)], distance);
   return result;

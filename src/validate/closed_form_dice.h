@@ -116,9 +116,11 @@ inline void set_strategy(Scene& scene, LightStrategy strategy) {
 
 inline ReconstructionFilter random_filter(Dice& dice) {
   ReconstructionFilter filter;
-  filter.type = static_cast<ReconstructionFilter::Type>(dice.below(4));
+  filter.type = static_cast<ReconstructionFilter::Type>(dice.below(5));
   filter.radius = dice.between(1.0, 3.0);
   filter.stddev = dice.between(0.3, 0.8);
+  filter.stretch = dice.between(0.5, 2.0);
+  filter.lobes = 1 + dice.below(4);
   return filter;
 }
 

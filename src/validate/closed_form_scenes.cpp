@@ -385,7 +385,7 @@ ClosedFormScene closed_form::coverage_scene(Dice& dice) {
   scene.integrator.max_depth = 1;
   move_scene(scene, dice, true);
   result.expected = covered * luminance(radiance);
-  constexpr std::array<const char*, 4> kNames{"box", "tent", "gaussian", "mitchell"};
+  constexpr std::array<const char*, 5> kNames{"box", "tent", "gaussian", "mitchell", "lanczos"};
   result.name = fmt::format("rectangle in a pixel, {} filter", kNames[static_cast<std::size_t>(camera.filter.type)]);
   return result;
 }

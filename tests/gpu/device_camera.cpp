@@ -209,7 +209,12 @@ TEST_F(DeviceCamera, FarCamerasKeepTheirPrecision) {
 // Values of the filters, by their definitions.
 double filter_value(const Filter& f, double x) {
   x = std::abs(x);
-  if (f.type == Filter::Type::tent) return std::max(0.0, 1.0 - x);
+  if (f.type == Filter::Type::tent) return std::max(0.0, 1.0 - x / f.stretch);
+  if (f.type == Filter::Type::box) return x < 0.5 * f.stretch ? 1.0 : 0.0;
+  if (f.type == Filter::Type::lanczos) {
+    const double t = std::numbers::pi * x;
+    return x == 0.0 ? 1.0 : x < f.lobes ? f.lobes * std::sin(t) * std::sin(t / f.lobes) / (t * t) : 0.0;
+  }
   if (f.type == Filter::Type::gaussian) {
     return x < f.radius ? std::exp(-x * x / (2 * f.stddev * f.stddev)) -
                               std::exp(-f.radius * f.radius / (2 * f.stddev * f.stddev))
@@ -247,7 +252,11 @@ TEST_F(DeviceCamera, FilterSamplesFollowTheTabulatedInverse) {
   for (const Filter& filter :
        {Filter{.type = Filter::Type::tent, .radius = 1.0}, Filter{.type = Filter::Type::gaussian},
         Filter{.type = Filter::Type::gaussian, .radius = 3.0, .stddev = 1.1}, Filter{.type = Filter::Type::mitchell},
-        Filter{.type = Filter::Type::mitchell, .radius = 3.5, .b = 0.0, .c = 0.5}}) {
+        Filter{.type = Filter::Type::mitchell, .radius = 3.5, .b = 0.0, .c = 0.5},
+        Filter{.type = Filter::Type::tent, .radius = 2.5, .stretch = 2.5},
+        Filter{.type = Filter::Type::box, .radius = 1.5, .stretch = 3.0},
+        Filter{.type = Filter::Type::lanczos, .radius = 3.0},
+        Filter{.type = Filter::Type::lanczos, .radius = 4.0, .lobes = 4}}) {
     Camera camera;
     camera.width = camera.height = 64;
     camera.fov = 90.0;

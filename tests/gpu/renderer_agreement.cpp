@@ -178,8 +178,8 @@ TEST_F(RendererAgreement, DirectIsPathOfTwoSegments) {
 }
 
 TEST_F(RendererAgreement, FiltersAndMirroredCameras) {
-  for (const auto type :
-       {ReconstructionFilter::Type::tent, ReconstructionFilter::Type::gaussian, ReconstructionFilter::Type::mitchell}) {
+  for (const auto type : {ReconstructionFilter::Type::tent, ReconstructionFilter::Type::gaussian,
+                          ReconstructionFilter::Type::mitchell, ReconstructionFilter::Type::lanczos}) {
     Scene scene = cornell({});
     scene.camera.filter.type = type;
     scene.camera.world_from_camera[0] *= -1.0;

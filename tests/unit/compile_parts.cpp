@@ -68,7 +68,12 @@ TEST(CompileDiscrete, ProbabilitiesAreTheWeightsToOneUnit) {
 // ∫ of |f| or f over [a, b] by Simpson's rule on the published formulas.
 double filter_value(const ReconstructionFilter& f, double x) {
   x = std::abs(x);
-  if (f.type == ReconstructionFilter::Type::tent) return std::max(0.0, 1.0 - x);
+  if (f.type == ReconstructionFilter::Type::tent) return std::max(0.0, 1.0 - x / f.stretch);
+  if (f.type == ReconstructionFilter::Type::box) return 1.0;
+  if (f.type == ReconstructionFilter::Type::lanczos) {
+    const auto sinc = [](double t) { return t == 0.0 ? 1.0 : std::sin(t) / t; };
+    return sinc(std::numbers::pi * x) * sinc(std::numbers::pi * x / f.lobes);
+  }
   if (f.type == ReconstructionFilter::Type::gaussian) {
     const double s2 = 2.0 * f.stddev * f.stddev;
     return x < f.radius ? std::exp(-x * x / s2) - std::exp(-f.radius * f.radius / s2) : 0.0;
@@ -95,7 +100,11 @@ TEST(CompileFilter, KnotsAreTheInverseOfTheCumulativeFilter) {
   for (const ReconstructionFilter& f :
        {ReconstructionFilter{.type = Type::tent, .radius = 1.0}, ReconstructionFilter{.type = Type::gaussian},
         ReconstructionFilter{.type = Type::mitchell}, ReconstructionFilter{.type = Type::mitchell, .radius = 4.0},
-        ReconstructionFilter{.type = Type::mitchell, .b = 1.0, .c = 0.0}}) {
+        ReconstructionFilter{.type = Type::mitchell, .b = 1.0, .c = 0.0},
+        ReconstructionFilter{.type = Type::tent, .radius = 2.5, .stretch = 2.5},
+        ReconstructionFilter{.type = Type::box, .radius = 1.5, .stretch = 3.0},
+        ReconstructionFilter{.type = Type::lanczos, .radius = 3.0},
+        ReconstructionFilter{.type = Type::lanczos, .radius = 2.0, .lobes = 2}}) {
     const FilterTable table = make_filter_table(f);
     ASSERT_EQ(table.knots.size(), gpu::kFilterSteps + 1);
     EXPECT_EQ(table.knots.front(), static_cast<float>(-f.radius));
@@ -108,7 +117,8 @@ TEST(CompileFilter, KnotsAreTheInverseOfTheCumulativeFilter) {
       EXPECT_NEAR(integral(f, -f.radius, table.knots[i], true) / total, static_cast<double>(i) / 1024.0, 2e-6) << i;
       EXPECT_LT(table.knots[i - 1], table.knots[i]);
     }
-    const bool negative = f.type == Type::mitchell && f.c > 0.0;
+    EXPECT_EQ(table.alternates, f.type == Type::lanczos);
+    const bool negative = (f.type == Type::mitchell && f.c > 0.0) || f.type == Type::lanczos;
     EXPECT_EQ(table.has_negative_lobes, negative);
     if (negative) {
       EXPECT_GT(filter_value(f, table.zero * 0.999), 0.0);

@@ -280,6 +280,15 @@ TEST(MitsubaSensor, FiltersAndSamplers) {
   };
   EXPECT_EQ(scene("<rfilter type=\"box\"/>", "").camera.filter.type, ReconstructionFilter::Type::box);
   EXPECT_EQ(scene("<rfilter type=\"tent\"/>", "").camera.filter.type, ReconstructionFilter::Type::tent);
+  EXPECT_EQ(scene("<rfilter type=\"tent\"><float name=\"radius\" value=\"2.5\"/></rfilter>", "").camera.filter.stretch,
+            2.5);
+  EXPECT_EQ(scene("<rfilter type=\"box\"><float name=\"radius\" value=\"1.5\"/></rfilter>", "").camera.filter.stretch,
+            3.0);
+  EXPECT_EQ(scene("<rfilter type=\"lanczos\"/>", "").camera.filter.lobes, 3u);
+  const ReconstructionFilter sharp =
+      scene("<rfilter type=\"lanczos\"><integer name=\"lobes\" value=\"2\"/></rfilter>", "").camera.filter;
+  EXPECT_EQ(sharp.type, ReconstructionFilter::Type::lanczos);
+  EXPECT_EQ(sharp.lobes, 2u);
   const ReconstructionFilter catmull = scene("<rfilter type=\"catmullrom\"/>", "").camera.filter;
   EXPECT_EQ(catmull.b, 0.0);
   EXPECT_EQ(catmull.c, 0.5);

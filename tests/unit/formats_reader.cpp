@@ -136,8 +136,11 @@ TEST(SceneReader, DefaultsAreThoseOfTheStructs) {
 
 TEST(SceneReader, FiltersAndTheirDefaults) {
   using Type = ReconstructionFilter::Type;
-  const std::pair<const char*, Type> filters[] = {
-      {"box", Type::box}, {"tent", Type::tent}, {"gaussian", Type::gaussian}, {"mitchell", Type::mitchell}};
+  const std::pair<const char*, Type> filters[] = {{"box", Type::box},
+                                                  {"tent", Type::tent},
+                                                  {"gaussian", Type::gaussian},
+                                                  {"mitchell", Type::mitchell},
+                                                  {"lanczos", Type::lanczos}};
   for (const auto& [name, type] : filters) {
     const Scene scene = read_good(fmt::format(
         "<scene><integrator type=\"path\"/><camera type=\"perspective\"><rfilter type=\"{}\"/></camera></scene>",
@@ -147,6 +150,8 @@ TEST(SceneReader, FiltersAndTheirDefaults) {
     EXPECT_EQ(scene.camera.filter.stddev, 0.5);
     EXPECT_EQ(scene.camera.filter.b, 1.0 / 3.0);
     EXPECT_EQ(scene.camera.filter.c, 1.0 / 3.0);
+    EXPECT_EQ(scene.camera.filter.stretch, 1.0);
+    EXPECT_EQ(scene.camera.filter.lobes, 3u);
   }
 }
 

@@ -154,6 +154,26 @@ TEST(SceneWriter, WhatIsReadAgainIsTheSameScene) {
   EXPECT_EQ(text_of(path), text_of(again));
 }
 
+TEST(SceneWriter, EveryFilterIsReadAgain) {
+  using Type = ReconstructionFilter::Type;
+  for (const ReconstructionFilter& filter : {ReconstructionFilter{.type = Type::box, .stretch = 3.0},
+                                             ReconstructionFilter{.type = Type::tent, .stretch = 0.7},
+                                             ReconstructionFilter{.type = Type::gaussian, .radius = 1.3, .stddev = 0.4},
+                                             ReconstructionFilter{.type = Type::lanczos, .lobes = 5}}) {
+    const TemporaryFolder folder;
+    Scene scene = everything();
+    scene.camera.filter = filter;
+    write_scene(folder.path("s.xml"), scene);
+    const auto file = read_scene_file(folder.path("s.xml"), {.overrides = {}, .strict = true});
+    const ReconstructionFilter& read = std::get<Scene>(file).camera.filter;
+    EXPECT_EQ(read.type, filter.type);
+    EXPECT_EQ(read.radius, filter.radius);
+    EXPECT_EQ(read.stddev, filter.stddev);
+    EXPECT_EQ(read.stretch, filter.stretch);
+    EXPECT_EQ(read.lobes, filter.lobes);
+  }
+}
+
 std::string text_of(const std::string& path) {
   const std::vector<std::byte> bytes = read_file(path);
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -277,7 +277,11 @@ std::vector<ReconstructionFilter> filters() {
           make_filter(Type::gaussian, 2, 0.01, 0, 0),
           make_filter(Type::mitchell, 2, 0, 1. / 3, 1. / 3),
           make_filter(Type::mitchell, 3, 0, 0, 1),
-          make_filter(Type::mitchell, 1, 0, 1, 0)};
+          make_filter(Type::mitchell, 1, 0, 1, 0),
+          {.type = Type::box, .stretch = 3.0},
+          {.type = Type::tent, .stretch = 0.7},
+          {.type = Type::lanczos},
+          {.type = Type::lanczos, .lobes = 4}};
 }
 
 TEST(ReferenceFilter, KnotsAreTheInverseCdf) {
@@ -342,6 +346,21 @@ TEST(ReferenceFilter, MitchellIsTheCubicOfThePaper) {
   double sum = 0.0;  // a partition of unity
   for (int i = -3; i <= 3; ++i) sum += filter_value(filter, 0.37 + i);
   EXPECT_NEAR(sum, 1.0, 1e-14);
+}
+
+// Values that Mitsuba 3.9.1's own filter gives.
+TEST(ReferenceFilter, LanczosIsASincThatEnds) {
+  const ReconstructionFilter three{.type = ReconstructionFilter::Type::lanczos}, two{.type = three.type, .lobes = 2};
+  for (const auto& [x, value] : {std::pair(0.0, 1.0),
+                                 {0.25, 0.890067},
+                                 {0.5, 0.607927},
+                                 {1.2, -0.118001},
+                                 {2.2, 0.027433},
+                                 {2.9, 0.001167},
+                                 {3.1, 0.0}})
+    EXPECT_NEAR(filter_value(three, x), value, 1e-6) << x;
+  EXPECT_NEAR(filter_value(two, -1.2), -0.078667, 1e-6);
+  for (const double zero : {1.0, 2.0, 3.0}) EXPECT_NEAR(filter_value(three, zero), 0.0, 1e-16);
 }
 
 TEST(ReferenceChoice, ThresholdsAreExact) {

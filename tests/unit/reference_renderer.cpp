@@ -261,7 +261,7 @@ TEST(ReferenceRenderer, FilmOfAnotherSizeIsRefused) {
 
 TEST(ReferenceRenderer, FiltersKeepAConstantImage) {
   using Type = ReconstructionFilter::Type;
-  for (const Type type : {Type::box, Type::tent, Type::gaussian, Type::mitchell}) {
+  for (const Type type : {Type::box, Type::tent, Type::gaussian, Type::mitchell, Type::lanczos}) {
     Scene scene;
     scene.camera.width = scene.camera.height = 4;
     scene.camera.filter.type = type;

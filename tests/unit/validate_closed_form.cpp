@@ -85,7 +85,7 @@ TEST(ClosedForm, FresnelAtKnownAngles) {
 }
 
 TEST(ClosedForm, FilterSharesAreSymmetricAndWhole) {
-  for (int type = 0; type < 4; ++type) {
+  for (int type = 0; type < 5; ++type) {
     ReconstructionFilter f;
     f.type = static_cast<ReconstructionFilter::Type>(type);
     EXPECT_NEAR(closed_form::filter_share(f, 0.0), 0.5, 1e-6);

@@ -75,7 +75,7 @@ def cameras():
 def samplers_and_filters():
     for kind in ("independent", "sobol"):
         yield f"sampler-{kind}", scene(FLOOR, WALL, BALL, LAMP, DAY, sampler=f'<sampler type="{kind}"/>'), 16, 0.0
-    for kind in ("box", "tent", "gaussian", "mitchell"):
+    for kind in ("box", "tent", "gaussian", "mitchell", "lanczos"):
         camera = f'<camera type="perspective"><float name="fov" value="38"/>{EYE}<rfilter type="{kind}"/></camera>'
         tiles = FLOOR.replace('<color name="albedo" value="0.45 0.45 0.45"/>', """<texture name="albedo" type="checkerboard">
           <color name="color0" value="0.9 0.9 0.9"/><color name="color1" value="0 0 0"/><transform name="to_uv"><scale value="120 120 1"/></transform>

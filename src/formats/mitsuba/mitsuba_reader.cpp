@@ -265,12 +265,10 @@ class MitsubaReader {
     std::optional<MitsubaObject> object = only_child(film, "rfilter", "gaussian");
     if (!object) object = MitsubaObject::defaulted("rfilter", "gaussian", film.position(), context_);
     const std::string_view type = object->type();
-    if (type == "box") return {.type = Type::box};
-    if (type == "tent") {
-      if (object->real("radius") != 1.0)
-        context_.missing.add("tent filter of another radius", object->position_of("radius"), "radius 1");
-      return {.type = Type::tent};
-    }
+    if (type == "box") return {.type = Type::box, .stretch = object->real("radius") / 0.5};
+    if (type == "tent") return {.type = Type::tent, .stretch = object->real("radius")};
+    if (type == "lanczos")
+      return {.type = Type::lanczos, .lobes = static_cast<std::uint32_t>(object->integer("lobes"))};
     if (type == "catmullrom") return {.type = Type::mitchell, .radius = 2.0, .b = 0.0, .c = 0.5};
     if (type == "mitchell") {
       const bool by_letter = object->given("C");  // B and C of the paper; else A and B of Mitsuba

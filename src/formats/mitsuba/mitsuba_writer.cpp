@@ -251,9 +251,17 @@ class MitsubaWriter : MaterialWriter {
     using enum ReconstructionFilter::Type;
     switch (filter.type) {
       case box:
+        if (filter.stretch != 1.0)
+          differs(fmt::format("the box filter has a radius of {} pixels, in Mitsuba of 0.5", 0.5 * filter.stretch));
         return xml_.leaf("rfilter", {{"type", "box"}});
       case tent:
-        return xml_.leaf("rfilter", {{"type", "tent"}});
+        xml_.open("rfilter", {{"type", "tent"}});
+        if (filter.stretch != 1.0) number("radius", filter.stretch);
+        break;
+      case lanczos:
+        xml_.open("rfilter", {{"type", "lanczos"}});
+        xml_.integer("lobes", filter.lobes);
+        break;
       case gaussian:
         if (filter.radius != 4.0 * filter.stddev)
           differs(

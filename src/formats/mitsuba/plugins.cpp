@@ -190,8 +190,12 @@ std::vector<Plugin> view_rows() {
   append(
       rows,
       {
-          {"rfilter", "box", "The pixel's square.", {no_effect("radius", real, "has no effect: half a pixel")}, {}},
-          {"rfilter", "tent", "A tent of radius 1 pixel.", {{"radius", real, "1", any(), "only 1"}}, {}},
+          {"rfilter",
+           "box",
+           "The pixel's square, or a larger one (0.6).",
+           {{"radius", real, "0.5", above_up_to(0, 32), "pixels"}},
+           {}},
+          {"rfilter", "tent", "A tent.", {{"radius", real, "1", above_up_to(0, 32), "pixels"}}, {}},
           {"rfilter",
            "gaussian",
            "A Gaussian of radius 4 standard deviations, lowered to reach zero there; a film's filter if it names none.",
@@ -205,6 +209,11 @@ std::vector<Plugin> view_rows() {
             {"C", real, "0.3333333333333333", any(), "ringing"}},
            {}},
           {"rfilter", "catmullrom", "The filter of Mitchell and Netravali with B = 0 and C = 1/2.", {}, {}},
+          {"rfilter",
+           "lanczos",
+           "A sinc function that ends after some lobes; every second one is negative.",
+           {{"lobes", integer, "3", between(1, kMaxFilterLobes), "its radius in pixels"}},
+           {}},
       });
   return rows;
 }
@@ -662,7 +671,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"integrator", {"stokes", "vpl", "multichannel", "adaptive"}},
       {"sensor", {"telecentric", "fluencemeter", "distant", "batch", "perspective_rdist"}},
       {"film", {"specfilm", "mfilm", "tiledhdrfilm"}},
-      {"rfilter", {"lanczos", "spline"}},
+      {"rfilter", {"spline"}},
       {"shape",
        {"heightfield", "hair", "deformable", "linearcurve", "bsplinecurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh"}},
       {"bsdf",

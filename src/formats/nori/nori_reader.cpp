@@ -397,9 +397,13 @@ class SceneReader {
     filter.type = type == "tent"       ? Type::tent
                   : type == "gaussian" ? Type::gaussian
                   : type == "mitchell" ? Type::mitchell
+                  : type == "lanczos"  ? Type::lanczos
                                        : Type::box;
     if (filter.type == Type::gaussian || filter.type == Type::mitchell) filter.radius = object->get<double>("radius");
     if (filter.type == Type::gaussian) filter.stddev = object->get<double>("stddev");
+    if (filter.type == Type::box) filter.stretch = object->get<double>("radius") / 0.5;
+    if (filter.type == Type::tent) filter.stretch = object->get<double>("radius");
+    if (filter.type == Type::lanczos) filter.lobes = to_uint32(object->get<std::int64_t>("lobes"));
     if (filter.type == Type::mitchell) {
       filter.b = object->get<double>("B");
       filter.c = object->get<double>("C");

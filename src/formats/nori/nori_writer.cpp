@@ -228,9 +228,19 @@ class NoriWriter : MaterialWriter {
     using enum ReconstructionFilter::Type;
     switch (filter.type) {
       case box:
-        return xml_.leaf("rfilter", {{"type", "box"}});
+        if (filter.stretch == 1.0) return xml_.leaf("rfilter", {{"type", "box"}});
+        xml_.open("rfilter", {{"type", "box"}});
+        xml_.number("radius", 0.5 * filter.stretch);
+        break;
       case tent:
-        return xml_.leaf("rfilter", {{"type", "tent"}});
+        if (filter.stretch == 1.0) return xml_.leaf("rfilter", {{"type", "tent"}});
+        xml_.open("rfilter", {{"type", "tent"}});
+        xml_.number("radius", filter.stretch);
+        break;
+      case lanczos:
+        xml_.open("rfilter", {{"type", "lanczos"}});
+        xml_.integer("lobes", filter.lobes);
+        break;
       case gaussian:
         xml_.open("rfilter", {{"type", "gaussian"}});
         xml_.number("radius", filter.radius);
