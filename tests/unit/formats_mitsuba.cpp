@@ -721,6 +721,51 @@ TEST(MitsubaSensor, LensesCropsAndMeters) {
   EXPECT_EQ(meter.world_from_camera[3], glm::dvec4(1, 2, 3, 1));
 }
 
+/// Rays are those of Mitsuba 3.9.1: they begin two radii of the scene's sphere before what they aim at.
+TEST(MitsubaSensor, DistantOnesSeeInOneDirection) {
+  const auto sensor = [](const std::string& content) {
+    return with_sensor("<sensor type=\"distant\"><vector name=\"direction\" value=\"0 3 -3\"/>" + content +
+                       "<film type=\"hdrfilm\"><integer name=\"width\" value=\"1\"/><integer name=\"height\" "
+                       "value=\"1\"/></film></sensor>");
+  };
+  const auto camera = [&](const std::string& content) {
+    const Read result = read(sensor(content));
+    EXPECT_TRUE(result.scene.has_value()) << result.messages();
+    return result.scene ? result.scene->camera : Camera{};
+  };
+  const double radius = std::sqrt(3.0), h = std::sqrt(0.5);
+  const auto at = [](const Camera& c, const glm::dvec4& p) { return glm::dvec3(c.world_from_camera * p); };
+  const auto expect_near = [](const glm::dvec3& a, const glm::dvec3& b) { EXPECT_LT(glm::distance(a, b), 1e-12); };
+  const Camera point = camera("<point name=\"target\" value=\"1 2 3\"/>");
+  EXPECT_EQ(point.type, Camera::Type::radiance_meter);
+  expect_near(at(point, {0, 0, 0, 1}), glm::dvec3(1, 2, 3) - 2.0 * radius * glm::dvec3(0, h, -h));
+  expect_near(at(point, {0, 0, 1, 0}), {0, h, -h});
+  const Camera rectangle = camera(
+      "<shape name=\"target\" type=\"rectangle\"><transform name=\"to_world\"><scale x=\"2\" y=\"3\"/></transform>"
+      "</shape>");
+  EXPECT_EQ(rectangle.type, Camera::Type::orthographic);
+  EXPECT_EQ(rectangle.filter.type, ReconstructionFilter::Type::box);
+  expect_near(at(rectangle, {1, -1, 0, 1}), glm::dvec3(2, -3, 0) - 2.0 * radius * glm::dvec3(0, h, -h));
+  expect_near(glm::normalize(at(rectangle, {0, 0, 1, 0})), {0, h, -h});
+  const Camera disk = camera("<shape type=\"disk\"/>");
+  EXPECT_EQ(disk.type, Camera::Type::thin_lens);
+  EXPECT_EQ(disk.aperture.radius, 1.0);
+  expect_near(at(disk, {1, 0, 0, 1}), glm::dvec3(1, 0, 0) - 2.0 * radius * glm::dvec3(0, h, -h));
+  const Camera all = camera("");
+  EXPECT_EQ(all.type, Camera::Type::thin_lens);
+  EXPECT_NEAR(glm::length(at(all, {1, 0, 0, 0})), radius, 1e-12);
+  EXPECT_NEAR(glm::length(at(all, {0, 1, 0, 0})), radius, 1e-12);
+  EXPECT_NEAR(glm::dot(at(all, {1, 0, 0, 0}), glm::dvec3(0, h, -h)), 0.0, 1e-12);
+  EXPECT_NE(read(sensor("<shape type=\"cube\"/>")).first_error().find("distant that aims at a cube"),
+            std::string::npos);
+  EXPECT_NE(read(with_sensor("<sensor type=\"distant\"/>")).first_error().find("768 by 576"), std::string::npos);
+  EXPECT_NE(read(sensor("<shape type=\"rectangle\"><transform name=\"to_world\"><rotate x=\"1\" angle=\"-45\"/>"
+                        "</transform></shape>"))
+                .first_error()
+                .find("looks along the surface"),
+            std::string::npos);
+}
+
 TEST(MitsubaSensor, AMeterStandsInItsRectangle) {
   const std::string meter =
       "<sensor type=\"irradiancemeter\"><film type=\"hdrfilm\"><integer name=\"width\" value=\"1\"/><integer "

@@ -137,6 +137,8 @@ Adapter MitsubaMaterials::read_map(const MitsubaObject& object, std::uint32_t in
   const Adapter none = MaskAdapter{1.0, inner};
   if (object.type() == "normalmap") {
     const XmlElement* map = object.texture("normalmap");
+    const std::vector<const XmlElement*> unnamed = object.children("texture");  // as in 0.6
+    if (map == nullptr && !unnamed.empty()) map = unnamed.front();
     if (map == nullptr) {
       context_.sink.error(object.position(), "normalmap needs a texture");
       return none;

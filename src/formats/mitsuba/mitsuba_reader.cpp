@@ -13,6 +13,7 @@
 #include "core/printable.h"
 #include "core/text.h"
 #include "formats/mitsuba/mitsuba_daylight.h"
+#include "formats/mitsuba/mitsuba_distant.h"
 #include "formats/mitsuba/mitsuba_lights.h"
 #include "formats/mitsuba/mitsuba_shapes.h"
 #include "formats/mitsuba/plugins.h"
@@ -62,6 +63,7 @@ class MitsubaReader {
     for (const XmlElement* shape : root->children("shape")) shapes_.add(*shape);
     shapes_.finish();
     set_automatic_length();
+    if (distant_) set_distant_camera(*distant_, bounds_of(scene_), context_, scene_.camera);
   }
 
  private:
@@ -163,8 +165,9 @@ class MitsubaReader {
       return context_.sink.error(sensor->position(), "an irradiancemeter belongs into the <shape> that light falls on");
     Camera& camera = scene_.camera;
     camera.position = sensor->position();
-    camera.type = camera_type(sensor->type());
     read_film(*sensor, camera);
+    if (sensor->type() == "distant") return read_distant(*sensor);
+    camera.type = camera_type(sensor->type());
     if (sensor->plugin().find("fov") != nullptr) read_field_of_view(*sensor, camera);
     if (sensor->plugin().find("aperture_radius") != nullptr) read_aperture(*sensor, camera);
     camera.near_clip = sensor->real("near_clip");
@@ -172,6 +175,17 @@ class MitsubaReader {
     camera.world_from_camera = sensor->matrix("to_world");
     if (camera.type == Camera::Type::radiance_meter) read_meter(*sensor, camera);
     read_sampler(*sensor);
+  }
+
+  /// Where it stands is known once the shapes are.
+  void read_distant(const MitsubaObject& sensor) {
+    const Camera& camera = scene_.camera;
+    if (camera.width != 1 || camera.height != 1)
+      context_.sink.error(sensor.position(), fmt::format("a sensor distant measures one number, and its film has {} by "
+                                                         "{} pixels; give it a <film> of 1 by 1",
+                                                         camera.width, camera.height));
+    distant_ = sensor;
+    read_sampler(sensor);
   }
 
   /// What measures the light that a shape receives stands in the shape.
@@ -361,8 +375,35 @@ class MitsubaReader {
     scene_.sky.top = scene_.sky.horizon = radiance;
   }
 
+  /// Its picture, by its own name or by that of a bitmap within.
+  std::shared_ptr<const Bitmap> picture_of(const MitsubaObject& emitter) {
+    const std::vector<const XmlElement*> within = emitter.children("texture");
+    if (within.empty() == !emitter.given("filename")) {
+      context_.sink.error(emitter.position(), within.empty()
+                                                  ? "an envmap needs its picture; add <string name=\"filename\" …/>"
+                                                  : "the envmap has both \"filename\" and a texture; keep one of them");
+      return nullptr;
+    }
+    if (within.empty()) return textures_.picture(emitter);
+    const auto texture = MitsubaObject::read(*within.front(), context_, "left out");
+    if (!texture) return nullptr;
+    if (texture->type() != "bitmap") {
+      context_.missing.add(fmt::format("texture {} of an envmap", texture->type()), texture->position(), "left out");
+      return nullptr;
+    }
+    for (const char* moved : {"to_uv", "uscale", "vscale", "uoffset", "voffset"}) {
+      if (texture->given(moved))
+        context_.missing.add("an envmap whose bitmap is moved", texture->position_of(moved), "as it is");
+    }
+    std::shared_ptr<const Bitmap> bitmap = textures_.picture(*texture);
+    if (bitmap == nullptr || !texture->boolean("raw") || bitmap->color_space == ColorSpace::linear) return bitmap;
+    auto raw = std::make_shared<Bitmap>(*bitmap);
+    raw->color_space = ColorSpace::linear;
+    return raw;
+  }
+
   void read_environment(const MitsubaObject& emitter) {
-    const std::shared_ptr<const Bitmap> bitmap = textures_.picture(emitter);
+    const std::shared_ptr<const Bitmap> bitmap = picture_of(emitter);
     if (bitmap == nullptr) return;
     scene_.sky.picture = {
         .bitmap = without_negative(bitmap, emitter), .scale = emitter.real("scale"), .rows = SkyPicture::Rows::circles};
@@ -384,6 +425,7 @@ class MitsubaReader {
   MitsubaTextures textures_;
   MitsubaMaterials materials_;
   MitsubaShapes shapes_;
+  std::optional<MitsubaObject> distant_;
   bool has_sky_ = false;
   bool automatic_length_ = false;
 };

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 #include "core/text.h"
 
 namespace etendue {
@@ -27,7 +28,7 @@ ColorParameter MitsubaTextures::parameter(const MitsubaColor& color) {
 ScalarParameter MitsubaTextures::scalar(const XmlElement& texture) {
   const Scaled found = scaled(texture, true, 0);
   if (!found.row) return found.factor.x;
-  return {found.factor.x, *found.row, TextureChannel::luminance};
+  return {found.factor.x, *found.row, found.channel};
 }
 
 glm::dvec3 MitsubaTextures::constant(const MitsubaColor& color, const char* of) {
@@ -50,7 +51,11 @@ MitsubaTextures::Scaled MitsubaTextures::read(const XmlElement& texture, bool nu
   const auto row = [&](std::optional<Texture> read) {
     return read ? Scaled{.factor = glm::dvec3(1.0), .row = add(std::move(*read))} : grey;
   };
-  if (type == "bitmap") return row(read_bitmap(*object));
+  if (type == "bitmap") {
+    Scaled result = row(read_bitmap(*object));
+    result.channel = channel_of(*object, number);
+    return result;
+  }
   if (type == "checkerboard") return row(read_checkerboard(*object, number));
   if (type == "mesh_attribute" || type == "vertexcolors") {
     Scaled result = row(read_attribute(*object));
@@ -85,8 +90,6 @@ std::optional<Texture> MitsubaTextures::read_bitmap(const MitsubaObject& object)
   source.wrap_v = wrap(object, object.given("wrap_mode_v") ? "wrap_mode_v" : "wrap_mode");
   set_filter(object, source);
   set_encoding(object, source);
-  if (object.given("channel"))
-    context_.missing.add("one channel of a bitmap", object.position_of("channel"), "its luminance");
   const std::shared_ptr<const Bitmap> bitmap = picture(object);
   if (bitmap == nullptr) return std::nullopt;
   const auto [known, is_new] = bitmaps_.try_emplace(bitmap.get(), static_cast<std::uint32_t>(scene_.bitmaps.size()));
@@ -97,6 +100,20 @@ std::optional<Texture> MitsubaTextures::read_bitmap(const MitsubaObject& object)
                  .uv_transform = kFlipV * uv_transform(object) * kFlipV + glm::dmat3(0.0),  // no negative zeros
                  .name = std::filesystem::path(text::trim(object.text("filename"))).filename().string(),
                  .position = object.position()};
+}
+
+TextureChannel MitsubaTextures::channel_of(const MitsubaObject& bitmap, bool number) {
+  if (!bitmap.given("channel")) return TextureChannel::luminance;
+  const std::string word = bitmap.text("channel");
+  if (number && word == "r") return TextureChannel::red;
+  if (number && word == "g") return TextureChannel::green;
+  if (number && word == "b") return TextureChannel::blue;
+  if (number && word == "a") return TextureChannel::alpha;
+  if (number && word == "y") return TextureChannel::luminance;
+  context_.missing.add(
+      number ? fmt::format("channel {} of a bitmap", text::printable(word, 20)) : "one channel of a bitmap as a colour",
+      bitmap.position_of("channel"), number ? "its luminance" : "all of them");
+  return TextureChannel::luminance;
 }
 
 std::shared_ptr<const Bitmap> MitsubaTextures::picture(const MitsubaObject& object) {

@@ -22,7 +22,7 @@ class MitsubaTextures {
 
   /// A colour, or the texture that stands for it. What there is not here is grey and noted.
   ColorParameter parameter(const MitsubaColor& color);
-  /// A number that a texture stands for: its luminance.
+  /// A number that a texture stands for: its luminance, or the channel that a bitmap names.
   ScalarParameter scalar(const XmlElement& texture);
   /// Where no texture can stand: grey in its place, which is noted with `of`, the name of the property.
   glm::dvec3 constant(const MitsubaColor& color, const char* of);
@@ -36,11 +36,13 @@ class MitsubaTextures {
   struct Scaled {
     glm::dvec3 factor{1.0};
     std::optional<std::uint32_t> row;
+    TextureChannel channel = TextureChannel::luminance;  ///< where it stands for a number
   };
   /// `number`: it stands for one, not for a colour.
   Scaled scaled(const XmlElement& texture, bool number, int depth);
   Scaled read(const XmlElement& texture, bool number, int depth);
   std::optional<Texture> read_bitmap(const MitsubaObject& object);
+  TextureChannel channel_of(const MitsubaObject& bitmap, bool number);
   Texture read_checkerboard(const MitsubaObject& object, bool number);
   std::optional<Texture> read_attribute(const MitsubaObject& object);
   TextureWrap wrap(const MitsubaObject& object, const char* name);
