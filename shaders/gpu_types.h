@@ -130,6 +130,7 @@ const uint kBsdfNull = 10u;
 const uint kBsdfPrincipled = 11u;  // what its record holds, see principled.glsl
 const uint kBsdfPrincipledThin = 12u;
 const uint kBsdfGltf = 13u;        // see gltf.glsl
+const uint kBsdfTintedDielectric = 14u;  // a smooth dielectric with factors of what it reflects and lets pass
 
 // Records of materials that are none, but choose one of them. params.x and params.y are the numbers of what they choose from, params.z is a probability.
 const uint kAdapterFirst = 32u;
@@ -315,9 +316,9 @@ struct MaterialRecord {
   // What only some types have; those that have none of it do not load it.
   vec3 specular;  // specular reflectance
   float share;    // of samples that go to the specular lobe
-  vec3 eta;       // of a metal's complex index of refraction; else the interior and the exterior one
+  vec3 eta;       // of a metal's complex index of refraction; else the interior and the exterior one; of a rough coat, whether its roughness varies
   float alpha_u;
-  vec3 k;         // of a metal; under a coat: share reflected back inside, (ext/int)², first texel of its transmittances
+  vec3 k;         // of a metal; under a coat: share reflected back inside, (ext/int)², first texel of its table
   float alpha_v;
   // What glTF's has beside; see gltf.glsl.
   vec4 sheen;
@@ -329,6 +330,10 @@ const uint kMaterialTexels = 8u;
 const uint kRichMaterialTexels = 4u;  // of all others
 // What of light a rough coat lets pass on the way in, at cosines even over [0, 1]: a table behind the materials, four nodes a texel.
 const uint kTransmittanceNodes = 64u;
+// A coat whose roughness is a texture has a table for each of these roughnesses, whose roots are even over [0, 1], and behind each a texel with the share that
+// it reflects back inside.
+const uint kCoatRoughnesses = 16u;
+const uint kCoatTexels = kTransmittanceNodes / 4u + 1u;
 // And what white sheen reflects, at cosines even over [0, 1], for roughnesses even over [0.1, 1].
 const uint kSheenCosines = 32u;
 const uint kSheenRoughnesses = 16u;
@@ -399,6 +404,7 @@ const uint kTexturesRich = 0x100u;          // a material has one that is not a 
 const uint kTexturesDisk = 0x200u;          // a disk has one
 const uint kTexturesCylinder = 0x400u;      // a cylinder has one
 const uint kTexturesTangents = 0x800u;      // a material has kMaterialAligned
+const uint kTexturesCoat = 0x2000u;         // the roughness of a rough coat is one
 const uint kTexturesMesh = 0x1000u;         // coordinates of meshes are asked for, with or without textures
 
 // What the textures of an instance need of its shape; empty where the scene has no textures. Each primitive has a block of texels: for each set of

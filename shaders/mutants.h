@@ -123,7 +123,9 @@ const uint kMutantMapsShineThrough = 107u;
 const uint kMutantCoatUnmasked = 108u;
 const uint kMutantMixtureHalfWhole = 109u;
 const uint kMutantMixtureHalfDense = 110u;
-const uint kMutantCount = 111u;
+const uint kMutantCoatInsideForgotten = 111u;
+const uint kMutantTintOnce = 112u;
+const uint kMutantCount = 113u;
 #endif
 
 #ifdef __cplusplus

@@ -79,7 +79,8 @@ bool material_has(Material m, uint flag) {
 
 // Types of more parameters than a first texel holds, and among them those of microfacets.
 const uint kRoughTypes = 1u << kBsdfMicrofacet | 1u << kBsdfRoughConductor | 1u << kBsdfRoughDielectric | 1u << kBsdfRoughPlastic;
-const uint kRichTypes = 1u << kBsdfGltf | 1u << kBsdfPrincipled | 1u << kBsdfPrincipledThin | kRoughTypes | 1u << kBsdfConductor | 1u << kBsdfThinDielectric | 1u << kBsdfPlastic;
+const uint kRichTypes = 1u << kBsdfGltf | 1u << kBsdfPrincipled | 1u << kBsdfPrincipledThin | kRoughTypes | 1u << kBsdfConductor | 1u << kBsdfThinDielectric | 1u << kBsdfPlastic |
+                       1u << kBsdfTintedDielectric;
 
 bool has_bsdf_among(Material m, uint types) {
   return (kBsdfsUsed & types) != 0u && ((kBsdfsUsed & ~types) == 0u || (types >> (m.header & kMaterialTypeMask) & 1u) != 0u);
@@ -110,6 +111,7 @@ void resolve_material(inout Material m) {
     const float coat = dot(m.specular, vec3(1.0)), base = dot(m.albedo, vec3(1.0));
     m.share = coat + base > 0.0 ? coat / (coat + base) : 1.0;
   }
+  if (textures_have(kTexturesCoat) && bsdf_is(m, kBsdfRoughPlastic) && m.eta.z != 0.0) resolve_coat(m);
 }
 
 // Whether some material of the scene has more parameters than a first texel holds.
@@ -208,6 +210,7 @@ BsdfSample bsdf_sample(Material m, vec3 wo, float u_lobe, vec2 u) {
   if (bsdf_is(m, kBsdfDiffuse)) return diffuse_sample(m, wo, u);
   if (bsdf_is(m, kBsdfMirror)) return mirror_sample(wo);
   if (bsdf_is(m, kBsdfDielectric)) return dielectric_sample(m, wo, u_lobe);
+  if (bsdf_is(m, kBsdfTintedDielectric)) return tinteddielectric_sample(m, wo, u_lobe);
   if (bsdf_is(m, kBsdfConductor)) return conductor_sample(m, wo);
   if (bsdf_is(m, kBsdfThinDielectric)) return thindielectric_sample(m, wo, u_lobe);
   if (bsdf_is(m, kBsdfPlastic)) return plastic_sample(m, wo, u_lobe, u);

@@ -20,3 +20,11 @@ BsdfSample dielectric_sample(Material m, vec3 wo, float u_lobe) {
   MUTATE(kMutantSnellIgnored, return BsdfSample(-wo, 1.0 - reflectance, vec3(inv_eta * inv_eta), kLobeDeltaTransmission, eta * eta));
   return BsdfSample(wi, 1.0 - reflectance, vec3(inv_eta * inv_eta), kLobeDeltaTransmission, eta * eta);
 }
+
+BsdfSample tinteddielectric_sample(Material m, vec3 wo, float u_lobe) {
+  BsdfSample s = dielectric_sample(m, wo, u_lobe);
+  vec3 tint = s.lobe == kLobeDeltaTransmission ? m.albedo : m.specular;
+  MUTATE(kMutantTintOnce, tint = m.specular);
+  s.weight *= tint;
+  return s;
+}

@@ -13,6 +13,7 @@
 #include "core/errors.h"
 #include "core/json.h"
 #include "image/files.h"
+#include "scene/materials.h"
 #include "scene/parameters.h"
 #include "scene/placed.h"
 
@@ -79,11 +80,11 @@ void write_ply(const PlacedMesh& mesh, bool mirror, const std::string& path) {
 Json bsdf_json(const Bsdf& bsdf) {
   if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf))
     return {{"type", "diffuse"}, {"albedo", json(diffuse->albedo.value)}};
-  if (const auto* glass = std::get_if<DielectricBsdf>(&bsdf))
+  if (const auto* glass = std::get_if<DielectricBsdf>(&bsdf); glass != nullptr && !is_tinted(*glass))
     return {{"type", "dielectric"}, {"int_ior", glass->int_ior}, {"ext_ior", glass->ext_ior}};
   if (std::holds_alternative<MirrorBsdf>(bsdf)) return {{"type", "mirror"}};
   throw Error(ErrorKind::scene,
-              "the comparison scenes know diffuse, mirror and dielectric materials only; this scene has another");
+              "the comparison scenes know diffuse, mirror and clear dielectric materials only; this scene has another");
 }
 
 bool is_mirrored(const Camera& camera) {

@@ -8,6 +8,8 @@
 #include <string_view>
 
 #include "compile/coats.h"
+#include "core/parallel.h"
+#include "scene/limits.h"
 #include "scene/materials.h"
 #include "scene/parameters.h"
 
@@ -21,6 +23,11 @@ gpu::MaterialRecord flatten(const MirrorBsdf&) {
   return {.header = gpu::kBsdfMirror | gpu::kMaterialDelta | gpu::kMaterialOneSided};
 }
 gpu::MaterialRecord flatten(const DielectricBsdf& bsdf) {
+  if (is_tinted(bsdf))
+    return {.params = glm::vec3(bsdf.specular_transmittance.value),
+            .header = gpu::kBsdfTintedDielectric | gpu::kMaterialDelta,
+            .specular = glm::vec3(bsdf.specular_reflectance.value),
+            .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0)};
   return {.params = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0), .header = gpu::kBsdfDielectric | gpu::kMaterialDelta};
 }
 gpu::MaterialRecord flatten(const NullBsdf&) {
@@ -164,14 +171,36 @@ gpu::MaterialRecord flatten(const PlasticBsdf& bsdf) {
   return record;
 }
 gpu::MaterialRecord flatten(const RoughPlasticBsdf& bsdf, std::vector<gpu::vec4>& tables) {
-  const RoughCoat coat = rough_coat({bsdf.distribution, bsdf.alpha, bsdf.alpha}, bsdf.int_ior / bsdf.ext_ior);
-  gpu::MaterialRecord record = flatten_plastic(bsdf, coat.reflectance_inside);
+  const auto coat_of = [&](double alpha) {
+    return rough_coat({bsdf.distribution, alpha, alpha}, bsdf.int_ior / bsdf.ext_ior);
+  };
+  const auto add_table = [&](const RoughCoat& coat) {
+    for (std::size_t i = 0; i < coat.transmittances.size(); i += 4)
+      tables.emplace_back(coat.transmittances[i], coat.transmittances[i + 1], coat.transmittances[i + 2],
+                          coat.transmittances[i + 3]);
+  };
+  const auto first = static_cast<float>(tables.size());
+  double inside = 0.0;
+  if (bsdf.alpha.texture) {
+    std::vector<RoughCoat> coats(gpu::kCoatRoughnesses);
+    parallel_for(coats.size(), 1, [&](std::uint64_t i, std::uint64_t) {
+      const double root = static_cast<double>(i) / (gpu::kCoatRoughnesses - 1);
+      coats[i] = coat_of(std::max(root * root, kMinRoughness));
+    });
+    for (const RoughCoat& coat : coats) {
+      add_table(coat);
+      tables.emplace_back(coat.reflectance_inside, 0.0f, 0.0f, 0.0f);
+    }
+  } else {
+    const RoughCoat coat = coat_of(bsdf.alpha.value);
+    add_table(coat);
+    inside = coat.reflectance_inside;
+  }
+  gpu::MaterialRecord record = flatten_plastic(bsdf, inside);
   record.header |= gpu::kBsdfRoughPlastic | distribution_flag(bsdf.distribution);
-  record.alpha_u = record.alpha_v = static_cast<float>(bsdf.alpha);
-  record.k.z = static_cast<float>(tables.size());
-  for (std::size_t i = 0; i < coat.transmittances.size(); i += 4)
-    tables.emplace_back(coat.transmittances[i], coat.transmittances[i + 1], coat.transmittances[i + 2],
-                        coat.transmittances[i + 3]);
+  record.eta.z = bsdf.alpha.texture ? 1.0f : 0.0f;
+  record.alpha_u = record.alpha_v = static_cast<float>(bsdf.alpha.value);
+  record.k.z = first;
   return record;
 }
 

@@ -87,6 +87,8 @@ class TextureCompiler {
       if (is_aligned(material)) add_tangents(instance, needs);
       const bool plain = material.adapter || std::holds_alternative<DiffuseBsdf>(material.bsdf);
       if (!plain && is_textured(material)) out_.features |= gpu::kTexturesRich;
+      const auto* coated = std::get_if<RoughPlasticBsdf>(&material.bsdf);
+      if (coated != nullptr && coated->alpha.texture && !material.adapter) out_.features |= gpu::kTexturesCoat;
     });
     if (std::ranges::find(scene_.aovs, Aov::uv) != scene_.aovs.end()) add_coordinates(instance, needs);
     const AreaEmitter* emitter = scene_.emitter_of(instance);

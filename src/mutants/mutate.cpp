@@ -236,6 +236,10 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "the half of a mixture that was chosen reflects all of a sampled light", "adapters, floor b(dd)"},
     {gpu::kMutantMixtureHalfDense, "half of a mixture dense",
      "a direction's density is that of the half of a mixture that was chosen", "picture of mixtures"},
+    {gpu::kMutantCoatInsideForgotten, "varying coat's inside forgotten",
+     "a coat whose roughness varies reflects nothing back inside", "picture of coats"},
+    {gpu::kMutantTintOnce, "tint of the mirror", "tinted glass gives what passes the colour of what it reflects",
+     "chi2, tinted dielectric"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -531,6 +535,23 @@ Scene room_of_mixtures() {
   return scene;
 }
 
+/// The room with a board and a ball in a coat that is rough in places.
+Scene room_of_coats() {
+  Scene scene = room();
+  scene.name = scene.file = "room of coats";
+  scene.instances.resize(scene.instances.size() - 2);  // the spheres
+  scene.textures.push_back({.source = CheckerboardTexture{glm::dvec3(0.1), glm::dvec3(0.7)}});
+  RoughPlasticBsdf plastic = kRoughPlastic;
+  plastic.alpha = {1.0, 0, TextureChannel::luminance};
+  TriangleMesh board{.positions = {{-0.9, -0.2, -0.6}, {-0.9, -0.2, 0.6}, {0.1, -0.2, 0.6}, {0.1, -0.2, -0.6}},
+                     .uv_sets = {{{0, 0}, {0, 2}, {2, 2}, {2, 0}}},
+                     .triangles = {{0, 1, 2}, {0, 2, 3}}};
+  scene.add(std::move(board), plastic);
+  scene.add(Sphere{{0.5, -0.5, 0.1}, 0.45}, plastic);
+  scene.integrator.max_depth = 3;
+  return scene;
+}
+
 /// The room with a point, a spot that fades over all of its cone and a projector in place of the lamp.
 Scene room_under_points() {
   Scene scene = room();
@@ -706,6 +727,8 @@ std::vector<SuiteTest> make_suite() {
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),
+      material_test("chi2, tinted dielectric",
+                    DielectricBsdf{1.5, 1.0, glm::dvec3(0.9, 0.8, 0.7), glm::dvec3(0.2, 0.5, 0.8)}, kSlanted),
       material_test("chi2, conductor", ConductorBsdf{.index = kGold}, kSlanted),
       material_test("chi2, roughconductor", kRoughGold, kSlanted),
       material_test("chi2, microfacet", kCoated, kSlanted),
@@ -738,6 +761,8 @@ std::vector<SuiteTest> make_suite() {
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_maps(), gpu); }},
       {"picture of mixtures against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_mixtures(), gpu); }},
+      {"picture of coats against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_coats(), gpu); }},
       {"picture of volumes against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_volumes(), gpu); }},
       {"picture of twins against the reference",

@@ -20,15 +20,17 @@ BsdfSample sample(const DielectricBsdf& bsdf, const Vec3& wo, double u_lobe, con
   const double n_i = outside ? bsdf.int_ior : bsdf.ext_ior;
   const Fresnel fresnel = fresnel_dielectric(std::abs(wo.z), n_o, n_i);
   if (u_lobe < fresnel.reflectance) {
-    return {
-        .wi = {-wo.x, -wo.y, wo.z}, .weight = Vec3(1.0), .pdf = fresnel.reflectance, .lobe = Lobe::delta_reflection};
+    return {.wi = {-wo.x, -wo.y, wo.z},
+            .weight = bsdf.specular_reflectance.value,
+            .pdf = fresnel.reflectance,
+            .lobe = Lobe::delta_reflection};
   }
   // Snell: the tangential part shrinks by n_o/n_i. Radiance grows with the squared index of the medium it is in, and
   // what the path carries back to the camera is the radiance on the side of `wo` [Veach1997, §5.2].
   const double ratio = n_o / n_i;
   const Vec3 wi(-ratio * wo.x, -ratio * wo.y, outside ? -fresnel.cos_transmitted : fresnel.cos_transmitted);
   return {.wi = glm::normalize(wi),
-          .weight = Vec3(ratio * ratio),
+          .weight = ratio * ratio * bsdf.specular_transmittance.value,
           .pdf = 1.0 - fresnel.reflectance,
           .lobe = Lobe::delta_transmission,
           .eta = n_i / n_o};

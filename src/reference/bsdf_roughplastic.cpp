@@ -12,8 +12,8 @@ namespace {
 Roughness roughness_of(const RoughPlasticBsdf& bsdf) {
   return {bsdf.distribution, bsdf.alpha, bsdf.alpha};
 }
-const RoughCoat& coat_of(const RoughPlasticBsdf& bsdf) {
-  return rough_coat(roughness_of(bsdf), bsdf.int_ior, bsdf.ext_ior);
+CoatAt coat_of(const RoughPlasticBsdf& bsdf) {
+  return {bsdf.distribution, bsdf.alpha, bsdf.int_ior, bsdf.ext_ior};
 }
 double coat_prob(const RoughPlasticBsdf& bsdf, double cos_o) {
   const double enters = coat_of(bsdf).transmittance(cos_o);
@@ -30,7 +30,7 @@ Vec3 eval(const RoughPlasticBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   const Vec3 h = glm::normalize(wo + wi);
   const double fresnel = fresnel_dielectric(glm::dot(wo, h), bsdf.ext_ior, bsdf.int_ior).reflectance;
   const double coat = fresnel * facets.density(h) * facets.masking(wo, h) * facets.masking(wi, h) / (4.0 * wo.z);
-  const RoughCoat& table = coat_of(bsdf);
+  const CoatAt table = coat_of(bsdf);
   return bsdf.specular_reflectance.value * coat +
          coated_base(bsdf.diffuse_reflectance.value, bsdf.nonlinear, table.reflectance_inside(),
                      bsdf.ext_ior / bsdf.int_ior, table.transmittance(wi.z), table.transmittance(wo.z), wi.z);

@@ -1,6 +1,7 @@
 #include "reference/coat.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -8,6 +9,7 @@
 
 #include "reference/fresnel.h"
 #include "reference/microfacet_distribution.h"
+#include "scene/limits.h"
 
 namespace etendue::reference {
 namespace {
@@ -48,6 +50,21 @@ double share(const Roughness& roughness, double cosine, double n_o, double n_t, 
   return 2.0 * sum * step * turn / 9.0;
 }
 
+/// The coat of a material, made once in the life of the program for each set of numbers.
+const RoughCoat& rough_coat(const Roughness& roughness, double int_ior, double ext_ior) {
+  using Key = std::tuple<Roughness::Distribution, double, double, double>;
+  static std::mutex mutex;
+  static std::map<Key, std::unique_ptr<RoughCoat>> coats;
+  thread_local std::map<Key, const RoughCoat*> own;  // without waiting for others
+  const RoughCoat*& known = own[Key(roughness.distribution, roughness.alpha_u.value, int_ior, ext_ior)];
+  if (known != nullptr) return *known;
+  const std::lock_guard lock(mutex);
+  std::unique_ptr<RoughCoat>& coat = coats[Key(roughness.distribution, roughness.alpha_u.value, int_ior, ext_ior)];
+  if (!coat) coat = std::make_unique<RoughCoat>(roughness, int_ior, ext_ior);
+  known = coat.get();
+  return *known;
+}
+
 }  // namespace
 
 double diffuse_reflectance_inside(double int_ior, double ext_ior) {
@@ -70,20 +87,21 @@ double RoughCoat::transmittance(double cosine) const {
   return (1.0 - t) * nodes_[i] + t * nodes_[i + 1];
 }
 
-const RoughCoat& rough_coat(const Roughness& roughness, double int_ior, double ext_ior) {
-  using Key = std::tuple<Roughness::Distribution, double, double, double>;
-  static std::mutex mutex;
-  static std::map<Key, std::unique_ptr<RoughCoat>> coats;
-  thread_local Key last_key{};
-  thread_local const RoughCoat* last = nullptr;  // most calls ask for the coat of the call before
-  const Key key(roughness.distribution, roughness.alpha_u.value, int_ior, ext_ior);
-  if (last != nullptr && key == last_key) return *last;
-  const std::lock_guard lock(mutex);
-  std::unique_ptr<RoughCoat>& coat = coats[key];
-  if (!coat) coat = std::make_unique<RoughCoat>(roughness, int_ior, ext_ior);
-  last_key = key;
-  last = coat.get();
-  return *coat;
+CoatAt::CoatAt(Roughness::Distribution distribution, const ScalarParameter& alpha, double int_ior, double ext_ior) {
+  const auto coat = [&](double roughness) {
+    return &rough_coat({distribution, roughness, roughness}, int_ior, ext_ior);
+  };
+  if (!alpha.texture) {
+    lower_ = upper_ = coat(alpha.value);
+    return;
+  }
+  constexpr int kLast = 15;
+  const auto node = [](int i) { return std::max(kMinRoughness, static_cast<double>(i * i) / (kLast * kLast)); };
+  const double place = std::sqrt(alpha.value) * kLast;
+  const int i = std::min(static_cast<int>(place), kLast - 1);
+  way_ = place - i;
+  lower_ = coat(node(i));
+  upper_ = coat(node(i + 1));
 }
 
 Vec3 coated_base(const Vec3& albedo, bool nonlinear, double inside, double ratio, double enters, double leaves,

@@ -27,8 +27,24 @@ class RoughCoat {
   double inside_ = 0.0;
 };
 
-/// The coat of a material, made once in the life of the program for each set of numbers.
-const RoughCoat& rough_coat(const Roughness& roughness, double int_ior, double ext_ior);
+/// A rough coat at a point. Where a texture says how rough it is, it lies between the two that are next among 16 whose
+/// roots are even over [0, 1] (the first has the least roughness there is).
+class CoatAt {
+ public:
+  CoatAt(Roughness::Distribution distribution, const ScalarParameter& alpha, double int_ior, double ext_ior);
+
+  double transmittance(double cosine) const {
+    return between(lower_->transmittance(cosine), upper_->transmittance(cosine));
+  }
+  double reflectance_inside() const { return between(lower_->reflectance_inside(), upper_->reflectance_inside()); }
+
+ private:
+  double between(double a, double b) const { return (1.0 - way_) * a + way_ * b; }
+
+  const RoughCoat* lower_;
+  const RoughCoat* upper_;
+  double way_ = 0.0;
+};
 
 /// f cos of the base: `albedo`, what is reflected inside, and the shares that enter and leave.
 Vec3 coated_base(const Vec3& albedo, bool nonlinear, double inside, double ratio, double enters, double leaves,

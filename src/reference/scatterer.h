@@ -64,7 +64,7 @@ class Scatterer {
     return 2.0 / (1.0 + std::sqrt(1.0 + std::min(0.125 * slope2, 1.0) * tan2(glm::dot(*base_, w))));
   }
 
-  Bsdf bsdf_;  // its parameters are constants
+  Bsdf bsdf_;  // its parameters have the values that they have here
   Frame frame_;
   std::optional<Vec3> base_;
   Vec3 wo_;

@@ -244,8 +244,13 @@ Bsdf at_point(const Scene& scene, const Bsdf& bsdf, const Surface& surface) {
         each_parameter(of_type, [&](const char* name, auto& parameter) {
           if (!parameter.texture) return;
           const ParameterRange range = parameter_range(of_type, name);
+          const std::optional<std::uint32_t> texture = parameter.texture;
           parameter = at_point(scene, parameter, surface);
           parameter.value = glm::clamp(parameter.value, range.least, range.most);
+          // A rough coat asks whether its roughness varies.
+          if (std::is_same_v<std::remove_cvref_t<decltype(of_type)>, RoughPlasticBsdf> &&
+              name == std::string_view("alpha"))
+            parameter.texture = texture;
         });
       },
       constant);

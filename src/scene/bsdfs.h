@@ -140,7 +140,7 @@ struct RoughPlasticBsdf {
   double ext_ior = 1.000277;
   bool nonlinear = false;
   Roughness::Distribution distribution = Roughness::Distribution::beckmann;
-  double alpha = 0.1;  ///< the same everywhere: what the coat lets pass is tabulated
+  ScalarParameter alpha{0.1};
 };
 
 }  // namespace etendue

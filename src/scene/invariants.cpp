@@ -329,6 +329,8 @@ class Checker {
   }
   void check_bsdf(const DielectricBsdf& bsdf, const Material& material) {
     check_indices(material, bsdf.int_ior, bsdf.ext_ior);
+    check_reflectance(material, "specular_reflectance", bsdf.specular_reflectance);
+    check_reflectance(material, "specular_transmittance", bsdf.specular_transmittance);
   }
 
   void check_roughness(const Material& material, const char* field, const ScalarParameter& alpha) {

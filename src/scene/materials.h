@@ -39,6 +39,12 @@ inline bool is_aligned(const Material& material) {
   return !material.adapter && std::visit([](const auto& bsdf) { return is_aligned(bsdf); }, material.bsdf);
 }
 
+/// Whether what it reflects and lets pass is less than all.
+inline bool is_tinted(const DielectricBsdf& bsdf) {
+  const auto white = [](const ColorParameter& c) { return !c.texture && c.value == glm::dvec3(1.0); };
+  return !white(bsdf.specular_reflectance) || !white(bsdf.specular_transmittance);
+}
+
 /// Whether some of the light that meets it is refracted.
 inline bool may_refract(const PrincipledBsdf& bsdf) {
   const bool metal = !bsdf.metallic.texture && bsdf.metallic.value == 1.0;

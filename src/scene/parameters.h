@@ -23,8 +23,7 @@ void each_parameter(T& bsdf, F&& f) {
   f("albedo", bsdf.albedo);
 }
 template <typename T, typename F>
-requires MaybeConst<T, MirrorBsdf> || MaybeConst<T, DielectricBsdf> || MaybeConst<T, NullBsdf> ||
-    MaybeConst<T, TwoSidedAdapter>
+requires MaybeConst<T, MirrorBsdf> || MaybeConst<T, NullBsdf> || MaybeConst<T, TwoSidedAdapter>
 void each_parameter(T&, F&&) {}
 template <MaybeConst<Roughness> T, typename F>
 void each_parameter(T& roughness, F&& f) {
@@ -53,7 +52,7 @@ void each_parameter(T& bsdf, F&& f) {
   each_parameter(bsdf.roughness, f);
 }
 template <typename T, typename F>
-requires MaybeConst<T, RoughDielectricBsdf> || MaybeConst<T, ThinDielectricBsdf>
+requires MaybeConst<T, DielectricBsdf> || MaybeConst<T, RoughDielectricBsdf> || MaybeConst<T, ThinDielectricBsdf>
 void each_parameter(T& bsdf, F&& f) {
   f("specular_reflectance", bsdf.specular_reflectance);
   f("specular_transmittance", bsdf.specular_transmittance);
@@ -64,6 +63,7 @@ requires MaybeConst<T, PlasticBsdf> || MaybeConst<T, RoughPlasticBsdf>
 void each_parameter(T& bsdf, F&& f) {
   f("diffuse_reflectance", bsdf.diffuse_reflectance);
   f("specular_reflectance", bsdf.specular_reflectance);
+  if constexpr (MaybeConst<T, RoughPlasticBsdf>) f("alpha", bsdf.alpha);
 }
 template <typename T, typename F>
 requires MaybeConst<T, PrincipledBsdf> || MaybeConst<T, PrincipledThinBsdf>

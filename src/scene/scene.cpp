@@ -97,6 +97,9 @@ void hash(Hasher&, const NullBsdf&) {}
 void hash(Hasher& h, const DielectricBsdf& bsdf) {
   h.value(bsdf.int_ior);
   h.value(bsdf.ext_ior);
+  if (!is_tinted(bsdf)) return;  // scenes of before keep their hashes
+  hash(h, bsdf.specular_reflectance);
+  hash(h, bsdf.specular_transmittance);
 }
 
 void hash(Hasher& h, const Roughness& roughness) {
@@ -151,7 +154,7 @@ void hash(Hasher& h, const RoughPlasticBsdf& bsdf) {
   h.value(bsdf.ext_ior);
   h.value(bsdf.nonlinear);
   h.value(bsdf.distribution);
-  h.value(bsdf.alpha);
+  hash(h, bsdf.alpha);
 }
 
 template <typename... Ts>

@@ -33,6 +33,8 @@ struct MirrorBsdf {};
 struct DielectricBsdf {
   double int_ior = 1.5046;
   double ext_ior = 1.000277;
+  ColorParameter specular_reflectance{glm::dvec3(1.0)};
+  ColorParameter specular_transmittance{glm::dvec3(1.0)};
 };
 using Bsdf = std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf, MicrofacetBsdf, ConductorBsdf, RoughConductorBsdf,
                           RoughDielectricBsdf, ThinDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, NullBsdf,

@@ -79,11 +79,12 @@ std::vector<DeltaLobe> delta_lobes(const Bsdf& bsdf, const dvec3& wo) {
   if (glass == nullptr || wo.z == 0.0) return {};
   const double n_o = wo.z > 0.0 ? glass->ext_ior : glass->int_ior, n_t = wo.z > 0.0 ? glass->int_ior : glass->ext_ior;
   const double f = closed_form::fresnel_reflectance(std::abs(wo.z), n_o, n_t), ratio = n_o / n_t;
-  std::vector<DeltaLobe> lobes{{ProbeLobe::delta_reflection, mirrored, f, dvec3(1.0)}};
+  std::vector<DeltaLobe> lobes{{ProbeLobe::delta_reflection, mirrored, f, glass->specular_reflectance.value}};
   if (f < 1.0) {
     const double x = -ratio * wo.x, y = -ratio * wo.y;
     const double z = std::copysign(std::sqrt(1.0 - x * x - y * y), -wo.z);
-    lobes.push_back({ProbeLobe::delta_transmission, {x, y, z}, 1.0 - f, dvec3(ratio * ratio)});
+    lobes.push_back(
+        {ProbeLobe::delta_transmission, {x, y, z}, 1.0 - f, ratio * ratio * glass->specular_transmittance.value});
   }
   return lobes;
 }

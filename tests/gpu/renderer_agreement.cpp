@@ -204,6 +204,24 @@ TEST_F(RendererAgreement, ManyMaterialsSmoothNormalsAndSky) {
   compare("everything", everything(), 60000, 800, 600);
 }
 
+// Glass that colours what it reflects and lets pass, one by a texture, and coats that are rough in places.
+TEST_F(RendererAgreement, TintedGlassAndVaryingCoats) {
+  Scene scene = everything();
+  scene.textures.push_back({.source = CheckerboardTexture{glm::dvec3(0.1, 0.4, 0.9), glm::dvec3(0.8, 0.6, 0.3)}});
+  const auto texture = static_cast<std::uint32_t>(scene.textures.size() - 1);
+  for (Material& material : scene.materials) {
+    if (auto* glass = std::get_if<DielectricBsdf>(&material.bsdf))
+      glass->specular_transmittance = {{0.9, 0.7, 1.0}, texture};
+  }
+  RoughPlasticBsdf coat{.diffuse_reflectance = glm::dvec3(0.7, 0.3, 0.2), .alpha = {1.0, texture, TextureChannel::red}};
+  add(scene, Sphere{{0.3, 0.4, 1.2}, 0.4}, coat);
+  coat.distribution = Roughness::Distribution::ggx;
+  coat.nonlinear = true;
+  add(scene, Sphere{{1.4, 0.35, 0.9}, 0.35}, coat);
+  add(scene, Sphere{{-0.4, 0.3, 1.4}, 0.3}, DielectricBsdf{1.5, 1.0, glm::dvec3(0.5), glm::dvec3(0.9, 0.8, 0.2)});
+  compare("tinted", scene, 60000, 800, 600);
+}
+
 // Under pictures of the sky with a sun in them, texels next to each other as different as can be: what glass and
 // mirrors make of a rounding error is seen; lamps chosen by power and by their tree, Sobol points, no other light at
 // all.

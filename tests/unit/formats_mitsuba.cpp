@@ -1,6 +1,7 @@
 // Scenes for Mitsuba: what is read of them, what is mapped, what is refused. Figures are those of Mitsuba 3.9.1
 // (scalar_rgb): its `traverse` of the objects in question.
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 
@@ -673,6 +674,51 @@ TEST(MitsubaBsdfs, HaveMitsubasDefaults) {
   EXPECT_FALSE(smooth.nonlinear);
   const auto pane = std::get<ThinDielectricBsdf>(bsdf_of("<bsdf type=\"thindielectric\"/>"));
   EXPECT_EQ(pane.int_ior, 1.5046);
+}
+
+TEST(MitsubaBsdfs, TakeTexturesAndTintsWhereverMitsubaDoes) {
+  const auto texture = [](const char* name, const char* within) {
+    return fmt::format(R"(<texture{} type="bitmap"><string name="filename" value="p.png"/>{}</texture>)", name, within);
+  };
+  const auto coat =
+      std::get<RoughPlasticBsdf>(bsdf_of("<bsdf type=\"roughplastic\">" + texture(" name=\"alpha\"", "") + "</bsdf>"));
+  EXPECT_TRUE(coat.alpha.texture.has_value());
+  EXPECT_EQ(coat.alpha.channel, TextureChannel::luminance);
+  const auto metal = std::get<RoughConductorBsdf>(
+      bsdf_of("<bsdf type=\"roughconductor\">" + texture(" name=\"alpha\"", "<string name=\"channel\" value=\"g\"/>") +
+              "</bsdf>"));
+  EXPECT_EQ(metal.roughness.alpha_u.channel, TextureChannel::green);
+  const Read color =
+      read(around("<shape type=\"sphere\"><bsdf type=\"diffuse\">" +
+                  texture(" name=\"reflectance\"", "<string name=\"channel\" value=\"g\"/>") + "</bsdf></shape>"));
+  EXPECT_NE(color.first_error().find("one channel of a bitmap as a colour"), std::string::npos) << color.messages();
+  const auto glass = std::get<DielectricBsdf>(
+      bsdf_of("<bsdf type=\"dielectric\"><rgb name=\"specular_transmittance\" value=\"0.2 0.5 0.9\"/></bsdf>"));
+  EXPECT_EQ(glass.specular_transmittance.value, glm::dvec3(0.2, 0.5, 0.9));
+  EXPECT_EQ(glass.specular_reflectance.value, glm::dvec3(1.0));
+  // 0.6 gives the texture of a normal map no name.
+  const Read map = read(around("<shape type=\"sphere\"><bsdf type=\"normalmap\">" + texture("", "") +
+                               "<bsdf type=\"twosided\"><bsdf type=\"plastic\"/></bsdf></bsdf></shape>"));
+  ASSERT_TRUE(map.scene.has_value()) << map.messages();
+  EXPECT_TRUE(std::ranges::any_of(map.scene->materials, [](const Material& m) {
+    return m.adapter && std::holds_alternative<NormalMapAdapter>(*m.adapter);
+  }));
+}
+
+TEST(MitsubaEmitters, EnvironmentMapsMayHoldTheirPicture) {
+  const auto envmap = [](const std::string& content) {
+    return read(around("<shape type=\"sphere\"/><emitter type=\"envmap\">" + content + "</emitter>"));
+  };
+  const std::string picture = R"(<string name="filename" value="p.png"/>)";
+  const Read within =
+      envmap("<texture type=\"bitmap\">" + picture + "<boolean name=\"raw\" value=\"true\"/></texture>");
+  ASSERT_TRUE(within.scene.has_value()) << within.messages();
+  EXPECT_EQ(within.scene->sky.picture->bitmap->color_space, ColorSpace::linear);
+  EXPECT_NE(envmap("").first_error().find("an envmap needs its picture"), std::string::npos);
+  EXPECT_NE(envmap(picture + "<texture type=\"bitmap\">" + picture + "</texture>").first_error().find("keep one"),
+            std::string::npos);
+  EXPECT_NE(envmap("<texture type=\"checkerboard\"/>").first_error().find("texture checkerboard of an envmap"),
+            std::string::npos);
 }
 
 TEST(MitsubaShapes, CylindersMayBeStretchedAlongTheirAxis) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "scene/materials.h"
 
 namespace etendue {
 
@@ -132,7 +133,7 @@ void MaterialWriter::write_bsdf(const std::string& id, const NullBsdf&) {
 
 void MaterialWriter::write_bsdf(const std::string& id, const DielectricBsdf& bsdf) {
   open_bsdf(id, "dielectric");
-  write_indices(bsdf);
+  is_tinted(bsdf) ? write_clear(bsdf) : write_indices(bsdf);
 }
 
 void MaterialWriter::write_bsdf(const std::string& id, const ConductorBsdf& bsdf) {

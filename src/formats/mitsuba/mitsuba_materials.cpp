@@ -170,7 +170,7 @@ ScalarParameter MitsubaMaterials::share_of(const MitsubaObject& object, const ch
 Bsdf MitsubaMaterials::read(const MitsubaObject& object) {
   const std::string_view type = object.type();
   if (type == "diffuse") return read_diffuse(object);
-  if (type == "dielectric") return read_dielectric(object);
+  if (type == "dielectric") return read_clear<DielectricBsdf>(object);
   if (type == "thindielectric") return read_clear<ThinDielectricBsdf>(object);
   if (type == "roughdielectric") {
     auto glass = read_clear<RoughDielectricBsdf>(object);
@@ -213,12 +213,6 @@ Bsdf MitsubaMaterials::read_diffuse(const MitsubaObject& object) {
   const char* name = object.given("diffuse_reflectance") ? "diffuse_reflectance" : "reflectance";
   assign(bsdf.albedo, object, name, SpectrumUse::reflectance);
   return bsdf;
-}
-
-Bsdf MitsubaMaterials::read_dielectric(const MitsubaObject& object) {
-  require_white(object, "specular_reflectance");
-  require_white(object, "specular_transmittance");
-  return DielectricBsdf{object.ior("int_ior"), object.ior("ext_ior")};
 }
 
 template <typename Glass>
@@ -319,28 +313,12 @@ void MitsubaMaterials::assign_alpha(ScalarParameter& field, const MitsubaObject&
   if (!field.texture) field.value = std::max(field.value, kMinRoughness);
 }
 
-void MitsubaMaterials::assign_alpha(double& field, const MitsubaObject& object, const char* name) {
-  if (const XmlElement* texture = object.texture(name)) {
-    const std::string of = fmt::format("{} of {}", name, object.type());
-    field = std::max(textures_.constant({glm::dvec3(0.0), texture}, of.c_str()).x, kMinRoughness);
-    return;
-  }
-  field = alpha(object, name);
-}
-
 double MitsubaMaterials::alpha(const MitsubaObject& object, const char* name) {
   const double value = object.real(name);
   if (value >= kMinRoughness) return value;
   context_.sink.note(object.position_of(name),
                      fmt::format("roughness {} is taken as {}, the least there is", value, kMinRoughness));
   return kMinRoughness;
-}
-
-void MitsubaMaterials::require_white(const MitsubaObject& object, const char* name) {
-  if (!object.given(name)) return;
-  const MitsubaColor color = object.color(name, SpectrumUse::reflectance);
-  if (color.texture == nullptr && color.value == glm::dvec3(1.0)) return;
-  context_.missing.add(fmt::format("{} of {}", name, object.type()), object.position_of(name), "1");
 }
 
 }  // namespace etendue

@@ -40,7 +40,6 @@ class MitsubaMaterials {
   template <typename Principled>
   Bsdf read_principled(const MitsubaObject& object);
   Bsdf read_diffuse(const MitsubaObject& object);
-  Bsdf read_dielectric(const MitsubaObject& object);
   template <typename Glass>
   Glass read_clear(const MitsubaObject& object);
   Bsdf read_conductor(const MitsubaObject& object);
@@ -56,10 +55,7 @@ class MitsubaMaterials {
   void assign(ColorParameter& field, const MitsubaObject& object, const char* name, SpectrumUse use);
   void assign(glm::dvec3& field, const MitsubaObject& object, const char* name, SpectrumUse use);
   void assign_alpha(ScalarParameter& field, const MitsubaObject& object, const char* name);
-  void assign_alpha(double& field, const MitsubaObject& object, const char* name);
   double alpha(const MitsubaObject& object, const char* name);
-  /// Notes a property that is given and is not what the material does anyway.
-  void require_white(const MitsubaObject& object, const char* name);
   bool is_old() const { return context_.document.version().starts_with("0."); }
 
   const MitsubaContext& context_;

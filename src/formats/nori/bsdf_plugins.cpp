@@ -207,8 +207,7 @@ std::vector<Plugin> bsdf_plugins() {
       {"bsdf",
        "dielectric",
        "A smooth boundary between two clear media; the normal points to the exterior.",
-       {{"intIOR", real, "1.5046", kIndex, "index of refraction inside"},
-        {"extIOR", real, "1.000277", kIndex, "index of refraction outside"}},
+       joined(indices("1.5046"), clear()),
        {}},
       {"bsdf",
        "microfacet",
@@ -236,7 +235,7 @@ std::vector<Plugin> bsdf_plugins() {
        "A diffuse base inside a rough clear coat; black from behind.",
        joined(joined(indices("1.49"), plastic()),
               {{"distribution", string, "beckmann", {}, "of the microfacets' normals: beckmann or ggx"},
-               {"alpha", real, "0.1", kRoughness, "roughness of the coat"}}),
+               {"alpha", real, "0.1", kRoughness, "roughness of the coat", "texture"}}),
        {}},
   };
   rows.push_back(principled_plugin());

@@ -752,7 +752,11 @@ class SceneReader {
     if (type == "gltf") return read_gltf(object, scene);
     if (type == "principledthin") return read_parameters<PrincipledThinBsdf>(object, scene);
     if (type == "mirror") return MirrorBsdf{};
-    if (type == "dielectric") return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR")};
+    if (type == "dielectric") {
+      return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR"),
+                            read_factor(object, "specular_reflectance", scene),
+                            read_factor(object, "specular_transmittance", scene)};
+    }
     if (type == "microfacet") return read_microfacet(object, scene);
     if (type == "conductor")
       return ConductorBsdf{read_metal(object, scene), read_factor(object, "specular_reflectance", scene)};
@@ -773,7 +777,7 @@ class SceneReader {
     if (type == "roughplastic") {
       auto plastic = read_plastic<RoughPlasticBsdf>(object, scene);
       plastic.distribution = read_distribution(object);
-      plastic.alpha = object.get<double>("alpha");
+      plastic.alpha = read_scalar(object, "alpha", scene);
       return plastic;
     }
     if (type != "diffuse") throw std::logic_error(fmt::format("the reader has no material {}", type));
