@@ -424,7 +424,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     return;
   }
   OtherHalf other = OtherHalf(chosen, -1.0);
-  if (kBlended && kGathersLight && other_choice.share >= 0.0)
+  if (kBlended && (kGathersLight || kIntegrator == kIntegratorAov) && other_choice.share >= 0.0)
     other = other_half(chosen, other_choice, at, hit.geometry, -path.ray.d, words);
   const bool delta = material_has(material, kMaterialDelta);
   const bool all_delta = delta && (!is_mixed(other) || material_has(other.scatterer.material, kMaterialDelta));

@@ -1,6 +1,7 @@
 #include "validate/validate.h"
 #include "reference/reference_renderer.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -9,7 +10,10 @@
 #include "cli/command.h"
 #include "cli/result_files.h"
 #include "cli/results.h"
+#include "image/aov.h"
+#include "scene/view.h"
 #include "validate/html_report.h"
+#include "validate/statistics.h"
 
 namespace etendue::cli {
 namespace {
@@ -22,28 +26,57 @@ struct ValidateArguments {
   std::string require = "statistical";
   bool no_flip = false;
   SampleOptions sampling;
+  std::string aovs;
   ResultOptions results;
 };
 
 // One device is told at length, several in a table.
-Ending finish(const ValidateArguments& options, const DevicesValidation& all) {
-  const bool one = all.pairs.size() == 1;
-  const Validation& first = all.pairs.front();
-  if (options.results.wants_text()) print_text(one ? validation_text(first) : devices_text(all));
+std::string text_of(const DevicesValidation& all) {
+  return all.pairs.size() == 1 ? validation_text(all.pairs.front()) : devices_text(all);
+}
+Json json_of(const DevicesValidation& all) {
+  return all.pairs.size() == 1 ? validation_json(all.pairs.front()) : devices_json(all);
+}
+
+// The picture alone as it always was; with what is rendered beside it, a list.
+Json json_of(const std::vector<DevicesValidation>& all, bool passed) {
+  if (all.size() == 1) return json_of(all.front());
+  Json list = Json::array();
+  for (const DevicesValidation& one : all) list.push_back(json_of(one));
+  return {{"validations", list}, {"passed", passed}};
+}
+
+Ending finish(const ValidateArguments& options, const std::vector<DevicesValidation>& all) {
+  const bool passed = std::ranges::all_of(all, &DevicesValidation::passed);
+  if (options.results.wants_text()) {
+    for (const DevicesValidation& one : all) print_text((&one == all.data() ? "" : "\n") + text_of(one));
+  }
   OutputWriter files;
-  options.results.write_json(files, [&] { return one ? validation_json(first) : devices_json(all); });
+  options.results.write_json(files, [&] { return json_of(all, passed); });
   write_text(files, options.results.junit, [&] {
     std::vector<JunitCase> cases;
-    for (const Validation& pair : all.pairs) cases.push_back(validation_junit(pair));
+    for (const DevicesValidation& one : all) {
+      for (const Validation& pair : one.pairs) cases.push_back(validation_junit(pair));
+    }
     return junit_xml("validate", cases);
   });
   write_text(files, options.results.html, [&] {
     MetricOptions metrics;
     metrics.flip = !options.no_flip;
-    return validation_html(first, metrics);
+    return validation_html(all.front().pairs.front(), metrics);
   });
   files.finish();
-  return all.passed() ? Ending::ok : Ending::failed;
+  return passed ? Ending::ok : Ending::failed;
+}
+
+// The scene that renders this beside the picture, under a name that says so.
+Scene scene_of_aov(const Scene& scene, Aov aov, const std::string& list) {
+  const std::string complaint = aov_complaint(scene.integrator, aov);
+  if (!complaint.empty()) throw Error(ErrorKind::usage, fmt::format("'--aov {}': {}.", list, complaint));
+  Scene beside = scene;
+  beside.integrator = aov_view(view_of(scene), aov).integrator;
+  beside.file = fmt::format("{}, {}", scene.file, traits(aov).name);
+  return beside;
 }
 
 Ending run_validate(const ValidateArguments& options) {
@@ -71,7 +104,15 @@ Ending run_validate(const ValidateArguments& options) {
                 fmt::format("'--html {}' shows one device beside the reference, and '--device {}' names {}; name one.",
                             options.results.html, options.device.selector, devices.size()));
   }
-  return finish(options, validate_devices(*scene, devices, reference.factory(), validate));
+  std::vector<Scene> scenes = {*scene};
+  for (const Aov aov : parse_aovs(options.aovs)) scenes.push_back(scene_of_aov(*scene, aov, options.aovs));
+  if (scenes.size() > 1 && !options.results.html.empty())
+    throw Error(ErrorKind::usage, fmt::format("'--html {}' shows the picture alone; leave out '--aov {}'.",
+                                              options.results.html, options.aovs));
+  if (scenes.size() > 1) validate.significance = sidak_level(validate.significance, scenes.size());
+  std::vector<DevicesValidation> all;
+  for (const Scene& one : scenes) all.push_back(validate_devices(one, devices, reference.factory(), validate));
+  return finish(options, all);
 }
 
 }  // namespace
@@ -81,6 +122,11 @@ void add_validate_command(Command& app, Action& action) {
   const auto options = std::make_shared<ValidateArguments>();
   command->add_option("SCENE", options->file, "scene file")->required()->file(kSceneEndings);
   options->sampling.add_to(*command);
+  command
+      ->add_option("--aov", options->aovs,
+                   "compare what is rendered beside the picture, too: depth, normal, albedo …; several with commas "
+                   "between them")
+      ->type_name("NAMES");
   options->scene.add_to(*command);
   options->device.add_to(*command);
   command->add_option("--samples", options->validate.sample_budget, "samples compared one by one")

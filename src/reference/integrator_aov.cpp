@@ -36,7 +36,7 @@ class Look {
         break;
       }
       see(emitted_radiance(scene_, *hit, -ray.direction));
-      const auto chosen = choose_material(scene_, *hit, ray.direction, random_, segment - 1, false);
+      const auto chosen = choose_materials(scene_, *hit, ray.direction, random_, segment - 1);
       bool goes_on = true;
       if (chosen) {
         goes_on = arrive(*hit, *chosen, segment, ray);
@@ -73,16 +73,21 @@ class Look {
   }
 
   /// False where the value is known; else `ray` has become what the mirror or glass makes of it.
-  bool arrive(const Surface& surface, const ChosenMaterial& chosen, std::uint32_t segment, Ray& ray) {
+  bool arrive(const Surface& surface, const ChosenMaterials& found, std::uint32_t segment, Ray& ray) {
+    const ChosenMaterial& chosen = found.chosen;
     const Aov aov = scene_.integrator.aov;
     if (known_at_hit(aov)) {
       value_ = at_hit(surface, chosen);
       return false;
     }
     if (segment == kMaxSegments) return false;
-    const Mixture scatterer(
-        Scatterer(at_point(scene_, scene_.materials[chosen.row].bsdf, surface), chosen, -ray.direction));
-    if (aov == Aov::normal && !scatterer.delta()) {
+    const auto scatterer_of = [&](const ChosenMaterial& m) {
+      return Scatterer(at_point(scene_, scene_.materials[m.row].bsdf, surface), m, -ray.direction);
+    };
+    const Mixture scatterer = found.other ? Mixture(scatterer_of(chosen), found.share, scatterer_of(*found.other))
+                                          : Mixture(scatterer_of(chosen));
+    const bool delta = scatterer.chosen().delta();
+    if (aov == Aov::normal && !delta) {
       value_ = chosen.frame.normal();
       return false;
     }
@@ -91,7 +96,7 @@ class Look {
     if (bounce.lobe == Lobe::none) return false;
     scattered_ = true;
     throughput_ *= bounce.weight;
-    if (!scatterer.delta()) {
+    if (!delta) {
       value_ = glm::max(value_, glm::min(throughput_, Vec3(1.0)));
       return false;
     }

@@ -61,6 +61,30 @@ TEST_F(RendererAovs, AgreeWithTheReference) {
   }
 }
 
+// Whichever half a sample chose: there is no noise.
+TEST_F(RendererAovs, AlbedoOfAMixtureIsThatOfBoth) {
+  const glm::dvec3 first(0.2, 0.4, 0.9), second(0.8, 0.6, 0.1);
+  Scene scene;
+  scene.camera.width = scene.camera.height = 8;
+  const std::uint32_t row = scene.add(quad({-9, -9, 1}, {18, 0, 0}, {0, 18, 0}), DiffuseBsdf{first}).material;
+  scene.materials.push_back({.bsdf = DiffuseBsdf{second}});
+  scene.materials.push_back({.adapter = BlendAdapter{0.3, row, row + 1}});
+  scene.materials.push_back({.adapter = TwoSidedAdapter{row + 2, row + 2}});
+  scene.instances[0].material = row + 3;
+  const RenderSettings settings{.seed = 3};
+  const View view = aov_view(view_of(scene), Aov::albedo);
+  std::vector<SampleId> ids;
+  for (std::uint32_t i = 0; i < 1000; ++i) ids.push_back({i % 64, i / 64});
+  const glm::dvec3 expected = 0.7 * first + 0.3 * second;
+  for (const bool reference : {false, true}) {
+    const auto renderer =
+        reference ? make_reference_renderer(scene, settings) : make_gpu_renderer(scene, settings, renderer_options());
+    renderer->set_view(view, settings);
+    for (const SampleRecord& sample : renderer->trace_samples(ids))
+      EXPECT_LT(glm::distance(glm::dvec3(sample.radiance), expected), 1e-5) << reference;
+  }
+}
+
 TEST_F(RendererAovs, PartsOfLightAgreeForEveryIntegrator) {
   Scene scene = veiled_room();
   const RenderSettings settings{.seed = 3};
