@@ -5,8 +5,6 @@
 
 #include "gpu_types.h"
 
-layout(set = kSetKernel, binding = kBindingFilm, std430) buffer FilmBuffer { FilmSlot film[]; };
-
 // x += y + carry, limb by limb; `carry` in and out is 0 or 1.
 uint add_limb(uint x, uint y, inout uint carry) {
   uint c0, c1;

@@ -29,12 +29,11 @@ const uint kSetKernel = 1u;
 const uint kBindingFrame = 0u;
 const uint kBindingFilter = 1u;
 const uint kBindingFilm = 2u;
-const uint kBindingProgress = 3u;
-const uint kBindingSetSums = 4u;
+const uint kBindingSetSums = 3u;
+const uint kBindingSamples = 4u;
 const uint kBindingReport = 5u;
-const uint kBindingProfile = 6u;
-const uint kBindingRequests = 7u;
-const uint kBindingResults = 8u;
+const uint kBindingRequests = 6u;
+const uint kBindingResults = 7u;
 
 // Ids of specialization constants: kConstant<X> is that of the constant k<X> in GLSL, whatever kernel declares it.
 const uint kConstantFilterKind = 0u;
@@ -577,16 +576,20 @@ struct Frame {
   uint pad0;
 };
 
-// The work of one dispatch.
+// The work of one dispatch: some paths for each of a run of film slots. Its lanes share it out, see integrator/render_lane.glsl.
 struct Pass {
-  uint first_group;      // tile-major group index this dispatch starts at
-  uint slot_base;        // first film slot held by the bound film band
-  uint path_end;         // lanes work until their next path reaches this
-  uint lanes_per_pixel;  // a pixel's sets of paths (see sampler.glsl) are dealt round robin to this many slots
+  uint first_group;      // of slots, counted over the whole film
+  uint first_slot;       // the same within the bound film band
+  uint group_count;      // of slots
+  uint paths;            // that each slot is given, fewer where its sets come to an end
+  uint paths_before;     // that each slot was given before
+  uint first_set;        // of those that are rendered; a set is one path, but see sampler.glsl
+  uint sets;             // how many of them there are to the end of this pass
+  uint slots_per_pixel;  // a pixel's sets are dealt round robin to this many slots
   uint packed_pixels;    // not 0: slots are packed, pixel = slot % packed_pixels; 0: slots are tiles
-  uint step_budget;      // traversal steps a lane may spend before it hands its sample back
-  uint request_count;    // samples kernel: number of requests
-  uint pad0;
+  uint step_budget;      // traversal steps a lane may spend before it hands its path back
+  uint resume;           // 1: lanes go on where the last dispatch of this pass left off
+  uint request_count;    // kernels of requests: how many there are
 };
 
 // One film slot: the 128 bytes of etendue::FilmPixel.
@@ -638,8 +641,8 @@ struct RayResult {
   uint primitive;
   uint steps;
 };
-// What the lanes of a film slot did, counted by the render kernel's build for profiles. Of each class of rays: rays, nodes, primitives.
-struct SlotProfile {
+// What a path did, counted by the render kernel's build for profiles. Of each class of rays: rays, nodes, primitives.
+struct PathProfile {
   uvec4 camera, scattered, shadow;
   vec4 shares;  // x: traversal steps of subgroups that were this lane's share, y: of this lane; z, w: the same of shading
 };
@@ -692,10 +695,10 @@ static_assert(sizeof(DeltaLight) == kDeltaLightTexels * kTexelBytes);
 static_assert(sizeof(EnvironmentRow) == kEnvironmentRowTexels * kTexelBytes);
 static_assert(sizeof(EnvironmentTexel) == kEnvironmentTexelTexels * kTexelBytes);
 static_assert(sizeof(Frame) == 288);
-static_assert(sizeof(Pass) == 32);
+static_assert(sizeof(Pass) == 48);
 static_assert(sizeof(FilmSlot) == 128);
 static_assert(sizeof(SampleResult) == 32);
-static_assert(sizeof(SlotProfile) == 64);
+static_assert(sizeof(PathProfile) == 64);
 static_assert(sizeof(BsdfProbePass) == 32);
 static_assert(sizeof(BsdfProbeResult) == 32);
 static_assert(sizeof(TracedVertex) == 48);

@@ -46,6 +46,14 @@ float turn_of(float x, float y) {
   return turn < 1.0 ? turn : 0.0;
 }
 
+// Quotient, below 2^22, and remainder of a / b: lavapipe divides integers lane by lane.
+uvec2 divide(uint a, uint b) {
+  const uint guess = uint(float(a) / float(b));
+  const int rest = int(a - guess * b);
+  const int more = rest < 0 ? -1 : rest >= int(b) ? 1 : 0;
+  return uvec2(guess + uint(more), uint(rest - more * int(b)));
+}
+
 // By the bits: drivers may assume that isnan() is never true.
 bool is_finite(vec3 v) { return all(lessThan(floatBitsToUint(v) & 0x7f800000u, uvec3(0x7f800000u))); }
 

@@ -18,11 +18,7 @@ float subgroup_share() { return 0.0; }
 
 #include "gpu_types.h"
 
-layout(set = kSetKernel, binding = kBindingProfile, std430) buffer ProfileBuffer { SlotProfile profiles[]; };
-
-const SlotProfile kNoCounts = SlotProfile(uvec4(0u), uvec4(0u), uvec4(0u), vec4(0.0));
-SlotProfile finished_profile = kNoCounts;  // up to the last whole sample
-SlotProfile lane_profile = kNoCounts;
+PathProfile lane_profile = PathProfile(uvec4(0u), uvec4(0u), uvec4(0u), vec4(0.0));
 uvec2 walk_visits = uvec2(0u);  // nodes and primitives of the ray on its way
 
 void profile_step(uint nodes, uint primitives) {
@@ -42,15 +38,11 @@ void profile_arrival(bool shadow, bool camera) {
   lane_profile.shares.w += 1.0;
 }
 
-// A sample that does not fit into a dispatch is computed again by the next one: only whole samples count.
-void profile_finish() { finished_profile = lane_profile; }
-
-// Several dispatches may work on a slot.
-void profile_store(uint slot) {
-  profiles[slot].camera += finished_profile.camera;
-  profiles[slot].scattered += finished_profile.scattered;
-  profiles[slot].shadow += finished_profile.shadow;
-  profiles[slot].shares += finished_profile.shares;
+// Of the path that has ended; the next one counts from nothing.
+PathProfile path_profile() {
+  const PathProfile ended = lane_profile;
+  lane_profile = PathProfile(uvec4(0u), uvec4(0u), uvec4(0u), vec4(0.0));
+  return ended;
 }
 
 #define PROFILE(statement) { statement; }

@@ -24,7 +24,7 @@ float distance_to_camera(Path path, Surface s) {
   float weight;
   uint sample_index = path.sample_index;
   MUTATE(kMutantAovOtherSample, ++sample_index);
-  const Ray ray = camera_ray(path.pixel, sample_index, weight);
+  const Ray ray = camera_ray(path.pixel, film_place(path.pixel), sample_index, weight);
   return (dot(s.p - ray.o, ray.d) + camera_ray_start(ray.d)) / frame.distance_scale;
 }
 

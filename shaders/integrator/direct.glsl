@@ -22,7 +22,7 @@ void next_direct_round(inout Path path) {
   path.alive = round < max(frame.emitter_samples, frame.bsdf_samples);
   if (!path.alive) return;
   float weight;
-  path.ray = camera_ray(path.pixel, path.sample_index, weight);
+  path.ray = camera_ray(path.pixel, film_place(path.pixel), path.sample_index, weight);
   path.passed = kNothingPassed;
   path.beta = vec3(1.0);
   path.absorption = vec3(0.0);

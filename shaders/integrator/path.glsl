@@ -55,9 +55,8 @@ struct Decisions {
   uint lobe, survived;
 };
 
-Ray camera_ray(uint pixel, uint sample_index, out float weight) {
+Ray camera_ray(uint pixel, uvec2 xy, uint sample_index, out float weight) {
   const uvec4 words = random_words(frame.seed, pixel, sample_index, kBlockCamera);
-  const uvec2 xy = uvec2(pixel % frame.width, pixel / frame.width);
   vec3 lens = vec3(0.0);
   if (kCamera == kCameraLens || kCamera == kCameraIrradiance) {
     const uvec4 more = reserved_words(frame.seed, pixel, sample_index, kBlockLens);
@@ -66,12 +65,17 @@ Ray camera_ray(uint pixel, uint sample_index, out float weight) {
   return sample_camera_ray(xy, to_unit(words.xy), lens, weight);
 }
 
-Path begin_path(uint pixel, uint sample_index) {
+// Places in the film come apart into columns and rows.
+uvec2 film_place(uint pixel) { return divide(pixel, frame.width).yx; }
+
+Path begin_path(uint pixel, uvec2 xy, uint sample_index) {
   float weight;
-  const Ray ray = camera_ray(pixel, sample_index, weight);
+  const Ray ray = camera_ray(pixel, xy, sample_index, weight);
   return Path(ray, vec3(1.0), vec3(0.0), 0.0, vec3(0.0), vec3(0.0), 1.0, 1u, true, pixel, sample_index, weight, true, false, ray, vec3(0.0),
               kNothingPassed, kNothingPassed, 0u, 0u, 0u);
 }
+
+Path begin_path(uint pixel, uint sample_index) { return begin_path(pixel, film_place(pixel), sample_index); }
 
 #include "aov.glsl"
 #include "direct.glsl"

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "../integrator/render_slot.glsl"
+#include "../integrator/render_lane.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
-void main() { render_slot(pass.first_group + gl_WorkGroupID.x, gl_LocalInvocationIndex); }
+void main() { render_lane(gl_WorkGroupID.x, gl_LocalInvocationIndex); }

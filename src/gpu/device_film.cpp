@@ -40,7 +40,7 @@ std::uint32_t SlotLayout::layer(std::uint64_t group, std::uint32_t lane) const {
 }
 
 DeviceNeed film_need(const SlotLayout& layout) {
-  constexpr std::uint64_t kBytesPerSlot = sizeof(gpu::FilmSlot) + sizeof(std::uint32_t);
+  constexpr std::uint64_t kBytesPerSlot = sizeof(gpu::FilmSlot);
   return {"film", layout.groups() * gpu::kWorkgroupSize * kBytesPerSlot, DeviceNeed::Kind::memory};
 }
 
@@ -59,25 +59,16 @@ FilmBand::FilmBand(const vulkan::Context& context, std::uint32_t first_group, st
                           VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, what);
   };
   slots_ = buffer(sizeof(gpu::FilmSlot), "film");
-  progress_ = buffer(sizeof(std::uint32_t), "film progress");
   if (with_set_sums) set_sums_ = buffer(sizeof(gpu::vec4), "sums over sets");
 }
 
-void FilmBand::begin(vulkan::Commands& commands, const SlotLayout& layout, SampleRange range, std::uint32_t set_bits) {
+void FilmBand::begin(vulkan::Commands& commands) {
   commands.fill(slots_, 0);
-  std::vector<std::uint32_t> next(std::size_t{group_count_} * gpu::kWorkgroupSize);
-  for (std::size_t i = 0; i < next.size(); ++i) {
-    const std::uint32_t set = range.begin + layout.layer(first_group_ + i / gpu::kWorkgroupSize,
-                                                         static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
-    next[i] = set << set_bits;
-  }
-  commands.upload(progress_, 0, std::as_bytes(std::span(next)));
   if (set_sums_) commands.fill(*set_sums_, 0);
 }
 
 void FilmBand::bind(vulkan::BindingSet& set) const {
   set.bind(gpu::kBindingFilm, slots_);
-  set.bind(gpu::kBindingProgress, progress_);
   if (set_sums_) set.bind(gpu::kBindingSetSums, *set_sums_);
 }
 
@@ -106,8 +97,8 @@ DeviceFilm::DeviceFilm(std::shared_ptr<GpuDevice> device, const SlotLayout& layo
   }
 }
 
-void DeviceFilm::begin(SampleRange range) {
-  for (FilmBand& band : bands_) band.begin(device_->commands, layout_, range, set_bits_);
+void DeviceFilm::begin() {
+  for (FilmBand& band : bands_) band.begin(device_->commands);
 }
 
 void DeviceFilm::add_to(Film& film) const {

@@ -35,8 +35,8 @@ struct SlotLayout {
 class FilmBand {
  public:
   FilmBand(const vulkan::Context& context, std::uint32_t first_group, std::uint32_t group_count, bool with_set_sums);
-  /// Empties all slots and sets them to the beginning of `range`, which counts sets of 2^set_bits paths.
-  void begin(vulkan::Commands& commands, const SlotLayout& layout, SampleRange range, std::uint32_t set_bits);
+  /// Empties all slots.
+  void begin(vulkan::Commands& commands);
   std::uint32_t first_group() const { return first_group_; }
   std::uint32_t group_count() const { return group_count_; }
   void bind(vulkan::BindingSet& set) const;
@@ -45,7 +45,7 @@ class FilmBand {
 
  private:
   std::uint32_t first_group_, group_count_;
-  vulkan::Buffer slots_, progress_;
+  vulkan::Buffer slots_;
   std::optional<vulkan::Buffer> set_sums_;  // over unfinished sets, where a set is more than one path
 };
 
@@ -57,7 +57,7 @@ class DeviceFilm {
   bool fits(const SlotLayout& layout, std::uint32_t set_bits) const {
     return layout == layout_ && set_bits == set_bits_;
   }
-  void begin(SampleRange range);
+  void begin();
   const SlotLayout& layout() const { return layout_; }
   const std::vector<FilmBand>& bands() const { return bands_; }
   void add_to(Film& film) const;
@@ -69,7 +69,7 @@ class DeviceFilm {
   std::vector<FilmBand> bands_;
 };
 
-/// What a film takes on a device: slots and progress.
+/// What a film takes on a device.
 DeviceNeed film_need(const SlotLayout& layout);
 
 /// Workgroups whose slots fit into one binding of the device.

@@ -11,6 +11,7 @@
 
 #include "core/errors.h"
 #include "core/log.h"
+#include "core/parallel.h"
 #include "gpu/device_film.h"
 #include "gpu/device_scene.h"
 #include "gpu/device_view.h"
@@ -31,8 +32,14 @@ constexpr std::uint32_t kCpuIterationsDivergent = kCpuIterations / 8;
 // lanes wait.
 constexpr std::uint32_t kTurnsNee = 2, kStepsNee = 6;
 constexpr std::uint32_t kTurnsNaive = 1, kStepsNaive = 8;
-constexpr double kCpuPassSeconds = 0.5;  // no watchdog there, and fewer dispatches waste less
-constexpr double kPassTimeout = 300.0;   // seconds; passes are sized to a fraction of one
+constexpr double kCpuPassSeconds = 1.0;  // no watchdog there, and fewer dispatches waste less
+// Paths that a lane has in a dispatch, one after the other, where that is up to us: at its end lanes wait for those
+// that are slower, for a time that grows with the square root of their number.
+constexpr std::uint32_t kPathsPerLane = 256;
+// Workgroups a thread of a processor has in a dispatch: enough to share them evenly.
+constexpr std::uint32_t kGroupsPerThread = 16;
+constexpr std::uint64_t kMostSamples = 1u << 22;  // of a dispatch; 64 MiB
+constexpr double kPassTimeout = 300.0;            // seconds; passes are sized to a fraction of one
 
 bool traces_occlusion(Integrator::Type type) {
   using enum Integrator::Type;
@@ -49,6 +56,23 @@ DeviceNeed most_film_need(const vulkan::Context& context, const Camera& camera) 
   return film_need({camera.width, camera.height, kManySamples, wanted_slots(context)});
 }
 
+// Lanes that a dispatch keeps busy; each takes paths one after the other.
+std::uint32_t wanted_lane_groups(const vulkan::Context& context) {
+  const std::uint32_t groups = context.is_cpu() ? kGroupsPerThread * thread_count() : (1u << 17) / gpu::kWorkgroupSize;
+  return std::min(groups, context.limits().maxComputeWorkGroupCount[0]);
+}
+
+// Samples that a dispatch leaves for the film at most.
+std::uint64_t most_samples(const vulkan::Context& context, std::uint32_t lane_groups) {
+  return std::min({std::uint64_t{lane_groups} * gpu::kWorkgroupSize * kPathsPerLane, kMostSamples,
+                   context.limits().maxStorageBufferRange / sizeof(gpu::vec4)});
+}
+
+std::size_t report_bytes(std::uint32_t lane_groups) {
+  return sizeof(gpu::ReportHead) + gpu::kRejectedListed * sizeof(gpu::RejectedEntry) +
+         std::size_t{lane_groups} * gpu::kWorkgroupSize * sizeof(std::uint32_t);
+}
+
 class Timer {
  public:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -60,31 +84,67 @@ class Timer {
 // Sizes dispatches by the rate measured so far. It decides when samples are computed, never their values.
 class PassSizer {
  public:
-  PassSizer(double seconds, std::uint32_t fixed_samples, std::uint32_t fixed_groups)
-      : seconds_(seconds), fixed_samples_(fixed_samples), fixed_groups_(fixed_groups) {}
+  PassSizer(const vulkan::Context& context, const GpuOptions& options, std::uint32_t lane_groups)
+      : seconds_(context.is_cpu() ? kCpuPassSeconds : options.pass_seconds),
+        fixed_samples_(options.fixed_samples),
+        fixed_groups_(options.fixed_groups),
+        most_(most_samples(context, lane_groups) / gpu::kWorkgroupSize),
+        lane_groups_(lane_groups) {}
 
-  void measured(double slot_samples, double seconds) {
-    if (seconds > 0.0) rate_ = slot_samples / seconds;
+  void measured(double paths, double seconds) {
+    if (seconds > 0.0) rate_ = paths / seconds;
   }
-  std::uint32_t groups(std::uint32_t available, std::uint32_t samples) const {
-    if (fixed_groups_ > 0) return std::min(fixed_groups_, available);
-    const double affordable = seconds_ * rate_ / (samples * gpu::kWorkgroupSize);
-    return static_cast<std::uint32_t>(std::clamp(affordable, 1.0, static_cast<double>(available)));
-  }
-  std::uint32_t samples(std::uint64_t slots) const {
+  /// Lanes came to the end of their budget: fewer paths in a row.
+  void shorten() { paths_per_lane_ = std::max(paths_per_lane_ / 2, 4u); }
+
+  /// Samples of each slot in a pass over the film, where a sample is so many paths. A pass must end soon enough for
+  /// signals and time limits.
+  std::uint32_t samples(std::uint64_t slots, std::uint32_t paths) const {
     if (fixed_samples_ > 0) return fixed_samples_;
-    // A pass over the film is several dispatches of some groups each: lanes that have several samples to do wait less
-    // for each other than lanes with one, and a pass must still end soon enough for signals and time limits.
-    constexpr double kDispatchesPerPass = 6.0;
-    const double affordable = kDispatchesPerPass * seconds_ * rate_ / static_cast<double>(slots);
+    constexpr double kDispatchesPerPass = 1.0;
+    const double affordable = kDispatchesPerPass * seconds_ * rate_ / (static_cast<double>(slots) * paths);
     return static_cast<std::uint32_t>(std::clamp(affordable, 1.0, 64.0));
+  }
+  /// Groups of slots that are given so many paths each by one dispatch, or by several where that is too much for one.
+  std::uint32_t groups(std::uint32_t left, std::uint32_t paths) const {
+    const auto most = static_cast<std::uint32_t>(std::min<std::uint64_t>(left, most_));
+    if (fixed_groups_ > 0) return std::min(fixed_groups_, most);
+    const std::uint32_t groups = std::min(std::max(static_cast<std::uint32_t>(size() / paths), lane_groups_), most);
+    const std::uint32_t chunks = (left + groups - 1) / groups;
+    return (left + chunks - 1) / chunks;  // all of a size
+  }
+  /// Paths of each slot in a dispatch for so many groups.
+  std::uint32_t paths(std::uint32_t left, std::uint32_t groups) const {
+    return std::clamp(static_cast<std::uint32_t>(size() / groups), 1u, left);
+  }
+  /// Workgroups that do it: as many as there are to be, and none has more to do than another.
+  std::uint32_t lane_groups(std::uint32_t groups) const {
+    const std::uint32_t rounds = (groups + lane_groups_ - 1) / lane_groups_;
+    return (groups + rounds - 1) / rounds;
   }
 
  private:
+  // Groups of 64 paths in a dispatch.
+  double size() const {
+    const auto most = static_cast<double>(std::min(most_, std::uint64_t{lane_groups_} * paths_per_lane_));
+    return std::clamp(seconds_ * rate_ / gpu::kWorkgroupSize, 1.0, most);
+  }
+
   double seconds_;
   std::uint32_t fixed_samples_, fixed_groups_;
-  double rate_ = 2e5;  // slot samples per second; a careful first guess
+  std::uint64_t most_;  // groups of 64 samples
+  std::uint32_t lane_groups_;
+  std::uint32_t paths_per_lane_ = kPathsPerLane;
+  double rate_ = 2e5;  // paths per second; a careful first guess
 };
+
+// Groups of 64 slots that a dispatch may count so many paths of.
+std::uint32_t most_profiled(const vulkan::Context& context, std::uint32_t paths) {
+  const std::uint64_t bytes =
+      std::min<std::uint64_t>(kMostSamples * sizeof(gpu::vec4), context.limits().maxStorageBufferRange);
+  const std::uint64_t of_a_group = std::uint64_t{paths} * gpu::kWorkgroupSize * sizeof(gpu::PathProfile);
+  return static_cast<std::uint32_t>(std::max(bytes / of_a_group, std::uint64_t{1}));
+}
 
 class GpuRenderer final : public Renderer {
  public:
@@ -94,9 +154,9 @@ class GpuRenderer final : public Renderer {
         scene_(std::move(scene)),
         kernels_(kernel_set(options, scene_->loads())),
         view_(scene_->device()),
-        report_(context(), sizeof(gpu::ReportHead) + gpu::kRejectedListed * sizeof(gpu::RejectedEntry),
-                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::host, "report"),
-        unused_(context(), 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "placeholder"),
+        lane_groups_(wanted_lane_groups(context())),
+        report_(context(), report_bytes(lane_groups_), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::host,
+                "report"),
         step_budget_(context().is_cpu() ? kCpuIterations : kGpuIterations),
         timings_(timings) {
     std::memset(report_.mapped().data(), 0, report_.mapped().size());
@@ -132,10 +192,11 @@ class GpuRenderer final : public Renderer {
     if (is_plain(constants_)) return make_kernel(scene_->request_kernels(), plain, name);
     return make_kernel(scene_->request_kernels(), full, name);
   }
-  vulkan::BindingSet make_film_set(const KernelBindings& layout, const FilmBand& band) const {
-    vulkan::BindingSet set(context(), layout.set);
+  vulkan::BindingSet make_film_set(const FilmBand& band, const vulkan::Buffer& samples) const {
+    vulkan::BindingSet set(context(), scene_->film_kernels().set);
     view_.bind(set);
-    set.bind(gpu::kBindingSetSums, unused_);  // unless the band has them
+    set.bind(gpu::kBindingSetSums, report_);  // unless the band has them
+    set.bind(gpu::kBindingSamples, samples);
     set.bind(gpu::kBindingReport, report_);
     band.bind(set);
     return set;
@@ -158,20 +219,20 @@ class GpuRenderer final : public Renderer {
                                std::as_bytes(std::span(&pass, 1)), groups, kPassTimeout);
   }
   void check_film(const Film& film) const;
-  void prepare_film(const SlotLayout& slots, SampleRange range);
+  void prepare_film(const SlotLayout& slots);
   void forget_film() {
     film_sets_.clear();
     film_.reset();
   }
-  void run_pass(const Work& work, const FilmBand& band, const SlotLayout& slots, std::uint32_t samples,
-                std::uint32_t sample_end);
-  void run_groups(const Work& work, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples);
+  gpu::Pass begin_pass(const SlotLayout& slots, SampleRange range) const;
+  void run_pass(std::size_t band, gpu::Pass pass, std::uint32_t paths);
+  void trace_chunk(const Work& work, gpu::Pass pass);
   gpu::ReportHead take_report();
   // A kernel for certain constants, and how fast it is. AOVs take turns with the picture, so some are kept.
   struct RenderKernel {
     std::vector<vulkan::Specialization> constants;
     PassSizer sizer;
-    vulkan::Kernel kernel{};
+    vulkan::Kernel trace{}, take{};  // paths, and their samples into the film
     bool dispatched = false;
   };
   RenderKernel& present_kernel();
@@ -180,11 +241,13 @@ class GpuRenderer final : public Renderer {
   std::shared_ptr<const DeviceScene> scene_;
   KernelSet kernels_;
   DeviceView view_;
-  vulkan::Buffer report_, unused_;
+  const std::uint32_t lane_groups_;
+  vulkan::Buffer report_;
   std::vector<vulkan::Specialization> constants_;
   std::list<RenderKernel> render_kernels_;  // the last ones; made when first needed, like the next two
   vulkan::Kernel path_kernel_;
   std::unique_ptr<SampleTracer> tracer_;
+  vulkan::Buffer samples_;                     // on their way to the film
   std::unique_ptr<DeviceFilm> film_;           // of the last render
   std::vector<vulkan::BindingSet> film_sets_;  // of its bands
   std::uint32_t set_bits_ = 0;                 // of the sampler; what this class calls samples are sets of paths
@@ -281,13 +344,15 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
 }
 
 // The film's place on the device is kept from render to render.
-void GpuRenderer::prepare_film(const SlotLayout& slots, SampleRange range) {
+void GpuRenderer::prepare_film(const SlotLayout& slots) {
   if (!film_ || !film_->fits(slots, set_bits_)) {
     forget_film();  // before the next one takes memory
+    samples_ = {context(), most_samples(context(), lane_groups_) * sizeof(gpu::vec4),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, vulkan::Buffer::Memory::device, "samples"};
     film_ = std::make_unique<DeviceFilm>(scene_->device_pointer(), slots, set_bits_);
-    for (const FilmBand& band : film_->bands()) film_sets_.push_back(make_film_set(scene_->film_kernels(), band));
+    for (const FilmBand& band : film_->bands()) film_sets_.push_back(make_film_set(band, samples_));
   }
-  film_->begin(range);
+  film_->begin();
 }
 
 void GpuRenderer::check_film(const Film& film) const {
@@ -312,23 +377,25 @@ gpu::ReportHead GpuRenderer::take_report() {
   return head;
 }
 
-// Dispatches one run of groups until every lane has reached pass.path_end.
-void GpuRenderer::run_groups(const Work& work, gpu::Pass pass, std::uint32_t groups, std::uint32_t samples) {
+// Traces the paths of a chunk: dispatches until every lane has done its share.
+void GpuRenderer::trace_chunk(const Work& work, gpu::Pass pass) {
+  RenderKernel& present = present_kernel();
   pass.step_budget = step_budget_;
-  for (;;) {
-    const double seconds = dispatch(work, pass, groups);
+  const std::uint32_t lane_groups = present.sizer.lane_groups(pass.group_count);
+  const double paths = static_cast<double>(pass.paths) * pass.group_count * gpu::kWorkgroupSize;
+  for (double seconds = 0.0;; pass.resume = 1) {
+    const double more = dispatch(work, pass, lane_groups);
     const gpu::ReportHead head = take_report();
-    RenderKernel& kernel = present_kernel();
-    if (kernel.dispatched) {
+    if (present.dispatched) {
       ++timings_.dispatches;
-      timings_.longest = std::max(timings_.longest, seconds);
-      timings_.render += seconds;
-      kernel.sizer.measured(static_cast<double>(samples) * groups * gpu::kWorkgroupSize, seconds);
+      timings_.longest = std::max(timings_.longest, more);
+      timings_.render += more;
+      seconds += more;
     } else {
-      timings_.pipeline += seconds;  // dominated by the driver's lazy compilation
-      kernel.dispatched = true;
+      timings_.pipeline += more;  // dominated by the driver's lazy compilation
+      present.dispatched = true;
     }
-    if (head.unfinished == 0) return;
+    if (head.unfinished == 0) return present.sizer.measured(paths, seconds);
     if (head.stuck > 0) {
       throw Error(
           ErrorKind::scene,
@@ -337,22 +404,34 @@ void GpuRenderer::run_groups(const Work& work, gpu::Pass pass, std::uint32_t gro
                       "endless: lower maxDepth or let roulette begin earlier (rrDepth).",
                       head.stuck, pass.step_budget, context().info().name));
     }
+    if (pass.resume == 0) present.sizer.shorten();
   }
 }
 
-void GpuRenderer::run_pass(const Work& work, const FilmBand& band, const SlotLayout& slots, std::uint32_t samples,
-                           std::uint32_t sample_end) {
-  gpu::Pass pass{};
-  pass.slot_base = band.first_group() * gpu::kWorkgroupSize;
-  pass.path_end = sample_end << set_bits_;
-  pass.lanes_per_pixel = slots.layers;
-  pass.packed_pixels = slots.packed() ? slots.pixels() : 0;
-  for (std::uint32_t done = 0; done < band.group_count();) {
-    const std::uint32_t groups = std::min({present_kernel().sizer.groups(band.group_count() - done, samples),
-                                           context().limits().maxComputeWorkGroupCount[0]});
-    pass.first_group = band.first_group() + done;
-    run_groups(work, pass, groups, samples);
-    done += groups;
+gpu::Pass GpuRenderer::begin_pass(const SlotLayout& slots, SampleRange range) const {
+  return {.first_set = range.begin,
+          .sets = range.count(),
+          .slots_per_pixel = slots.layers,
+          .packed_pixels = slots.packed() ? slots.pixels() : 0};
+}
+
+// Gives every slot of a band its next paths.
+void GpuRenderer::run_pass(std::size_t band, gpu::Pass pass, std::uint32_t paths) {
+  const RenderKernel& kernel = present_kernel();
+  const KernelBindings& layout = scene_->film_kernels();
+  const std::uint32_t groups = film_->bands()[band].group_count();
+  const std::uint32_t paths_before = pass.paths_before;
+  for (std::uint32_t done = 0; done < groups; done += pass.group_count) {
+    pass.first_slot = done * gpu::kWorkgroupSize;
+    pass.first_group = film_->bands()[band].first_group() + done;
+    pass.group_count = kernel.sizer.groups(groups - done, paths);
+    for (std::uint32_t done_paths = 0; done_paths < paths; done_paths += pass.paths) {
+      pass.paths = kernel.sizer.paths(paths - done_paths, pass.group_count);
+      pass.paths_before = paths_before + done_paths;
+      trace_chunk({layout, kernel.trace, film_sets_[band]}, pass);
+      timings_.render += dispatch({layout, kernel.take, film_sets_[band]}, pass, pass.group_count);
+      take_report();
+    }
   }
 }
 
@@ -361,33 +440,28 @@ GpuRenderer::RenderKernel& GpuRenderer::present_kernel() {
   const auto found = std::ranges::find(render_kernels_, constants_, &RenderKernel::constants);
   if (found != render_kernels_.end()) return *found;
   if (render_kernels_.size() == kKept) render_kernels_.pop_front();
-  const PassSizer sizer(context().is_cpu() ? kCpuPassSeconds : options_.pass_seconds, options_.fixed_samples,
-                        options_.fixed_groups);
-  return render_kernels_.emplace_back(RenderKernel{.constants = constants_, .sizer = sizer});
+  return render_kernels_.emplace_back(
+      RenderKernel{.constants = constants_, .sizer = PassSizer(context(), options_, lane_groups_)});
 }
 
-// A slot's counts become its pixel's.
-void add_profile(RenderProfile& profile, const gpu::SlotProfile& slot, std::uint32_t pixel, glm::dvec4& shares) {
+// A path's counts become its pixel's.
+void add_profile(RenderProfile& profile, const gpu::PathProfile& path, std::uint32_t pixel, glm::dvec4& shares) {
   const auto add = [](RayCounts& counts, const gpu::uvec4& more) {
     counts.rays += more.x;
     counts.nodes += more.y;
     counts.primitives += more.z;
   };
-  add(profile.camera, slot.camera);
-  add(profile.scattered, slot.scattered);
-  add(profile.shadow, slot.shadow);
-  const gpu::uvec4 all = slot.camera + slot.scattered + slot.shadow;
-  profile.visits[pixel] = glm::vec3(all.y, all.z, all.x) / static_cast<float>(profile.samples);
-  shares += glm::dvec4(slot.shares);
+  add(profile.camera, path.camera);
+  add(profile.scattered, path.scattered);
+  add(profile.shadow, path.shadow);
+  const gpu::uvec4 all = path.camera + path.scattered + path.shadow;
+  profile.visits[pixel] += glm::vec3(all.y, all.z, all.x) / static_cast<float>(profile.samples);
+  shares += glm::dvec4(path.shares);
 }
 
 RenderProfile GpuRenderer::profile(std::uint32_t samples) {
-  const std::string missing = kernel_requirements(scene_->loads(), true).missing(context().limits());
-  if (!missing.empty())
-    throw Error(ErrorKind::device, fmt::format("The device '{}' cannot count: {}; leave out --stats and --heat-map.",
-                                               context().info().name, missing));
   const GpuTimings of_renders = timings_;
-  const KernelBindings layout(context(), scene_->set_layout(), film_bindings(true));
+  const KernelBindings& layout = scene_->film_kernels();
   const bool ballots = context().info().subgroup_ballot;
   const vulkan::Kernel kernel =
       make_kernel(layout, ballots ? kernels_.profile_subgroups : kernels_.profile, "render_profile");
@@ -397,20 +471,27 @@ RenderProfile GpuRenderer::profile(std::uint32_t samples) {
   glm::dvec4 shares(0.0);
   forget_film();
   DeviceFilm film(scene_->device_pointer(), slots, set_bits_);
-  film.begin({0, samples});
+  film.begin();
+  gpu::Pass pass = begin_pass(slots, {0, samples});
+  pass.paths = out.samples;
   for (const FilmBand& band : film.bands()) {
-    std::vector<gpu::SlotProfile> counts(std::size_t{band.group_count()} * gpu::kWorkgroupSize);
-    const vulkan::Buffer buffer(context(), counts.size() * sizeof(gpu::SlotProfile), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+    const std::uint32_t most_groups =
+        std::min(present_kernel().sizer.groups(band.group_count(), pass.paths), most_profiled(context(), pass.paths));
+    std::vector<gpu::PathProfile> counts(std::size_t{most_groups} * pass.paths * gpu::kWorkgroupSize);
+    const vulkan::Buffer buffer(context(), counts.size() * sizeof(gpu::PathProfile), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                 vulkan::Buffer::Memory::device, "profile");
-    commands().fill(buffer, 0);
-    vulkan::BindingSet set = make_film_set(layout, band);
-    set.bind(gpu::kBindingProfile, buffer);
-    run_pass({layout, kernel, set}, band, slots, samples, samples);
-    commands().download(buffer, 0, std::as_writable_bytes(std::span(counts)));
-    for (std::size_t i = 0; i < counts.size(); ++i) {
-      const std::uint32_t pixel = slots.pixel(band.first_group() + i / gpu::kWorkgroupSize,
-                                              static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
-      if (pixel != ~0u) add_profile(out, counts[i], pixel, shares);
+    const vulkan::BindingSet set = make_film_set(band, buffer);
+    for (std::uint32_t done = 0; done < band.group_count(); done += pass.group_count) {
+      pass.first_slot = done * gpu::kWorkgroupSize;
+      pass.first_group = band.first_group() + done;
+      pass.group_count = std::min(most_groups, band.group_count() - done);
+      trace_chunk({layout, kernel, set}, pass);
+      commands().download(buffer, 0, std::as_writable_bytes(std::span(counts)));
+      for (std::size_t i = 0; i < std::size_t{pass.group_count} * pass.paths * gpu::kWorkgroupSize; ++i) {
+        const std::uint32_t pixel = slots.pixel(band.first_group() + done + i / (pass.paths * gpu::kWorkgroupSize),
+                                                static_cast<std::uint32_t>(i % gpu::kWorkgroupSize));
+        if (pixel != ~0u) add_profile(out, counts[i], pixel, shares);
+      }
     }
   }
   const double size = context().info().subgroup_size;
@@ -424,23 +505,27 @@ std::uint32_t GpuRenderer::render(SampleRange range, Film& film, const Progress&
                                   std::vector<RejectedSample>& rejected) {
   check_film(film);
   RenderKernel& present = present_kernel();
-  if (!present.kernel.get())
-    present.kernel =
-        make_kernel(scene_->film_kernels(), is_plain(constants_) ? kernels_.render_plain : kernels_.render, "render");
+  if (!present.trace.get()) {
+    const KernelBindings& layout = scene_->film_kernels();
+    present.trace = make_kernel(layout, is_plain(constants_) ? kernels_.render_plain : kernels_.render, "render");
+    present.take = make_kernel(layout, kernels_.take_samples, "take_samples");
+  }
   rejected_.clear();
   const SlotLayout slots(frame_.width, frame_.height, range.count(), wanted_slots(context()));
-  prepare_film(slots, range);
+  prepare_film(slots);
   const std::uint64_t pixels = std::uint64_t{frame_.width} * frame_.height;
   std::uint32_t done = range.begin;
+  gpu::Pass pass = begin_pass(slots, range);
   bool go_on = true;
   while (done < range.end && go_on) {
     const std::uint64_t left = range.end - done;
     const std::uint64_t left_a_slot = (left + slots.layers - 1) / slots.layers;
-    const auto samples = static_cast<std::uint32_t>(
-        std::min<std::uint64_t>(present.sizer.samples(slots.groups() * gpu::kWorkgroupSize), left_a_slot));
+    const auto samples = static_cast<std::uint32_t>(std::min<std::uint64_t>(
+        present.sizer.samples(slots.groups() * gpu::kWorkgroupSize, 1u << set_bits_), left_a_slot));
     const std::uint32_t end = done + static_cast<std::uint32_t>(std::min(std::uint64_t{samples} * slots.layers, left));
-    for (std::size_t i = 0; i < film_sets_.size(); ++i)
-      run_pass({scene_->film_kernels(), present.kernel, film_sets_[i]}, film_->bands()[i], slots, samples, end);
+    pass.sets = end - range.begin;
+    for (std::size_t i = 0; i < film_sets_.size(); ++i) run_pass(i, pass, samples << set_bits_);
+    pass.paths_before += samples << set_bits_;
     ++timings_.passes;
     done = end;
     if (progress) go_on = progress((done - range.begin) * pixels, range.count() * pixels);

@@ -22,12 +22,9 @@ std::vector<vulkan::Binding> scene_bindings(TableLoads loads) {
   return {{gpu::kBindingRecords, type}, {gpu::kBindingGeometry, type}, {gpu::kBindingTables, type}};
 }
 
-std::vector<vulkan::Binding> film_bindings(bool counted) {
-  std::vector<vulkan::Binding> bindings = {{gpu::kBindingFrame, kUniform},   {gpu::kBindingFilter, kTexels},
-                                           {gpu::kBindingFilm, kStorage},    {gpu::kBindingProgress, kStorage},
-                                           {gpu::kBindingSetSums, kStorage}, {gpu::kBindingReport, kStorage}};
-  if (counted) bindings.push_back({gpu::kBindingProfile, kStorage});
-  return bindings;
+std::vector<vulkan::Binding> film_bindings() {
+  return {{gpu::kBindingFrame, kUniform},   {gpu::kBindingFilter, kTexels},   {gpu::kBindingFilm, kStorage},
+          {gpu::kBindingSetSums, kStorage}, {gpu::kBindingSamples, kStorage}, {gpu::kBindingReport, kStorage}};
 }
 
 std::vector<vulkan::Binding> request_bindings() {
@@ -38,17 +35,17 @@ std::vector<vulkan::Binding> request_bindings() {
 }
 
 std::uint32_t push_constant_bytes() {
-  static_assert(sizeof(gpu::BsdfProbePass) == sizeof(gpu::Pass));
+  static_assert(sizeof(gpu::BsdfProbePass) <= sizeof(gpu::Pass));
   return sizeof(gpu::Pass);
 }
 
-vulkan::Requirements kernel_requirements(TableLoads loads, bool counted) {
+vulkan::Requirements kernel_requirements(TableLoads loads) {
   vulkan::Requirements needed{.sets = 2,
                               .push_constant_bytes = push_constant_bytes(),
                               .uniform_bytes = sizeof(gpu::Frame),
                               .workgroup_lanes = gpu::kWorkgroupSize};
   const auto scene = scene_bindings(loads);
-  for (const auto& kernel : {film_bindings(counted), request_bindings()}) {
+  for (const auto& kernel : {film_bindings(), request_bindings()}) {
     const auto most = [&](std::uint32_t& value, VkDescriptorType type) {
       value = std::max(value, count(scene, type) + count(kernel, type));
     };

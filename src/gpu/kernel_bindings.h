@@ -12,16 +12,16 @@ namespace etendue {
 
 /// Buffers of the scene's tables.
 std::vector<vulkan::Binding> scene_bindings(TableLoads loads);
-/// Set 1 of the render kernel; `counted`: of its builds that count, see shaders/profile.glsl.
-std::vector<vulkan::Binding> film_bindings(bool counted = false);
+/// Set 1 of the kernels that render, and of the one by which the film takes samples.
+std::vector<vulkan::Binding> film_bindings();
 /// Set 1 of all other kernels: requests and results.
 std::vector<vulkan::Binding> request_bindings();
 
 /// Bytes of push constants, of every kernel.
 std::uint32_t push_constant_bytes();
 
-/// What a device must be able to do for the kernels that read tables in this way; `counted`: for those that count, too.
-vulkan::Requirements kernel_requirements(TableLoads loads, bool counted = false);
+/// What a device must be able to do for the kernels that read tables in this way.
+vulkan::Requirements kernel_requirements(TableLoads loads);
 
 /// Set 1 of one kind of kernels, and their pipelines' layout.
 struct KernelBindings {

@@ -17,6 +17,7 @@ namespace etendue {
 KernelSet kernel_set(TableLoads loads) {
   if (loads == TableLoads::storage_buffer)
     return {kernels::render_storage,
+            kernels::take_samples,
             kernels::trace_samples_storage,
             kernels::trace_path_storage,
             kernels::trace_rays_storage,
@@ -28,6 +29,7 @@ KernelSet kernel_set(TableLoads loads) {
             kernels::render_profile_subgroups_storage,
             {}};
   return {kernels::render,
+          kernels::take_samples,
           kernels::trace_samples,
           kernels::trace_path,
           kernels::trace_rays,

@@ -11,7 +11,8 @@
 namespace etendue {
 
 struct KernelSet {
-  std::span<const std::uint32_t> render, trace_samples, trace_path, trace_rays, bsdf_samples;  ///< SPIR-V words
+  std::span<const std::uint32_t> render, take_samples, trace_samples, trace_path, trace_rays,
+      bsdf_samples;  ///< SPIR-V words
   std::span<const std::uint32_t> render_plain, trace_samples_plain,
       trace_path_plain;  ///< without the features of shaders/features.glsl
   std::span<const std::uint32_t> profile,

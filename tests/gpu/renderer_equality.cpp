@@ -51,6 +51,15 @@ TEST_F(RendererEquality, PassSizesAndDispatchSizes) {
   }
 }
 
+// A slot's next path would have a number beyond 2^32 there.
+TEST_F(RendererEquality, TheLastSamplesThereAre) {
+  constexpr std::uint32_t kEnd = ~0u;
+  const Scene scene = cornell(4, 3);
+  const Film whole = render(scene, {{kEnd - 3000, kEnd}}, renderer_options());
+  for (const FilmPixel& p : whole.pixels()) ASSERT_EQ(p.count, 3000u);
+  expect_equal(render(scene, {{kEnd - 3000, kEnd - 7}, {kEnd - 7, kEnd}}, renderer_options()), whole, "two ranges");
+}
+
 TEST_F(RendererEquality, TexelAndStorageLoads) {
   for (const Scene& scene : {cornell(37, 21), read_scene(SCENES_DIR "/bubble.xml", {})}) {
     Scene small = scene;

@@ -58,22 +58,21 @@ void check(const char* name, std::span<const std::uint32_t> kernel, const Places
 
 void check_kernels(const KernelSet& kernels, TableLoads loads) {
   const auto scene = scene_bindings(loads);
-  const Places film = in_layout(scene, film_bindings()), counted = in_layout(scene, film_bindings(true)),
-               requests = in_layout(scene, request_bindings());
-  Places of_film, of_counted, of_requests;
+  const Places film = in_layout(scene, film_bindings()), requests = in_layout(scene, request_bindings());
+  Places of_film, of_requests;
   check("render", kernels.render, film, of_film);
+  check("take_samples", kernels.take_samples, film, of_film);
   Places of_plain;
   check("render_plain", kernels.render_plain, film, of_plain);
   check("trace_samples_plain", kernels.trace_samples_plain, requests, of_plain);
   check("trace_path_plain", kernels.trace_path_plain, requests, of_plain);
-  check("profile", kernels.profile, counted, of_counted);
-  check("profile_subgroups", kernels.profile_subgroups, counted, of_counted);
+  check("profile", kernels.profile, film, of_film);
+  check("profile_subgroups", kernels.profile_subgroups, film, of_film);
   check("trace_samples", kernels.trace_samples, requests, of_requests);
   check("trace_path", kernels.trace_path, requests, of_requests);
   check("trace_rays", kernels.trace_rays, requests, of_requests);
   check("bsdf_samples", kernels.bsdf_samples, requests, of_requests);
   EXPECT_EQ(of_film, film) << "a binding that no kernel declares";
-  EXPECT_EQ(of_counted, counted);
   EXPECT_EQ(of_requests, requests);
 }
 
@@ -150,15 +149,15 @@ TEST(GpuLayout, EveryVulkanDeviceCanBindIt) {
   // Storage buffers are the way out for long tables; 8 are what most devices have at the least.
   VkPhysicalDeviceLimits limits = least_limits();
   limits.maxPerStageDescriptorStorageBuffers = 8;
-  EXPECT_EQ(kernel_requirements(TableLoads::storage_buffer, true).missing(limits), "");
-  EXPECT_EQ(kernel_requirements(TableLoads::texel_buffer, true).missing(limits), "");
+  EXPECT_EQ(kernel_requirements(TableLoads::storage_buffer).missing(limits), "");
+  EXPECT_EQ(kernel_requirements(TableLoads::texel_buffer).missing(limits), "");
 }
 
 TEST(GpuLayout, RequirementsFollowTheLayout) {
   for (const TableLoads loads : {TableLoads::texel_buffer, TableLoads::storage_buffer}) {
-    const vulkan::Requirements needed = kernel_requirements(loads, true);
+    const vulkan::Requirements needed = kernel_requirements(loads);
     std::map<VkDescriptorType, std::uint32_t> counts;
-    for (const auto& [place, type] : in_layout(scene_bindings(loads), film_bindings(true))) ++counts[type];
+    for (const auto& [place, type] : in_layout(scene_bindings(loads), film_bindings())) ++counts[type];
     EXPECT_EQ(needed.storage_buffers, counts[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER]);
     EXPECT_EQ(needed.sampled_images, counts[VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER]);
     EXPECT_EQ(needed.uniform_buffers, counts[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER]);

@@ -33,11 +33,11 @@ layout(set = 0, binding = 20, std430) buffer PlaceBuffer { Place places[]; };
 layout(set = 0, binding = 22, std430) buffer EnvironmentRowBuffer { EnvironmentRow environment_rows[]; };
 layout(set = 0, binding = 21, std430) buffer EnvironmentTexelBuffer { EnvironmentTexel environment_texels[]; };
 layout(set = 0, binding = 23, std430) buffer DeltaLightBuffer { DeltaLight delta_lights[]; };
-layout(set = 0, binding = 18, std430) buffer SlotProfileBuffer { SlotProfile slot_profiles[]; };
+layout(set = 0, binding = 18, std430) buffer PathProfileBuffer { PathProfile path_profiles[]; };
 
 void main() {
-  slot_profiles[0].camera.x = 0u;
-  records[0].a.x = pass.pad0 + frame.seed + requests[0].pixel + floatBitsToUint(ray_requests[0].t_min);
+  path_profiles[0].camera.x = 0u;
+  records[0].a.x = pass.paths + frame.seed + requests[0].pixel + floatBitsToUint(ray_requests[0].t_min);
   primitives[0].kind = 0u;
   instances[0].material = 0u;
   places[0].side = 0.0;
