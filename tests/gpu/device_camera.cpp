@@ -21,9 +21,8 @@ class DeviceCamera : public DeviceTest {
   std::vector<gpu::CameraAnswer> rays(const Scene& scene, const std::vector<gpu::CameraCase>& cases) {
     const CompiledScene compiled = compile_scene(scene);
     const CompiledView view = compile_view(SceneFacts(compiled), view_of(scene), 0);
-    const bool box = scene.camera.filter.type == Filter::Type::box;
     KernelRun kernel{kernels::camera_rays, "camera_rays", &compiled};
-    kernel.constants = {{gpu::kConstantFilterKind, box ? gpu::kFilterBox : gpu::kFilterTable},
+    kernel.constants = {{gpu::kConstantFilterKind, view.filter},
                         {gpu::kConstantCamera, view.camera},
                         {gpu::kConstantCameraWindow, view.window ? 1u : 0u}};
     kernel.view = view_of(scene);
