@@ -4,7 +4,7 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME etendue)
 set(CPACK_PACKAGE_VENDOR "The Etendue authors")
-set(CPACK_PACKAGE_CONTACT "The Etendue authors <etendue@example.org>" CACHE STRING "Maintainer of the packages: NAME <ADDRESS>")
+set(CPACK_PACKAGE_CONTACT "Etendue built by cpack <root@localhost>" CACHE STRING "Maintainer of the packages: NAME <ADDRESS>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # the descriptions below begin with their own
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
