@@ -1,5 +1,5 @@
-# GLSL -> SPIR-V -> a C++ array. Each kernel is compiled with a depfile (an edited include rebuilds what uses it), checked by
-# spirv-val and embedded, so that the installed binary needs no files beside it.
+# GLSL -> SPIR-V -> a C++ array. Each kernel is compiled with a depfile (an edited include rebuilds what uses it) and embedded, so that the
+# installed binary needs no files beside it. Where tests are built, spirv-val checks each; who renders a first picture need not wait for that.
 
 # etendue_embed_kernels(TARGET kernel.comp... [SUFFIX _variant] [DEFINES NAME...] [PRUNE]): adds `kernels::<name>` spans to TARGET through
 # "kernels.h"; a second build with other defines becomes `kernels::<name>_variant` in "kernels_variant.h". PRUNE
@@ -12,6 +12,10 @@ function(etendue_embed_kernels target)
   if(arg_PRUNE)
     set(prune COMMAND ${SPIRV_OPT} --eliminate-local-single-store --ccp --eliminate-dead-branches --eliminate-dead-functions --eliminate-dead-code-aggressive)
   endif()
+  set(validate)
+  if(ETENDUE_TESTS)
+    set(validate COMMAND ${SPIRV_VAL} --target-env vulkan1.2)
+  endif()
   set(sources)
   set(declarations "")
   foreach(kernel IN LISTS arg_UNPARSED_ARGUMENTS)
@@ -19,6 +23,10 @@ function(etendue_embed_kernels target)
     string(APPEND name "${arg_SUFFIX}")
     set(spv ${out}/${name}.spv)
     set(prune_this ${prune})
+    set(validate_this ${validate})
+    if(validate)
+      list(APPEND validate_this ${spv})
+    endif()
     if(prune)
       list(APPEND prune_this ${spv} -o ${spv})
     endif()
@@ -28,7 +36,7 @@ function(etendue_embed_kernels target)
               ${arg_DEFINES}
               --depfile ${spv}.d -o ${spv} ${kernel}
       ${prune_this}
-      COMMAND ${SPIRV_VAL} --target-env vulkan1.2 ${spv}
+      ${validate_this}
       DEPENDS ${kernel}
       DEPFILE ${spv}.d
       COMMENT "GLSL ${name}"

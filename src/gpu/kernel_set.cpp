@@ -5,7 +5,6 @@
 
 #include "kernels.h"
 #include "kernels_plain.h"
-#include "kernels_plain_storage.h"
 #include "kernels_profile.h"
 #include "kernels_profile_storage.h"
 #include "kernels_profile_subgroups.h"
@@ -22,9 +21,9 @@ KernelSet kernel_set(TableLoads loads) {
             kernels::trace_path_storage,
             kernels::trace_rays_storage,
             kernels::bsdf_samples_storage,
-            kernels::render_plain_storage,
-            kernels::trace_samples_plain_storage,
-            kernels::trace_path_plain_storage,
+            kernels::render_storage,  // scenes for these loads are large: the start counts for nothing there
+            kernels::trace_samples_storage,
+            kernels::trace_path_storage,
             kernels::render_profile_storage,
             kernels::render_profile_subgroups_storage,
             {}};

@@ -26,7 +26,7 @@ double largest(const glm::vec3& v) {
       {std::abs(static_cast<double>(v.x)), std::abs(static_cast<double>(v.y)), std::abs(static_cast<double>(v.z))});
 }
 
-bool finite(const glm::vec3& v) {
+bool is_number(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
@@ -140,7 +140,7 @@ SampleComparison compare_samples(Renderer& device, const TracedSamples& by_devic
 
   RunningMoments mean_a, mean_b, differences;
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (!finite(a[i].radiance) || !finite(b[i].radiance)) {
+    if (!is_number(a[i].radiance) || !is_number(b[i].radiance)) {
       ++out.non_finite;
       continue;
     }
@@ -170,7 +170,7 @@ SampleComparison compare_samples(Renderer& device, const TracedSamples& by_devic
       flips.push_back(ids[i]);
       continue;
     }
-    if (!finite(a[i].radiance) || !finite(b[i].radiance)) {
+    if (!is_number(a[i].radiance) || !is_number(b[i].radiance)) {
       ++out.off;
       off.push_back({1e300, ids[i]});  // worse than any number
       continue;

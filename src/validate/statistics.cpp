@@ -203,25 +203,25 @@ ZTestResult z_test(double mean_a, double standard_error_a, double mean_b, double
 
 namespace {
 
-struct Cell {
+struct Bin {
   double observed = 0;
   double expected = 0;
   std::size_t members = 0;
 };
 
 /// Joins cells of positive expectation, in ascending order of it, until each has at least `min_expected`.
-std::vector<Cell> pool_cells(std::span<const double> observed, std::span<const double> expected, double min_expected) {
+std::vector<Bin> pool_cells(std::span<const double> observed, std::span<const double> expected, double min_expected) {
   std::vector<std::size_t> order(expected.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return expected[a] < expected[b]; });
-  std::vector<Cell> cells;
-  Cell open;
+  std::vector<Bin> cells;
+  Bin open;
   for (std::size_t i : order) {
     if (expected[i] == 0.0) continue;
     open.observed += observed[i];
     open.expected += expected[i];
     ++open.members;
-    if (open.expected >= min_expected) cells.push_back(std::exchange(open, Cell{}));
+    if (open.expected >= min_expected) cells.push_back(std::exchange(open, Bin{}));
   }
   if (open.members > 0) {  // a rest too small for a cell of its own joins the last one
     if (cells.empty()) cells.emplace_back();
@@ -235,7 +235,7 @@ std::vector<Cell> pool_cells(std::span<const double> observed, std::span<const d
 /// Two cells of which one expects too little for Pearson's test, such as glass that reflects one sample in a thousand:
 /// the exact binomial test of the rarer one instead. False when there are more cells, or fewer.
 bool test_two_cells(std::span<const double> observed, std::span<const double> expected, ChiSquareResult& result) {
-  std::vector<Cell> cells;
+  std::vector<Bin> cells;
   for (std::size_t i = 0; i < expected.size() && cells.size() < 3; ++i) {
     if (expected[i] > 0.0) cells.push_back({observed[i], expected[i], 1});
   }
@@ -245,7 +245,7 @@ bool test_two_cells(std::span<const double> observed, std::span<const double> ex
   if (samples < 1.0) return false;
   const double prob = cells[0].expected / (cells[0].expected + cells[1].expected);
   result.statistic = 0.0;
-  for (const Cell& cell : cells)
+  for (const Bin& cell : cells)
     result.statistic += (cell.observed - cell.expected) * (cell.observed - cell.expected) / cell.expected;
   result.cells = 2;
   result.dof = 1.0;
@@ -271,8 +271,8 @@ ChiSquareResult chi_square_test(std::span<const double> observed, std::span<cons
     total += observed[i];
     if (expected[i] == 0.0) result.impossible += observed[i];
   }
-  const std::vector<Cell> cells = pool_cells(observed, expected, options.min_expected);
-  for (const Cell& cell : cells) {
+  const std::vector<Bin> cells = pool_cells(observed, expected, options.min_expected);
+  for (const Bin& cell : cells) {
     const double difference = cell.observed - cell.expected;
     result.statistic += difference * difference / cell.expected;
     if (cell.members > 1) result.pooled += cell.members;
