@@ -26,7 +26,7 @@ import time
 import xml.etree.ElementTree
 
 import table
-from renderers import ADAPTERS, Unsupported
+from renderers import ADAPTERS, Source, Unsupported
 
 try:
     import agreement
@@ -53,10 +53,18 @@ def ratios(firsts, others):
     return [None if first is None or other is None else first / other for first, other in zip(firsts, others)]
 
 
-def box_filtered(scene, folder):
-    """The scene with the box filter: itself where it has no other, or a copy in `folder` with absolute file names."""
-    tree = xml.etree.ElementTree.parse(scene)
-    cameras = list(tree.iter('camera'))
+def box_filtered(etendue, scene, folder):
+    """The scene with the box filter: itself where it has no other, or a copy in `folder` with absolute file names. Of a
+    scene of another format, what `etendue convert` makes of it."""
+    os.makedirs(folder, exist_ok=True)
+    cameras = []
+    if scene.endswith('.xml'):
+        tree = xml.etree.ElementTree.parse(scene)
+        cameras = list(tree.iter('camera'))
+    if not cameras:
+        own = os.path.join(folder, os.path.splitext(os.path.basename(scene))[0] + '-own.xml')
+        Run([etendue.path, 'convert', scene, own, '--force', '-q'], 1)
+        return box_filtered(etendue, own, folder)
     if all([f.get('type') for f in camera.findall('rfilter')] == ['box'] for camera in cameras):
         return scene
     for camera in cameras:
@@ -66,7 +74,6 @@ def box_filtered(scene, folder):
     for name in tree.iter('string'):
         if name.get('name') == 'filename':
             name.set('value', os.path.join(os.path.dirname(os.path.abspath(scene)), name.get('value')))
-    os.makedirs(folder, exist_ok=True)
     copy = os.path.join(folder, os.path.basename(scene))
     tree.write(copy, encoding='utf-8', xml_declaration=True)
     return copy
@@ -116,21 +123,21 @@ class Etendue:
         return {(r['class'], r['order']): r for r in report['rays']}
 
     def export(self, scene, folder):
-        """Scene and rays; returns the folder of the scene."""
-        self.bench(
-            scene,
-            '--part',
-            'rays',
-            '--rays',
-            str(self.options.rays),
-            '--size',
-            self.options.size,
-            '--repetitions',
-            '0',
-            '--export',
-            folder,
-        )
-        return os.path.join(folder, os.path.splitext(os.path.basename(scene))[0])
+        """Scene and rays, in a folder that is named after the scene in this one."""
+        rays = ['--part', 'rays', '--rays', str(self.options.rays), '--repetitions', '0']
+        self.bench(scene, *rays, '--size', self.options.size, '--export', folder)
+
+    def source(self, scene, folder):
+        """The scene for adapters; scene.json lies in `folder` where Etendue could write it."""
+
+        def convert(out, *more):
+            Run([self.path, 'convert', scene, out, '--size', self.options.size, '--force', '-q', *more], 1)
+
+        path = os.path.join(folder, 'scene.json')
+        if not os.path.exists(path):
+            return Source(convert, reason='the scene has more than `etendue bench --export` writes')
+        with open(path, encoding='utf-8') as file:
+            return Source(convert, json.load(file))
 
     def render(self, scene, spp, out, seed):
         """Seconds of rendering, compilation of the kernel left out, and CPU seconds of the whole process."""
@@ -220,15 +227,15 @@ class SampleComparison:
     """Seconds of rendering of each renderer, one list entry a repetition."""
 
     def __init__(self, scene, same, folder, etendues, adapters, options):
-        """`same`: the scene, or its copy with the box filter."""
+        """`same`: the scene, or its copy with the box filter; `folder`: where adapters find and write what they need."""
         self.scene, self.same, self.folder, self.etendues, self.options = scene, same, folder, etendues, options
-        with open(os.path.join(folder, 'scene.json'), encoding='utf-8') as file:
-            description = json.load(file)
-        self.samples = description['camera']['width'] * description['camera']['height'] * options.spp
+        width, height = map(int, options.size.split('x'))
+        self.samples = width * height * options.spp
         self.adapters, self.unsupported = [], {}
+        source = etendues[0].source(same, folder)
         for adapter in adapters:
             try:
-                adapter.export(description, folder)
+                adapter.prepare(source, folder)
                 self.adapters.append(adapter)
             except Unsupported as reason:
                 self.unsupported[adapter.name] = str(reason)
@@ -365,9 +372,14 @@ def comparisons(options, etendues, adapters, folder):
     """Of rays and of samples, one a scene each."""
     rays, samples = [], []
     for scene in options.scenes:
-        same = box_filtered(scene, os.path.join(folder, 'box'))
-        exported = etendues[0].export(same, folder)
-        if options.embree:
+        same = box_filtered(etendues[0], scene, os.path.join(folder, 'box'))
+        exported = os.path.join(folder, os.path.splitext(os.path.basename(same))[0])
+        os.makedirs(exported, exist_ok=True)
+        try:
+            etendues[0].export(same, folder)
+        except RuntimeError as reason:
+            say(f'{scene}: neither rays nor what needs its neutral export ({reason})')
+        if options.embree and os.path.exists(os.path.join(exported, 'rays.bin')):
             rays.append(RayComparison(scene, exported, etendues, options))
         if adapters or len(etendues) > 1:
             samples.append(SampleComparison(scene, same, exported, etendues, adapters, options))

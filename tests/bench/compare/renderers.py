@@ -1,11 +1,11 @@
-"""Adapters of other renderers: each turns the neutral export of `etendue bench --export` (scene.json and PLY files)
-into the renderer's own scene, names the command that renders it, and finds the time of rendering in what the command
-prints.
+"""Adapters of other renderers: each turns the neutral export of `etendue bench --export` (scene.json and PLY files), or
+what `etendue convert` writes, into the renderer's own scene, names the command that renders it, and finds the time of
+rendering in what the command prints.
 
-A new renderer is a Renderer with `name`, `find`, `export`, `command`, `render_seconds` and `version`, listed in
+A new renderer is a Renderer with `name`, `find`, `export` (or `prepare`), `command`, `render_seconds` and `version`, listed in
 ADAPTERS. `command` must pass on the seed: two pictures of one renderer are taken to be independent.
 
-Path lengths: maxDepth N here means N segments and N − 1 scattering vertices. Mitsuba counts like that; pbrt counts the
+Path lengths: maxDepth N here means N segments and N − 1 scattering vertices. pbrt counts the
 scattering vertices (N − 1); Cycles counts bounces after the first (N − 2). Russian roulette changes noise and time, not
 the expectation; Mitsuba is told where it may begin, the others keep their own rule.
 """
@@ -16,12 +16,12 @@ import math
 import os
 import re
 import shutil
-import struct
 import subprocess
-from xml.sax.saxutils import quoteattr
+import xml.etree.ElementTree
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 UNLIMITED_DEPTH = 1024
+ONLY_PATHS = 'only the path integrator has a counterpart'
 
 
 class Unsupported(Exception):
@@ -30,7 +30,7 @@ class Unsupported(Exception):
 
 def path_segments(scene):
     if scene['integrator']['type'] != 'path':
-        raise Unsupported('only the path integrator has a counterpart')
+        raise Unsupported(ONLY_PATHS)
     return min(scene['integrator']['max_depth'], UNLIMITED_DEPTH)
 
 
@@ -56,8 +56,26 @@ def output_of(command, environment=None):
     return done.stdout
 
 
+class Source:
+    """A scene as adapters get it: a file that Etendue reads, and what `etendue bench --export` wrote of it, or why it wrote
+    nothing."""
+
+    def __init__(self, convert, description=None, reason=''):
+        """`convert(out, *options)` runs `etendue convert`; RuntimeError where it fails."""
+        self.convert, self.description, self.reason = convert, description, reason
+
+    def described(self):
+        if self.description is None:
+            raise Unsupported(self.reason)
+        return self.description
+
+
 class Renderer:
     suffix = '.exr'  # of the pictures it writes
+
+    def prepare(self, source, folder):
+        """Writes the renderer's own scene into the folder; Unsupported where it has none."""
+        self.export(source.described(), folder)
 
     def environment(self):
         """Of its process, added to that of this one."""
@@ -117,6 +135,21 @@ class Cycles(Renderer):
         return output_of([self.find(), '--version']).split('\n')[0]
 
 
+def tell_samples(scene):
+    """Has a converted scene take its samples and seed from the command line, and write a file that is read without a
+    library."""
+    for name, value in (('spp', '16'), ('seed', '0')):
+        scene.insert(0, xml.etree.ElementTree.Element('default', name=name, value=value))
+    sensor = scene.find('sensor')
+    sampler = sensor.find('sampler')
+    for number in list(sampler):
+        sampler.remove(number)
+    for name in ('sample_count', 'seed'):
+        value = '$spp' if name == 'sample_count' else '$seed'
+        xml.etree.ElementTree.SubElement(sampler, 'integer', name=name, value=value)
+    xml.etree.ElementTree.SubElement(sensor.find('film'), 'string', name='file_format', value='pfm')
+
+
 def newest_llvm():
     """The newest LLVM library of the system, or None: Mesa's may lie beside it."""
     found = {}
@@ -147,96 +180,15 @@ class Mitsuba(Renderer):
         llvm = os.environ.get('DRJIT_LIBLLVM_PATH') or newest_llvm()
         return {'DRJIT_LIBLLVM_PATH': llvm} if llvm and self.variant.startswith('llvm') else {}
 
-    def export(self, scene, folder):
-        lines = [
-            '<scene version="3.0.0">',
-            '  <integrator type="path">',
-            f'    <integer name="max_depth" value="{path_segments(scene)}"/>',
-            f'    <integer name="rr_depth" value="{scene["integrator"]["rr_depth"] or UNLIMITED_DEPTH}"/>',
-            '  </integrator>',
-            '  <default name="spp" value="16"/>',
-            '  <default name="seed" value="0"/>',
-            *self.sensor(scene['camera']),
-        ]
-        for shape in scene['shapes']:
-            lines += self.shape(shape)
-        lines += self.sky(scene['sky'], folder) + ['</scene>', '']
-        with open(os.path.join(folder, 'mitsuba.xml'), 'w', encoding='utf-8') as file:
-            file.write('\n'.join(lines))
-
-    def sensor(self, camera):
-        # The camera looks along +Z with +X to the left, as ours does.
-        matrix = numbers(v for row in camera['world_from_camera'] for v in row)
-        return [
-            '  <sensor type="perspective">',
-            '    <string name="fov_axis" value="x"/>',
-            f'    <float name="fov" value="{camera["fov"]:.9g}"/>',
-            f'    <float name="near_clip" value="{camera["near"]:.9g}"/>',
-            f'    <float name="far_clip" value="{camera["far"]:.9g}"/>',
-            f'    <transform name="to_world"><matrix value="{matrix}"/></transform>',
-            '    <sampler type="independent">',
-            '      <integer name="sample_count" value="$spp"/>',
-            '      <integer name="seed" value="$seed"/>',
-            '    </sampler>',
-            '    <film type="hdrfilm">',
-            f'      <integer name="width" value="{camera["width"]}"/>',
-            f'      <integer name="height" value="{camera["height"]}"/>',
-            '      <string name="pixel_format" value="rgb"/>',
-            '      <string name="file_format" value="pfm"/>',
-            '      <string name="component_format" value="float32"/>',
-            '      <rfilter type="box"/>',
-            '    </film>',
-            '  </sensor>',
-        ]
-
-    def shape(self, shape):
-        if 'sphere' in shape:
-            center = dict(zip('xyz', shape['sphere']['center']))
-            lines = [
-                '  <shape type="sphere">',
-                '    <point name="center" ' + ' '.join(f'{k}="{v:.9g}"' for k, v in center.items()) + '/>',
-                f'    <float name="radius" value="{shape["sphere"]["radius"]:.9g}"/>',
-            ]
-        else:
-            lines = ['  <shape type="ply">', f'    <string name="filename" value={quoteattr(shape["mesh"]["file"])}/>']
-            if not shape['mesh']['normals']:
-                lines.append('    <boolean name="face_normals" value="true"/>')
-        lines.append('    ' + self.bsdf(shape['bsdf']))
-        if shape['radiance']:
-            lines.append(
-                f'    <emitter type="area"><rgb name="radiance" value="{numbers(shape["radiance"], ", ")}"/></emitter>'
-            )
-        return lines + ['  </shape>']
-
-    @staticmethod
-    def bsdf(bsdf):
-        if bsdf['type'] == 'diffuse':
-            return f'<bsdf type="diffuse"><rgb name="reflectance" value="{numbers(bsdf["albedo"], ", ")}"/></bsdf>'
-        if bsdf['type'] == 'mirror':
-            return '<bsdf type="conductor"><string name="material" value="none"/></bsdf>'
-        return (
-            f'<bsdf type="dielectric"><float name="int_ior" value="{bsdf["int_ior"]:.9g}"/>'
-            f'<float name="ext_ior" value="{bsdf["ext_ior"]:.9g}"/></bsdf>'
-        )
-
-    @staticmethod
-    def sky(sky, folder):
-        if is_constant(sky):
-            if max(sky['top']) == 0.0:
-                return []
-            return [f'  <emitter type="constant"><rgb name="radiance" value="{numbers(sky["top"], ", ")}"/></emitter>']
-        # Latitude and longitude with +Y up; the gradient does not depend on the longitude. Mitsuba's first row is the
-        # zenith itself and its last the nadir, values between rows are linear in the angle; an odd number of rows has
-        # one at the horizon, where the gradient ends.
-        width, height = 16, 2049
-        rows = []
-        for row in reversed(range(height)):  # PFM files begin at the bottom
-            y = max(0.0, math.cos(math.pi * row / (height - 1)))
-            pixel = struct.pack('<3f', *(h + (t - h) * y for h, t in zip(sky['horizon'], sky['top'])))
-            rows.append(pixel * width)
-        with open(os.path.join(folder, 'sky.pfm'), 'wb') as file:
-            file.write(f'PF\n{width} {height}\n-1.0\n'.encode() + b''.join(rows))
-        return ['  <emitter type="envmap"><string name="filename" value="sky.pfm"/></emitter>']
+    def prepare(self, source, folder):
+        """What `etendue convert` makes of the scene, with the samples, the seed and the file format of this comparison."""
+        file = os.path.join(folder, 'mitsuba.xml')
+        source.convert(file, '--to', 'mitsuba')
+        tree = xml.etree.ElementTree.parse(file)
+        if tree.find('integrator').get('type') != 'path':
+            raise Unsupported(ONLY_PATHS)
+        tell_samples(tree.getroot())
+        tree.write(file, encoding='utf-8', xml_declaration=True)
 
     def command(self, folder, out, spp, threads, seed):
         # The thread that was started with is one of -t, and does not render. -s would choose a sensor, not the samples.
