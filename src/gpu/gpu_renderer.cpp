@@ -36,10 +36,17 @@ constexpr double kCpuPassSeconds = 1.0;  // no watchdog there, and fewer dispatc
 // Paths that a lane has in a dispatch, one after the other, where that is up to us: at its end lanes wait for those
 // that are slower, for a time that grows with the square root of their number.
 constexpr std::uint32_t kPathsPerLane = 256;
+// Rounds of steps and shading that a path takes, about. A lane whose budget ends before its paths do waits for all
+// others, and so do they for it when the dispatch is repeated.
+constexpr std::uint32_t kRoundsPerPath = 8;
 // Workgroups a thread of a processor has in a dispatch: enough to share them evenly.
 constexpr std::uint32_t kGroupsPerThread = 16;
 constexpr std::uint64_t kMostSamples = 1u << 22;  // of a dispatch; 64 MiB
 constexpr double kPassTimeout = 300.0;            // seconds; passes are sized to a fraction of one
+
+std::uint32_t iterations_per_round(std::span<const vulkan::Specialization> constants) {
+  return std::ranges::find(constants, gpu::kConstantIterationsPerRound, &vulkan::Specialization::id)->value;
+}
 
 bool traces_occlusion(Integrator::Type type) {
   using enum Integrator::Type;
@@ -84,12 +91,14 @@ class Timer {
 // Sizes dispatches by the rate measured so far. It decides when samples are computed, never their values.
 class PassSizer {
  public:
-  PassSizer(const vulkan::Context& context, const GpuOptions& options, std::uint32_t lane_groups)
+  /// `rounds`: those that fit into a lane's budget.
+  PassSizer(const vulkan::Context& context, const GpuOptions& options, std::uint32_t lane_groups, std::uint32_t rounds)
       : seconds_(context.is_cpu() ? kCpuPassSeconds : options.pass_seconds),
         fixed_samples_(options.fixed_samples),
         fixed_groups_(options.fixed_groups),
         most_(most_samples(context, lane_groups) / gpu::kWorkgroupSize),
-        lane_groups_(lane_groups) {}
+        lane_groups_(lane_groups),
+        paths_per_lane_(std::clamp(rounds / kRoundsPerPath, 4u, kPathsPerLane)) {}
 
   void measured(double paths, double seconds) {
     if (seconds > 0.0) rate_ = paths / seconds;
@@ -134,7 +143,7 @@ class PassSizer {
   std::uint32_t fixed_samples_, fixed_groups_;
   std::uint64_t most_;  // groups of 64 samples
   std::uint32_t lane_groups_;
-  std::uint32_t paths_per_lane_ = kPathsPerLane;
+  std::uint32_t paths_per_lane_;
   double rate_ = 2e5;  // paths per second; a careful first guess
 };
 
@@ -440,8 +449,9 @@ GpuRenderer::RenderKernel& GpuRenderer::present_kernel() {
   const auto found = std::ranges::find(render_kernels_, constants_, &RenderKernel::constants);
   if (found != render_kernels_.end()) return *found;
   if (render_kernels_.size() == kKept) render_kernels_.pop_front();
-  return render_kernels_.emplace_back(
-      RenderKernel{.constants = constants_, .sizer = PassSizer(context(), options_, lane_groups_)});
+  return render_kernels_.emplace_back(RenderKernel{
+      .constants = constants_,
+      .sizer = PassSizer(context(), options_, lane_groups_, step_budget_ / iterations_per_round(constants_))});
 }
 
 // A path's counts become its pixel's.
