@@ -183,7 +183,10 @@ class Mitsuba(Renderer):
     def prepare(self, source, folder):
         """What `etendue convert` makes of the scene, with the samples, the seed and the file format of this comparison."""
         file = os.path.join(folder, 'mitsuba.xml')
-        source.convert(file, '--to', 'mitsuba')
+        try:
+            source.convert(file, '--to', 'mitsuba')
+        except RuntimeError as reason:
+            raise Unsupported(str(reason).strip().split('\n')[-1]) from reason
         tree = xml.etree.ElementTree.parse(file)
         if tree.find('integrator').get('type') != 'path':
             raise Unsupported(ONLY_PATHS)

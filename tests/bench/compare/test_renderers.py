@@ -351,6 +351,15 @@ class OtherTest(unittest.TestCase):
                 with self.assertRaisesRegex(Unsupported, 'textures'):
                     adapter.prepare(source, folder)
 
+    def test_what_cannot_be_converted_is_left_out_with_the_reason(self):
+        def convert(*_):
+            raise RuntimeError("'etendue convert a.xml' ended with code 3:\nerror: a.xml: a material is not there\n")
+
+        for adapter in ADAPTERS:
+            if isinstance(adapter, Mitsuba):
+                with self.assertRaisesRegex(Unsupported, '^error: a.xml: a material is not there$'):
+                    adapter.prepare(Source(convert, scene()), '.')
+
     def test_json_among_messages(self):
         self.assertEqual(Run(['printf', 'a {b}\\n{\\n"x": 1}\\nDone.'], 2).json(), {'x': 1})
         with self.assertRaises(RuntimeError):
