@@ -143,7 +143,8 @@ void add_bench_command(Command& app, Action& action) {
       ->capture_default_str();
   command->add_option("--part", options->parts, "measure this only: start, rays or samples; may be repeated")
       ->type_name("PART")
-      ->check(one_of({"start", "rays", "samples"}));
+      ->check(one_of({"start", "rays", "samples"}))
+      ->allow_extra_args(false);
   command
       ->add_option("--export", options->export_folder,
                    "write scenes and rays for other programs into this folder (docs/benchmarks.md)")

@@ -19,6 +19,7 @@ constexpr const char* kDevice = "Device";
 void SceneOptions::add_to(Command& command) {
   command.add_option("-D,--define", overrides, "override a property of the scene, for example -D integrator.nee=false")
       ->type_name("PATH=VALUE")
+      ->allow_extra_args(false)
       ->group(kScene);
   command.add_flag("--strict", strict, "unknown properties and rejected samples are errors")->group(kScene);
   command

@@ -87,6 +87,7 @@ void add_denoise_command(Command& app, Action& action) {
       ->file({".exr"});
   command->add_option("-o,--output,--out", options->outputs, "picture to write, .exr or .png; may be repeated")
       ->required()
+      ->allow_extra_args(false)
       ->file({".exr", ".png"});
   options->denoise.add_to(*command);
   options->display.add_to(*command);

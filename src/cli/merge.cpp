@@ -89,6 +89,7 @@ void add_merge_command(Command& app, Action& action) {
   command->add_option("FILM", options->films, "films with different samples, in any order")->required()->file({".exr"});
   command->add_option("-o,--output,--out", options->outputs, "film (.exr) or picture (.png) to write; may be repeated")
       ->required()
+      ->allow_extra_args(false)
       ->file({".exr", ".png"});
   command->add_flag("--picture", options->picture,
                     "write .exr files as plain pictures, which are smaller but cannot be merged or resumed");

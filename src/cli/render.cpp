@@ -618,6 +618,7 @@ void add_render_command(Command& app, Action& action) {
   command
       ->add_option("-o,--output,--out", options->outputs,
                    "picture to write, .exr or .png; may be repeated (default: <scene name>.exr and .png here)")
+      ->allow_extra_args(false)
       ->file({".exr", ".png"});
   options->sampling.add_to(*command);
   command
@@ -637,6 +638,7 @@ void add_render_command(Command& app, Action& action) {
       ->add_option("--heat-map", options->heat_maps,
                    "what the pixels cost: nodes, primitives and rays per sample as .exr, false colours as .png; may be "
                    "repeated")
+      ->allow_extra_args(false)
       ->file({".exr", ".png"});
   command->add_optional_value("--tev", options->tev, "HOST:PORT",
                               "show the picture while it renders in the viewer tev, which listens at 127.0.0.1:14158 "

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 
 #include "core/log.h"
 #include "core/terminal.h"
@@ -109,39 +110,39 @@ std::string unknown_option(const CommandFacts& facts, const std::string& word) {
   return fmt::format("'{}' has no option '{}'{}", facts.full_name, name, guess);
 }
 
-std::string lacks_value(const OptionFacts& option) {
-  return fmt::format("'{} {}' lacks its value", name_of(option), option.value);
+/// Of an option without its value, with too many of them, or of a flag that has one; "" where the error is another.
+std::string value_complaint(const CommandFacts& known, const CLI::ParseError& error) {
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr &&
+      dynamic_cast<const CLI::ConversionError*>(&error) == nullptr)
+    return "";
+  const std::string text = error.what();  // "--spp: …", or "… --spp …" for flags
+  for (const OptionFacts& option : known.options) {
+    const std::string name = name_of(option);
+    if (option.value.empty() ? text.find(name) == std::string::npos : !text.starts_with(name + ":")) continue;
+    if (option.value.empty()) return fmt::format("'{}' takes no value", name);
+    if (text.find("missing") != std::string::npos) return fmt::format("'{} {}' lacks its value", name, option.value);
+    return fmt::format("'{}' may be given once", name);
+  }
+  return "";
 }
 
-bool asks_for_help(const std::string& word) {
-  return word == "-h" || word == "--help";
+/// `words` with the value "-" for options like --json that stand alone.
+void fill_optional_values(const CommandFacts& program, std::vector<std::string>& words) {
+  std::vector<std::string> names;
+  const auto collect = [&](const CommandFacts& facts) {
+    for (const OptionFacts& option : facts.options) {
+      if (option.value_optional) names.insert(names.end(), option.names.begin(), option.names.end());
+    }
+  };
+  collect(program);
+  for (const CommandFacts& command : program.commands) collect(command);
+  for (std::string& word : words) {
+    if (word == "--") return;
+    if (std::ranges::find(names, word) != names.end()) word += "=-";
+  }
 }
 
 }  // namespace
-
-/// A command line, word by word.
-class Command::Words {
- public:
-  Words(char** begin, char** end) : all_(begin, end) {}
-  bool is_empty() const { return at_ == all_.size(); }
-  const std::string& next() const { return all_[at_]; }
-  const std::string& take() { return all_[at_++]; }
-  /// The word before the next one.
-  std::string previous() const { return at_ == 0 ? "" : all_[at_ - 1]; }
-  /// The value of an option without one of its own: whatever comes next.
-  const std::string& value_of(const OptionFacts& option) {
-    if (is_empty()) throw Problem(lacks_value(option));
-    return take();
-  }
-  bool any_left(bool (*is_wanted)(const std::string&)) const {
-    const auto end = std::find(all_.begin(), all_.end(), "--");
-    return std::any_of(all_.begin(), end, is_wanted);
-  }
-
- private:
-  std::vector<std::string> all_;
-  std::size_t at_ = 0;
-};
 
 template <class T>
 Check in_range(T low, T high) {
@@ -174,11 +175,11 @@ Check one_of(std::vector<std::string> words) {
           .words = words};
 }
 
-CommandOption::CommandOption(OptionFacts facts, std::function<void(const std::string&)> take,
-                             std::function<std::string()> show_value)
-    : facts_(std::move(facts)), take_(std::move(take)), show_value_(std::move(show_value)) {}
+CommandOption::CommandOption(CLI::Option* option, OptionFacts facts, std::function<std::string()> show_value)
+    : option_(option), facts_(std::move(facts)), show_value_(std::move(show_value)) {}
 
 CommandOption* CommandOption::required() {
+  option_->required();
   facts_.required = true;
   return this;
 }
@@ -194,13 +195,26 @@ CommandOption* CommandOption::capture_default_str() {
 }
 
 CommandOption* CommandOption::check(const Check& check) {
-  checks_.push_back(check.complaint);
+  const std::string name = name_of(facts_);
+  const bool positional = facts_.is_positional();
+  option_->check(
+      [complaint = check.complaint, name, positional](const std::string& text) -> std::string {
+        const std::string wrong = complaint(text);
+        if (wrong.empty()) return "";
+        throw Problem(positional ? fmt::format("'{}' {}", text, wrong) : fmt::format("'{} {}' {}", name, text, wrong));
+      },
+      "", "");
   if (!check.words.empty()) facts_.words = check.words;
   return this;
 }
 
+CommandOption* CommandOption::allow_extra_args(bool allow) {
+  option_->allow_extra_args(allow);
+  return this;
+}
+
 CommandOption* CommandOption::delimiter(char character) {
-  delimiter_ = character;
+  option_->delimiter(character);
   return this;
 }
 
@@ -228,32 +242,32 @@ CommandOption* CommandOption::suggest(std::vector<std::string> words) {
   return this;
 }
 
-void CommandOption::take(const std::string& value) {
-  if (was_given_ && !facts_.repeatable && !facts_.value.empty())
-    throw Problem(fmt::format("'{}' may be given once", name_of(facts_)));
-  was_given_ = true;
-  if (delimiter_ == '\0') return take_one(value);
-  for (const std::string_view part : text::split(value, delimiter_)) take_one(std::string(part));
-}
-
-void CommandOption::take_one(const std::string& value) {
-  for (const auto& complaint : checks_) {
-    const std::string wrong = complaint(value);
-    if (wrong.empty()) continue;
-    throw Problem(facts_.is_positional() ? fmt::format("'{}' {}", value, wrong)
-                                         : fmt::format("'{} {}' {}", name_of(facts_), value, wrong));
-  }
-  take_(value);
+bool CommandOption::was_given() const {
+  return option_->count() > 0;
 }
 
 Command::Command(const std::string& description, const std::string& name)
-    : description_(description), name_(name), full_name_(name) {}
+    : root_(std::make_unique<CLI::App>(description, name)), app_(root_.get()), full_name_(name) {
+  app_->set_help_flag("-h,--help", "");
+}
 
-// An option that is answered as soon as it is met.
+Command::Command(CLI::App* app, const std::string& full_name) : app_(app), full_name_(full_name) {
+  app_->set_help_flag("-h,--help", "");
+}
+
+Command::~Command() = default;
+
+// An option that is answered before anything else is looked at.
 void Command::ask(const std::string& name, const std::string& value, const std::string& description,
                   std::vector<std::string> words, std::function<std::string(const std::string&)> answer) {
-  CommandOption* kept = keep(name, {.value = value, .description = description},
-                             [answer](const std::string& text) { throw Asked{answer(text)}; });
+  CLI::Option* option = nullptr;
+  if (value.empty()) {
+    option = app_->add_flag_function(name, [answer](std::int64_t) { throw Asked{answer("")}; });
+  } else {
+    option =
+        app_->add_option_function<std::string>(name, [answer](const std::string& text) { throw Asked{answer(text)}; });
+  }
+  CommandOption* kept = keep(option, name, {.value = value, .description = description}, {});
   if (!words.empty()) kept->check(one_of(std::move(words)));
 }
 
@@ -271,7 +285,7 @@ void Command::set_version_flag(const std::string& text) {
 }
 
 void Command::require_subcommand() {
-  needs_command_ = true;
+  app_->require_subcommand(1);
 }
 
 void Command::footer(const std::string& text) {
@@ -279,50 +293,53 @@ void Command::footer(const std::string& text) {
 }
 
 Command* Command::add_subcommand(const std::string& name, const std::string& description) {
-  commands_.push_back(std::make_unique<Command>(description, name));
-  commands_.back()->full_name_ = full_name_ + " " + name;
+  CLI::App* app = app_->add_subcommand(name, description);
+  commands_.push_back(std::unique_ptr<Command>(new Command(app, full_name_ + " " + name)));
   return commands_.back().get();
 }
 
 void Command::callback(std::function<void()> function) {
-  callback_ = std::move(function);
+  app_->callback(std::move(function));
 }
 
-CommandOption* Command::keep(const std::string& names, OptionFacts facts, std::function<void(const std::string&)> take,
+CommandOption* Command::keep(CLI::Option* option, const std::string& names, OptionFacts facts,
                              std::function<std::string()> show_value) {
   if (names.starts_with("-")) {
     facts.names = split_names(names);
   } else {
     facts.value = names;
   }
-  options_.push_back(std::make_unique<CommandOption>(std::move(facts), std::move(take), std::move(show_value)));
+  options_.push_back(std::make_unique<CommandOption>(option, std::move(facts), std::move(show_value)));
   return options_.back().get();
 }
 
 CommandOption* Command::add_flag(const std::string& names, bool& variable, const std::string& description) {
-  return keep(names, {.description = description}, [&variable](const std::string&) { variable = true; });
+  return keep(app_->add_flag(names, variable), names, {.description = description}, {});
 }
 
 CommandOption* Command::add_optional_value(const std::string& name, std::string& variable, const std::string& value,
                                            const std::string& description) {
-  return keep(name, {.value = value, .description = description, .value_optional = true},
-              [&variable](const std::string& text) { variable = text; });
+  return keep(app_->add_option(name, variable), name,
+              {.value = value, .description = description, .value_optional = true}, {});
 }
 
 CommandFacts Command::facts() const {
-  CommandFacts out{
-      .name = name_, .full_name = full_name_, .description = description_, .footer = footer_, .version = version_};
+  CommandFacts out{.name = app_->get_name(),
+                   .full_name = full_name_,
+                   .description = app_->get_description(),
+                   .footer = footer_,
+                   .version = version_};
   for (const auto& option : options_) out.options.push_back(option->facts());
   out.options.push_back({.names = {"-h", "--help"}, .description = "print this help"});
   for (const auto& command : commands_) out.commands.push_back(command->facts());
   return out;
 }
 
-CommandOption* Command::find(const std::string& name) const {
-  for (const auto& option : options_) {
-    if (std::ranges::find(option->facts().names, name) != option->facts().names.end()) return option.get();
+const Command& Command::chosen() const {
+  for (const auto& command : commands_) {
+    if (app_->got_subcommand(command->app_)) return command->chosen();
   }
-  return nullptr;
+  return *this;
 }
 
 // What is required and was not given; "" when nothing is.
@@ -337,81 +354,28 @@ std::string Command::missing_text() const {
   return "";
 }
 
-// `--name`, `--name=value` or `--name value`.
-void Command::read_long(Words& words) {
-  const std::string word = words.take();
-  const std::size_t equals = word.find('=');
-  CommandOption* option = find(word.substr(0, equals));
-  if (option == nullptr) throw Problem(unknown_option(facts(), word));
-  const OptionFacts& known = option->facts();
-  if (equals != std::string::npos) {
-    if (known.value.empty()) throw Problem(fmt::format("'{}' takes no value", name_of(known)));
-    if (equals + 1 == word.size()) throw Problem(lacks_value(known));
-    return option->take(word.substr(equals + 1));
+std::string Command::complaint(const CLI::ParseError& error, const std::vector<std::string>& words) const {
+  const CommandFacts known = facts();
+  if (const std::string text = value_complaint(known, error); !text.empty()) return text;
+  const std::vector<std::string> left = app_->remaining();
+  if (const auto option = std::ranges::find_if(left, looks_like_option); option != left.end())
+    return unknown_option(known, *option);
+  if (!commands_.empty()) {
+    std::vector<std::string> names;
+    for (const CommandFacts& command : known.commands) names.push_back(command.name);
+    if (left.empty()) return fmt::format("'{}' needs a command", full_name_);
+    return fmt::format("'{}' has no command '{}'{}", full_name_, left.front(), text::did_you_mean(left.front(), names));
   }
-  if (known.value.empty()) return option->take("");
-  if (known.value_optional) return option->take("-");
-  option->take(words.value_of(known));
-}
-
-// `-q`, `-o value`, `-ovalue`, `-o=value`, or several flags: `-qv`.
-void Command::read_short(Words& words) {
-  const std::string word = words.take();
-  for (std::size_t i = 1; i < word.size(); ++i) {
-    CommandOption* option = find({'-', word[i]});
-    if (option == nullptr) throw Problem(unknown_option(facts(), i == 1 ? word : std::string{'-', word[i]}));
-    const OptionFacts& known = option->facts();
-    const std::string rest = word.substr(i + 1);
-    if (known.value.empty()) {
-      if (rest.starts_with('=')) throw Problem(fmt::format("'{}' takes no value", name_of(known)));
-      option->take("");
-      continue;
-    }
-    return option->take(rest.empty() ? words.value_of(known) : rest.substr(rest[0] == '=' ? 1 : 0));
+  if (const std::string missing = missing_text(); !missing.empty()) return missing;
+  if (!left.empty()) {
+    const auto at = std::ranges::find(words, left.front());
+    const bool after_optional = at != words.end() && at != words.begin() && std::prev(at)->ends_with("=-");
+    const std::string option = after_optional ? std::prev(at)->substr(0, std::prev(at)->size() - 1) : "";
+    return fmt::format(
+        "'{}' is one argument too many for '{}'{}", left.front(), full_name_,
+        after_optional ? fmt::format("; if it is the file to write, say {}{}", option, left.front()) : "");
   }
-}
-
-void Command::read_argument(Words& words) {
-  const std::string before = words.previous(), word = words.take();
-  for (const auto& option : options_) {
-    const OptionFacts& known = option->facts();
-    if (known.is_positional() && (known.repeatable || !option->was_given())) return option->take(word);
-  }
-  const CommandOption* optional = find(before);
-  const bool for_it = optional != nullptr && optional->facts().value_optional;
-  throw Problem(fmt::format("'{}' is one argument too many for '{}'{}", word, full_name_,
-                            for_it ? fmt::format("; if it is the file to write, say {}={}", before, word) : ""));
-}
-
-Command* Command::find_command(const std::string& name) const {
-  std::vector<std::string> names;
-  for (const auto& command : commands_) {
-    if (command->name_ == name) return command.get();
-    names.push_back(command->name_);
-  }
-  throw Problem(fmt::format("'{}' has no command '{}'{}", full_name_, name, text::did_you_mean(name, names)));
-}
-
-// Reads the words; `chosen` becomes the command that they name.
-void Command::read(Words& words, Command*& chosen) {
-  bool options = true;  // until "--"
-  while (!words.is_empty()) {
-    const std::string& word = words.next();
-    if (options && word == "--") {
-      options = false;
-      words.take();
-    } else if (options && asks_for_help(word)) {
-      throw Asked{help_text(chosen->facts())};
-    } else if (options && looks_like_option(word)) {
-      word[1] == '-' ? chosen->read_long(words) : chosen->read_short(words);
-    } else if (!chosen->commands_.empty()) {
-      chosen = chosen->find_command(words.take());
-    } else {
-      chosen->read_argument(words);
-    }
-  }
-  if (chosen->needs_command_) throw Problem(fmt::format("'{}' needs a command", chosen->full_name_));
-  if (const std::string missing = chosen->missing_text(); !missing.empty()) throw Problem(missing);
+  return error.what();
 }
 
 std::optional<bool> Command::parse(int argc, char** argv, const std::function<void(std::string_view)>& print) {
@@ -423,45 +387,34 @@ std::optional<bool> Command::parse(int argc, char** argv, const std::function<vo
     }
     return true;
   };
-  Words words(argv + 1, argv + argc);
-  Command* chosen = this;
+  const auto refuse = [&](const std::string& text) {
+    log::error(fmt::format("{}{} '{} --help' tells more.", text, text.ends_with('?') ? "" : ".", chosen().full_name_));
+    return false;
+  };
+  std::vector<std::string> words(argv + 1, argv + argc);
+  fill_optional_values(facts(), words);
   try {
-    read(words, chosen);
+    app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));
+    return std::nullopt;
   } catch (const Asked& asked) {
     return answer(asked.text);
+  } catch (const CLI::CallForHelp&) {
+    return answer(help_text(chosen().facts()));
   } catch (const Problem& problem) {
-    if (words.any_left(asks_for_help)) return answer(help_text(chosen->facts()));
-    const std::string text = problem.what();
-    log::error(fmt::format("{}{} '{} --help' tells more.", text, text.ends_with('?') ? "" : ".", chosen->full_name_));
-    return false;
+    return refuse(problem.what());
+  } catch (const CLI::ParseError& error) {
+    return refuse(chosen().complaint(error, words));
   }
-  if (chosen->callback_) chosen->callback_();
-  return std::nullopt;
 }
 
 template <class T>
 CommandOption* Command::add_option(const std::string& names, T& variable, const std::string& description) {
   using Value = typename ValueOf<T>::Type;
-  constexpr bool kRepeatable = !std::is_same_v<T, Value> && !std::is_same_v<T, std::optional<Value>>;
   OptionFacts facts{.value = std::is_same_v<Value, std::string> ? "TEXT" : "NUMBER",
                     .description = description,
-                    .repeatable = kRepeatable};
-  const auto take = [&variable, is_first = true](const std::string& text) mutable {
-    Value value;
-    if constexpr (std::is_same_v<Value, std::string>) {
-      value = text;
-    } else {
-      value = *number_of<Value>(text);
-    }
-    if constexpr (kRepeatable) {
-      if (is_first) variable.clear();  // what it holds is the default
-      is_first = false;
-      variable.push_back(std::move(value));
-    } else {
-      variable = std::move(value);
-    }
-  };
-  CommandOption* option = keep(names, std::move(facts), take, [&variable] { return text_of(variable); });
+                    .repeatable = !std::is_same_v<T, Value> && !std::is_same_v<T, std::optional<Value>>};
+  CommandOption* option =
+      keep(app_->add_option(names, variable), names, std::move(facts), [&variable] { return text_of(variable); });
   if constexpr (!std::is_same_v<Value, std::string>) option->check({number_complaint<Value>, {}});
   return option;
 }

@@ -1,7 +1,6 @@
 #pragma once
-/// Commands and options of the programs. Options stand anywhere behind their command: `--name value`, `--name=value`,
-/// `-n value`, `-nvalue`; flags of one letter may be joined. The value is the next word, whatever it is. Behind `--`
-/// all words are arguments. Wrong words are told in the order in which they come, unless there is a `--help`.
+/// Commands and options of the programs. The library that parses them takes many seconds to compile wherever it is
+/// included, so only command_line.cpp includes it.
 
 #include <functional>
 #include <initializer_list>
@@ -12,6 +11,12 @@
 #include <vector>
 
 #include "core/command_facts.h"
+
+namespace CLI {
+class App;
+class Option;
+class ParseError;
+}  // namespace CLI
 
 namespace etendue {
 
@@ -33,9 +38,7 @@ Check one_of(std::vector<std::string> words);
 /// One option or positional argument. All functions return `this`, for chains.
 class CommandOption {
  public:
-  /// `take` stores a value that has passed the checks.
-  CommandOption(OptionFacts facts, std::function<void(const std::string&)> take,
-                std::function<std::string()> show_value);
+  CommandOption(CLI::Option* option, OptionFacts facts, std::function<std::string()> show_value);
 
   CommandOption* required();
   /// What --help calls the value: "FILE", "WxH".
@@ -43,6 +46,8 @@ class CommandOption {
   /// Says the value that the variable has now in --help.
   CommandOption* capture_default_str();
   CommandOption* check(const Check& check);
+  /// Whether several values may follow one mention of an option that takes a list.
+  CommandOption* allow_extra_args(bool allow);
   /// Splits a value into several: "1,2".
   CommandOption* delimiter(char character);
   /// The heading that --help lists it under; "": nowhere.
@@ -56,18 +61,11 @@ class CommandOption {
 
   const OptionFacts& facts() const { return facts_; }
   /// Whether the command line had it.
-  bool was_given() const { return was_given_; }
-  /// A value that the command line has for it.
-  void take(const std::string& value);
+  bool was_given() const;
 
  private:
-  void take_one(const std::string& value);
-
+  CLI::Option* option_;
   OptionFacts facts_;
-  std::function<void(const std::string&)> take_;
-  std::vector<std::function<std::string(const std::string&)>> checks_;
-  char delimiter_ = '\0';
-  bool was_given_ = false;
   std::function<std::string()> show_value_;
 };
 
@@ -76,6 +74,7 @@ class Command {
  public:
   /// The description is a sentence without its full stop.
   Command(const std::string& description, const std::string& name);
+  ~Command();
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
 
@@ -109,24 +108,19 @@ class Command {
   std::optional<bool> parse(int argc, char** argv, const std::function<void(std::string_view)>& print = {});
 
  private:
-  class Words;
-  CommandOption* keep(const std::string& names, OptionFacts facts, std::function<void(const std::string&)> take,
-                      std::function<std::string()> show_value = {});
+  Command(CLI::App* app, const std::string& full_name);
+  CommandOption* keep(CLI::Option* option, const std::string& names, OptionFacts facts,
+                      std::function<std::string()> show_value);
   void ask(const std::string& name, const std::string& value, const std::string& description,
            std::vector<std::string> words, std::function<std::string(const std::string&)> answer);
-  CommandOption* find(const std::string& name) const;
-  Command* find_command(const std::string& name) const;
-  void read(Words& words, Command*& chosen);
-  void read_long(Words& words);
-  void read_short(Words& words);
-  void read_argument(Words& words);
+  const Command& chosen() const;
+  std::string complaint(const CLI::ParseError& error, const std::vector<std::string>& words) const;
   std::string missing_text() const;
 
-  std::string description_, name_;
+  std::unique_ptr<CLI::App> root_;  ///< of a program; commands belong to it
+  CLI::App* app_;
   std::string full_name_;
   std::string version_, footer_;
-  bool needs_command_ = false;
-  std::function<void()> callback_;
   std::vector<std::unique_ptr<Command>> commands_;
   std::vector<std::unique_ptr<CommandOption>> options_;
 };

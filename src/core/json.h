@@ -1,5 +1,6 @@
 #pragma once
 /// JSON that a program puts together and writes; nothing here reads any.
+/// The library that writes it takes many seconds to compile wherever it is included, so only json.cpp includes it.
 
 #include <cstddef>
 #include <cstdint>
