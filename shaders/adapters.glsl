@@ -47,22 +47,50 @@ ShadingFrame aligned_frame(vec3 n, SurfacePoint at, Primitive geometry) {
   return ShadingFrame(s, cross(n, s), n);
 }
 
-// What a map makes of the normal n, which is that of the surface, or with side −1 its opposite.
+// What a picture of normals makes of n, which is that of the surface, or with side −1 its opposite; u is the direction in which texture coordinates grow.
+vec3 normal_by_picture(uint index, vec3 u, vec3 n, float side, SurfacePoint at) {
+  if (u == vec3(0.0)) return n;
+  const vec3 t = unit_or(u - n * dot(n, u), vec3(0.0));
+  const vec3 c = 2.0 * texture_value(index, at).xyz - 1.0;
+  vec3 b = cross(side * n, t);
+  MUTATE(kMutantNormalMapMirrored, b = -b);
+  return unit_or(t * c.x + b * c.y + n * c.z, n);
+}
+
+// The same, with the tangents that the vertices have.
+vec3 normal_by_vertices(uint index, vec3 n, float side, SurfacePoint at) {
+  const vec4 tangent = vertex_tangent(at);
+  return normal_by_picture(index, tangent.xyz, n, tangent.w < 0.0 ? -side : side, at);
+}
+
+// What a map makes of the normal n.
 vec3 mapped_normal(uint row, MaterialRecord record, vec3 n, float side, SurfacePoint at, Primitive geometry) {
   const uint texture_of = fetch_material_textures(row).first;
   const uint index = texture_of & kTextureOfIndexMask;
+  const bool picture = adapter_is(record.header, kAdapterNormalMap);
+  if (textures_have(kTexturesVertexTangents) && picture && record.params.y != 0.0) return normal_by_vertices(index, n, side, at);
   const Tangents d = surface_tangents(at, geometry, fetch_texture(index).uv_set);
+  if (picture) return normal_by_picture(index, d.u, n, side, at);
   if (d.u == vec3(0.0)) return n;
-  if (adapter_is(record.header, kAdapterNormalMap)) {
-    const vec3 t = unit_or(d.u - n * dot(n, d.u), vec3(0.0));
-    const vec3 c = 2.0 * texture_value(index, at).xyz - 1.0;
-    vec3 b = cross(side * n, t);
-    MUTATE(kMutantNormalMapMirrored, b = -b);
-    return unit_or(t * c.x + b * c.y + n * c.z, n);
-  }
   const vec2 slope = bitmap_gradient(texture_of, at) * (record.params.z * frame.distance_scale);
   const vec3 m = unit_or(cross(d.u + n * (slope.x - dot(n, d.u)), d.v + n * (slope.y - dot(n, d.v))), n);
   return dot(m, n) < 0.0 ? -m : m;
+}
+
+// A normal that is not seen from where the surface is seen lies on the other side of the surface's.
+vec3 seen_normal(vec3 mapped, vec3 n, vec3 w) { return dot(mapped, w) * dot(n, w) <= 0.0 ? n * (2.0 * dot(n, mapped)) - mapped : mapped; }
+
+// The normal of a material's coat where that keeps its own, whatever maps do to what lies below it.
+vec3 coat_normal(Choice choice, SurfacePoint at, Primitive geometry, vec3 w) {
+  const vec3 n = choice.base;
+  uint map = kNone;
+  if (kTextured) map = fetch_material_textures(choice.material).coat_normals;
+  if (map == kNone) return n;
+  const uint index = map & kTextureOfIndexMask;
+  vec3 mapped;
+  if (textures_have(kTexturesVertexTangents) && (map & kTextureOfVertexTangents) != 0u) mapped = normal_by_vertices(index, n, choice.side, at);
+  else mapped = normal_by_picture(index, surface_tangents(at, geometry, fetch_texture(index).uv_set).u, n, choice.side, at);
+  return seen_normal(mapped, n, w);
 }
 
 // Goes on from an adapter to a material. `w` points away from the surface, to the side that is looked at; `words` are those of choice_words().
@@ -83,9 +111,7 @@ void go_to_material(inout Choice choice, inout OtherChoice other, SurfacePoint a
     }
     if (kPerturbed && (adapter_is(record.header, kAdapterNormalMap) || adapter_is(record.header, kAdapterBumpMap))) {
       const vec3 n = choice.frame.n;
-      vec3 mapped = mapped_normal(choice.material, record, n, choice.side, at, geometry);
-      if (dot(mapped, w) * dot(n, w) <= 0.0) mapped = n * (2.0 * dot(n, mapped)) - mapped;
-      choice.frame = make_frame(mapped);
+      choice.frame = make_frame(seen_normal(mapped_normal(choice.material, record, n, choice.side, at, geometry), n, w));
       next = first;
     }
     if (adapter_is(record.header, kAdapterMask)) {

@@ -106,6 +106,7 @@ const uint kConstantAdapterDepth = 62u;
 const uint kConstantCountPasses = 63u;
 const uint kConstantLightPart = 64u;       // kLightPart…
 const uint kConstantHideBackground = 65u;
+const uint kConstantTwoSidedLights = 68u;  // some light shines on both sides
 const uint kConstantInwardSpheres = 69u;
 const uint kConstantTextureUsesAt = 66u;
 const uint kConstantTextureUses = 67u;  // of a material, at most
@@ -132,6 +133,7 @@ const uint kBsdfGltf = 13u;        // see gltf.glsl
 const uint kBsdfTintedDielectric = 14u;  // a smooth dielectric with factors of what it reflects and lets pass
 
 // Records of materials that are none, but choose one of them. params.x and params.y are the numbers of what they choose from, params.z is a probability.
+// Of normal maps params.y is 1 where they lie by tangents of vertices.
 const uint kAdapterFirst = 32u;
 const uint kAdapterTwoSided = 32u;
 const uint kAdapterMask = 33u;
@@ -150,6 +152,8 @@ const uint kMaterialBeckmann = 0x10000u;      // microfacets by Beckmann's distr
 const uint kMaterialTransmissive = 0x20000u;  // lights on both sides reach it, and not only by delta lobes
 const uint kMaterialVolume = 0x80000u;        // light is absorbed on its way through what it encloses
 const uint kMaterialFilm = 0x100000u;         // iridescent, at some of its points
+const uint kMaterialDispersive = 0x200000u;   // bends light of each colour otherwise
+const uint kMaterialCoatNormal = 0x400000u;   // its coat has a normal of its own, see MaterialTextures
 const uint kMaterialNonlinear = 0x40000u;     // light takes the colour of the base each time that it meets it below a coat
 
 // Lobes as folded into the path signature.
@@ -303,7 +307,7 @@ struct Instance {
   float light_prob;     // discrete probability of choosing this instance as a light; 0 when it does not emit
   uint material;        // index into materials
   uint first_triangle;  // into the triangle indices; kNone when there are no vertex normals
-  float light_area;     // total area in normalised coordinates; of a shared mesh in its own
+  float light_area;     // total area in normalised coordinates; of a shared mesh in its own; negative where it emits on both sides
   uint place;           // of an instance of a shared mesh, into places; kNone: its primitives and normals lie in the world
 };
 const uint kInstanceTexels = 2u;
@@ -342,7 +346,7 @@ struct MaterialTextures {
   uint first;  // kTextureOf… of the first parameter: the albedo, or an adapter's number; kNone where it has none
   uint begin;  // of all of the material's uses of textures
   uint end;
-  uint pad0;
+  uint coat_normals;  // kTextureOf… and kTextureOfVertexTangents of a coat's normal map, or kNone
 };
 const uint kMaterialTexturesTexels = 1u;
 // A texture that floats of a MaterialRecord are multiplied with.
@@ -357,6 +361,7 @@ const uint kTextureUseTexels = 1u;
 const uint kTextureOfIndexMask = 0xffffffu;
 const uint kTextureOfChannelShift = 24u;
 const uint kTextureOfColor = 0xfu;
+const uint kTextureOfVertexTangents = 0x80000000u;
 
 // A texture, see texture.glsl.
 struct TextureRecord {
@@ -367,7 +372,7 @@ struct TextureRecord {
   vec3 u_row;   // texture coordinates of the surface (u, v, 1) → those of the texture
   uint uv_set;
   vec3 v_row;
-  uint pad0;
+  float cutoff;  // of alpha, with kTextureCut
   vec3 color0;  // of a checkerboard
   uint pad1;
   vec3 color1;
@@ -390,6 +395,9 @@ const uint kTextureFormatShift = 8u;   // 2 bits, log2 of the bytes of a number:
 const uint kTextureFormatMask = 3u;
 const uint kTextureChannelsShift = 10u;  // 3 bits
 const uint kTextureChannelsMask = 7u;
+const uint kTextureTinted = 0x2000u;         // multiplied with the colours of the mesh's vertices
+const uint kTextureCut = 0x4000u;            // alpha becomes 1 from the cutoff on, else 0
+const uint kTexturePremultiplied = 0x8000u;  // colours are multiplied with alpha, after that
 // What the textures of a scene make use of: kernels are built for that alone, without any texture for nothing.
 const uint kTexturesBitmap = 0x1u;
 const uint kTexturesCheckerboard = 0x2u;
@@ -404,10 +412,14 @@ const uint kTexturesDisk = 0x200u;          // a disk has one
 const uint kTexturesCylinder = 0x400u;      // a cylinder has one
 const uint kTexturesTangents = 0x800u;      // a material has kMaterialAligned
 const uint kTexturesCoat = 0x2000u;         // the roughness of a rough coat is one
+const uint kTexturesAlpha = 0x4000u;        // one has kTextureCut or kTexturePremultiplied
+const uint kTexturesVertexTangents = 0x8000u;  // a normal map lies by those of a mesh's vertices
+const uint kTexturesTinted = 0x10000u;      // one has kTextureTinted
 const uint kTexturesMesh = 0x1000u;         // coordinates of meshes are asked for, with or without textures
 
 // What the textures of an instance need of its shape; empty where the scene has no textures. Each primitive has a block of texels: for each set of
-// texture coordinates (u, v) of the three corners in two texels, then the colours of the corners, then that of the face. A sphere has the rows of the
+// texture coordinates (u, v) of the three corners in two texels, then the colours of the corners with their alpha, then that of the face, then the tangents of
+// the corners (xyz, in the world, of shared meshes in their own space; w: which side the bitangent is on). A sphere has the rows of the
 // rotation from the world into its own space.
 struct InstanceAttributes {
   uint first;             // texel of the attributes
@@ -423,6 +435,7 @@ const uint kAttributesSphere = 0x400u;
 const uint kAttributesDisk = 0x800u;
 const uint kAttributesTurned = 0x1000u;  // of a disk: its half axes are stored the other way round
 const uint kAttributesCylinder = 0x2000u;
+const uint kAttributesTangents = 0x4000u;
 const uint kSrgbCodes = 256u;  // light of each, four a texel
 
 // An instance that emits: chosen when `threshold <= word`, the last one that satisfies it.

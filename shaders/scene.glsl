@@ -91,8 +91,8 @@ TextureUse fetch_texture_use(uint i) {
 TextureRecord fetch_texture(uint i) {
   const uint first = kTexturesAt + kTextureRecordTexels * i;
   const uvec4 a = load_table(first), b = load_table(first + 1u), c = load_table(first + 2u), d = load_table(first + 3u), e = load_table(first + 4u);
-  return TextureRecord(a.x, a.y, a.z, a.w, uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xyz), c.w, uintBitsToFloat(d.xyz), d.w,
-                       uintBitsToFloat(e.xyz), e.w);
+  return TextureRecord(a.x, a.y, a.z, a.w, uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xyz), uintBitsToFloat(c.w), uintBitsToFloat(d.xyz),
+                       d.w, uintBitsToFloat(e.xyz), e.w);
 }
 InstanceAttributes fetch_instance_attributes(uint i) {
   const uvec4 a = load_table(kInstanceAttributesAt + kInstanceAttributesTexels * i);

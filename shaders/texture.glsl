@@ -104,7 +104,8 @@ vec4 checkerboard_value(TextureRecord t, vec2 uv) {
 // Texels of the attributes of a primitive.
 uint attribute_stride(uint layout_bits) {
   return 2u * (layout_bits & kAttributesSetsMask) + ((layout_bits & kAttributesVertexColors) != 0u ? 3u : 0u) +
-         ((layout_bits & kAttributesFaceColors) != 0u ? 1u : 0u);
+         ((layout_bits & kAttributesFaceColors) != 0u ? 1u : 0u) +
+         (textures_have(kTexturesVertexTangents) && (layout_bits & kAttributesTangents) != 0u ? 3u : 0u);
 }
 
 // Texture coordinates of the surface. On a sphere u is the angle around its z axis from x toward y, as a share of a turn, v the angle from −z over π; on a
@@ -134,8 +135,20 @@ vec2 surface_uv(InstanceAttributes a, SurfacePoint at, uint set) {
 vec4 attribute_value(InstanceAttributes a, SurfacePoint at, uint kind) {
   uint first = a.first + attribute_stride(a.layout_bits) * at.primitive + 2u * (a.layout_bits & kAttributesSetsMask);
   if (kind == kTextureFaceColor) return vec4(fetch_attribute(first + ((a.layout_bits & kAttributesVertexColors) != 0u ? 3u : 0u)).xyz, 1.0);
-  return vec4(at.weights.x * fetch_attribute(first).xyz + at.weights.y * fetch_attribute(first + 1u).xyz +
-                  at.weights.z * fetch_attribute(first + 2u).xyz, 1.0);
+  return at.weights.x * fetch_attribute(first) + at.weights.y * fetch_attribute(first + 1u) + at.weights.z * fetch_attribute(first + 2u);
+}
+
+// The tangent of the vertices, interpolated; w < 0: the bitangent is the opposite of normal × tangent.
+vec4 vertex_tangent(SurfacePoint at) {
+  const InstanceAttributes a = fetch_instance_attributes(at.instance);
+  const uint stride = attribute_stride(a.layout_bits), first = a.first + stride * (at.primitive + 1u) - 3u;
+  vec4 t = at.weights.x * fetch_attribute(first) + at.weights.y * fetch_attribute(first + 1u) + at.weights.z * fetch_attribute(first + 2u);
+  const uint place_index = kInstanced ? fetch_instance_place(at.instance) : kNone;
+  if (place_index != kNone) {
+    const Place place = fetch_place(place_index);
+    t = vec4(place.x * t.x + place.y * t.y + place.z * t.z, t.w * place.side);
+  }
+  return t;
 }
 
 // A picture or checkerboard at texture coordinates (u, v, 1) of what it lies on.
@@ -146,12 +159,24 @@ vec4 texture_at(TextureRecord t, vec3 surface) {
   return textures_have(kTexturesBitmap) ? bitmap_value(t, uv) : vec4(0.0);
 }
 
+// What becomes of a texture's value by its flags.
+vec4 derived_value(TextureRecord t, vec4 value, InstanceAttributes a, SurfacePoint at) {
+  if (textures_have(kTexturesTinted) && (t.header & kTextureTinted) != 0u) value *= attribute_value(a, at, kTextureVertexColor);
+  if (textures_have(kTexturesAlpha)) {
+    if ((t.header & kTextureCut) != 0u) value.w = value.w >= t.cutoff ? 1.0 : 0.0;
+    if ((t.header & kTexturePremultiplied) != 0u) value.xyz *= value.w;
+  }
+  return value;
+}
+
 vec4 texture_value(uint index, SurfacePoint at) {
   const TextureRecord t = fetch_texture(index);
   const InstanceAttributes a = fetch_instance_attributes(at.instance);
   const uint kind = t.header & kTextureKindMask;
-  if (textures_have(kTexturesAttribute) && kind >= kTextureVertexColor) return attribute_value(a, at, kind);
-  return texture_at(t, vec3(surface_uv(a, at, t.uv_set), 1.0));
+  vec4 value;
+  if (textures_have(kTexturesAttribute) && kind >= kTextureVertexColor) value = attribute_value(a, at, kind);
+  else value = texture_at(t, vec3(surface_uv(a, at, t.uv_set), 1.0));
+  return derived_value(t, value, a, at);
 }
 
 // What a parameter is multiplied with: 1 where it has no texture.

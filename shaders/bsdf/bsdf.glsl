@@ -30,6 +30,7 @@ struct Material {
   vec4 scattered;
   vec4 film;
   vec4 volume;
+  vec3 coat;      // the normal of a coat that keeps its own
 };
 
 const float kLeastRoughness = 1e-3;  // etendue::kMinRoughness
@@ -93,12 +94,13 @@ bool has_bsdf_among(Material m, uint types) {
 
 // One without parameters beyond the first texel.
 Material plain_material(uint header, vec3 params) {
-  return Material(header, params, params.x, params.y, vec2(1.0), vec3(0.0), 0.0, vec3(1.0), vec3(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+  return Material(header, params, params.x, params.y, vec2(1.0), vec3(0.0), 0.0, vec3(1.0), vec3(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec3(0.0, 0.0, 1.0));
 }
 
 // A metal keeps its index in eta and k, a dielectric its two where a metal has the first components of them.
 Material rich_material(MaterialRecord r) {
-  return Material(r.header, r.params, r.eta.x, r.eta.y, vec2(r.alpha_u, r.alpha_v), r.specular, r.share, r.eta, r.k, r.sheen, r.scattered, r.film, r.volume);
+  return Material(r.header, r.params, r.eta.x, r.eta.y, vec2(r.alpha_u, r.alpha_v), r.specular, r.share, r.eta, r.k, r.sheen, r.scattered, r.film, r.volume,
+                  vec3(0.0, 0.0, 1.0));
 }
 
 // What follows from parameters at a point.
@@ -170,6 +172,10 @@ Material evaluate_material(uint row, SurfacePoint at) {
 
 // One of glTF's materials absorbs: its bit, and that of the flag. (Of a constant made with && glslang loses the place.)
 const bool kVolumes = (kBsdfsUsed & kBsdfsBuilt & 1u << kBsdfGltf & kMaterialFlagsSome / kMaterialVolume << kBsdfGltf) != 0u;
+
+// One of them has a coat with a normal of its own, or disperses light.
+const bool kCoatNormals = (kBsdfsUsed & kBsdfsBuilt & 1u << kBsdfGltf & kMaterialFlagsSome / kMaterialCoatNormal << kBsdfGltf) != 0u;
+const bool kDispersive = (kBsdfsUsed & kBsdfsBuilt & 1u << kBsdfGltf & kMaterialFlagsSome / kMaterialDispersive << kBsdfGltf) != 0u;
 
 // Absorption, per scene unit, where light goes on in the direction wi that was in `current` before.
 vec3 absorption_toward(Material m, vec3 wi, vec3 current) {

@@ -1,7 +1,8 @@
 // The material of glTF 2.0; docs/conventions.md, "glTF". Of a Material `specular` holds the reflectance along the normal of what is not metal, `share` that at
 // grazing angles, `eta` (index of refraction, roughness, metallic), `k` (transmission, diffuse transmission, clearcoat), `ext_ior` the coat's roughness, `sheen`
 // its colour and roughness, `scattered` the colour that scattered light passes in, and the share of the film, `film` (index, thickness in nanometres, turn of
-// the tangent, first texel of the sheen's albedo), `volume` the absorption of a solid, and 1 where there is one.
+// the tangent, first texel of the sheen's albedo), `volume` the absorption of a solid, and where there is one 1 plus what the index of blue
+// is larger, as a share of the index less 1.
 #include "../fresnel.glsl"
 #include "../microfacets.glsl"
 #include "../mutants.h"
@@ -81,8 +82,9 @@ struct Layers {
   float below_sheen;
   float sheen_norm;  // brings the sheen's albedo to at most 1
 };
-Layers gltf_layers(Material m, float cos_o, float cos_i) {
-  Layers layers = Layers(1.0 - max(gltf_coat(m, cos_o), gltf_coat(m, cos_i)), 1.0, 1.0);
+// `coat_o` and `coat_i` are the cosines with the normal of the coat.
+Layers gltf_layers(Material m, float cos_o, float cos_i, float coat_o, float coat_i) {
+  Layers layers = Layers(1.0 - max(gltf_coat(m, coat_o), gltf_coat(m, coat_i)), 1.0, 1.0);
   MUTATE(kMutantGltfCoatAdded, layers.below_coat = 1.0);
   const float sheen = max_component(m.sheen.xyz);
   if (sheen > 0.0) {
@@ -97,11 +99,11 @@ Layers gltf_layers(Material m, float cos_o, float cos_i) {
 struct GltfLobes {
   float facets, front, behind, coat, sheen;
 };
-GltfLobes gltf_lobes(Material m, float cos_o, bool front) {
+GltfLobes gltf_lobes(Material m, float cos_o, float coat_o, bool front) {
   const float rest = 1.0 - m.eta.z, clear = rest * m.k.x, opaque = rest * (1.0 - m.k.x);
   if (!front) return GltfLobes(clear, 0.0, opaque * m.k.y, 0.0, 0.0);
   const float mirrored = max(max_component(gltf_dielectric(m, cos_o)), 0.1);
-  return GltfLobes(m.eta.z + clear + opaque * mirrored, opaque * (1.0 - m.k.y), opaque * m.k.y, m.k.z * max(gltf_coat(m, cos_o), 0.1),
+  return GltfLobes(m.eta.z + clear + opaque * mirrored, opaque * (1.0 - m.k.y), opaque * m.k.y, m.k.z * max(gltf_coat(m, coat_o), 0.1),
                    0.5 * max_component(m.sheen.xyz));
 }
 float lobes_total(GltfLobes l) { return l.facets + l.front + l.behind + l.coat + l.sheen; }
@@ -122,15 +124,25 @@ float gltf_passing(Material m, GltfLobes lobes, float outer, float eta) {
 struct GltfPair {
   vec3 wo, wi, h;  // h: the half vector, 0 where there is none that microfacets could have
   float eta;       // n_i/n_o of what is bent; 1 of sheets
+  vec3 coat;       // the normal of a coat that keeps its own
   bool front;      // that side has all layers
 };
+
+bool has_coat_normal(Material m) { return material_has(m, kMaterialCoatNormal); }
+// The normal of the coat on the side of wo, as a pair of directions is seen.
+vec3 gltf_coat_normal(Material m, float side, vec2 turn) {
+  const vec3 n = vec3(turned(m.coat.xy, turn), m.coat.z * side);
+  return n.z < 0.0 ? -n : n;
+}
+float coat_cosine(Material m, GltfPair p, vec3 w) { return has_coat_normal(m) ? abs(dot(w, p.coat)) : abs(w.z); }
 
 Layers pair_layers(Material m, GltfPair p) {
   if (p.wi.z < 0.0 && !gltf_is_sheet(m)) {
     const float outside = p.front ? p.wo.z : -p.wi.z;
-    return gltf_layers(m, outside, outside);
+    const float coat = coat_cosine(m, p, p.front ? p.wo : p.wi);
+    return gltf_layers(m, outside, outside, coat, coat);
   }
-  return p.front ? gltf_layers(m, p.wo.z, abs(p.wi.z)) : Layers(1.0, 1.0, 1.0);
+  return p.front ? gltf_layers(m, p.wo.z, abs(p.wi.z), coat_cosine(m, p, p.wo), coat_cosine(m, p, p.wi)) : Layers(1.0, 1.0, 1.0);
 }
 
 // The diffuse base below the boundary, without what lies above it.
@@ -169,13 +181,21 @@ Scattering gltf_facets(Material m, GltfPair p, GltfLobes lobes) {
 
 Scattering gltf_clearcoat(Material m, GltfPair p, GltfLobes lobes) {
   const Facets coat = Facets(vec2(m.ext_ior), false);
+  if (has_coat_normal(m)) {
+    const ShadingFrame turned_frame = make_frame(p.coat);
+    p.wo = to_local(turned_frame, p.wo);
+    p.wi = to_local(turned_frame, p.wi);
+    p.h = to_local(turned_frame, p.h);
+    if (p.wo.z <= 0.0 || p.h.z <= 0.0) return Scattering(vec3(0.0), 0.0);
+  }
   const float wo_h = dot(p.wo, p.h), density = facet_density(coat, p.h);
   const float shown = density * facet_masking(coat, p.wo, wo_h) * facet_masking(coat, p.wi, wo_h) / p.wo.z;
-  return Scattering(vec3(0.25 * m.k.z * (0.04 + 0.96 * fifth_power(1.0 - wo_h)) * shown), lobes.coat * 0.25 * density / visible_area(coat, p.wo));
+  const float value = p.wi.z > 0.0 ? 0.25 * m.k.z * (0.04 + 0.96 * fifth_power(1.0 - wo_h)) * shown : 0.0;
+  return Scattering(vec3(value), lobes.coat * 0.25 * density / visible_area(coat, p.wo));
 }
 
 Scattering gltf_scattering(Material m, GltfPair p) {
-  const GltfLobes lobes = gltf_lobes(m, p.wo.z, p.front);
+  const GltfLobes lobes = gltf_lobes(m, p.wo.z, coat_cosine(m, p, p.wo), p.front);
   const Layers layers = pair_layers(m, p);
   Scattering s = gltf_base(m, p, lobes);
   if (p.h.z > 0.0) {
@@ -215,7 +235,7 @@ Scattering gltf_evaluate(Material m, vec3 wo, vec3 wi) {
   wi = vec3(turned(wi.xy, turn), wi.z * side);
   const bool clear = material_has(m, kMaterialTransmissive);
   if (wo.z <= 0.0 || wi.z == 0.0 || (!clear && (side < 0.0 || wi.z < 0.0))) return Scattering(vec3(0.0), 0.0);
-  return gltf_scattering(m, GltfPair(wo, wi, gltf_half_vector(m, wo, wi, eta), eta, side > 0.0 || gltf_is_sheet(m)));
+  return gltf_scattering(m, GltfPair(wo, wi, gltf_half_vector(m, wo, wi, eta), eta, gltf_coat_normal(m, side, turn), side > 0.0 || gltf_is_sheet(m)));
 }
 
 // A direction by microfacets, with the normal that was met.
@@ -236,7 +256,7 @@ uint gltf_facet_direction(Material m, inout GltfPair p, GltfLobes lobes, float x
 
 // A direction of the lobe that x, in [0, 1), chooses.
 uint gltf_direction(Material m, inout GltfPair p, float x, vec2 u) {
-  const GltfLobes lobes = gltf_lobes(m, p.wo.z, p.front);
+  const GltfLobes lobes = gltf_lobes(m, p.wo.z, coat_cosine(m, p, p.wo), p.front);
   x *= lobes_total(lobes);
   if (x < lobes.facets) return gltf_facet_direction(m, p, lobes, x, u);
   x -= lobes.facets;
@@ -248,7 +268,13 @@ uint gltf_direction(Material m, inout GltfPair p, float x, vec2 u) {
     return through ? kLobeDiffuseTransmission : kLobeDiffuse;
   }
   if (x - lobes.front - lobes.behind < lobes.coat) {
-    p.h = sample_facet(Facets(vec2(m.ext_ior), false), p.wo, u);
+    const Facets coat = Facets(vec2(m.ext_ior), false);
+    if (has_coat_normal(m)) {
+      const ShadingFrame turned_frame = make_frame(p.coat);
+      p.h = to_world(turned_frame, sample_facet(coat, to_local(turned_frame, p.wo), u));
+    } else {
+      p.h = sample_facet(coat, p.wo, u);
+    }
     p.wi = 2.0 * dot(p.wo, p.h) * p.h - p.wo;
     return kLobeGlossyReflection;
   }
@@ -262,7 +288,8 @@ BsdfSample gltf_sample(Material m, vec3 wo, float u_lobe, vec2 u) {
   const float side = wo.z < 0.0 ? -1.0 : 1.0, eta = gltf_bending(m, side);
   const vec2 turn = cos_sin_turn(m.film.z);
   if (wo.z == 0.0 || (side < 0.0 && !material_has(m, kMaterialTransmissive))) return kNoBsdfSample;
-  GltfPair p = GltfPair(vec3(turned(wo.xy, turn * vec2(1.0, -1.0)), wo.z * side), vec3(0.0), vec3(0.0), eta, side > 0.0 || gltf_is_sheet(m));
+  const vec2 back = turn * vec2(1.0, -1.0);
+  GltfPair p = GltfPair(vec3(turned(wo.xy, back), wo.z * side), vec3(0.0), vec3(0.0), eta, gltf_coat_normal(m, side, back), side > 0.0 || gltf_is_sheet(m));
   const uint lobe = gltf_direction(m, p, u_lobe, u);
   const bool through = lobe == kLobeGlossyTransmission || lobe == kLobeDiffuseTransmission;
   const bool glossy = lobe == kLobeGlossyReflection || lobe == kLobeGlossyTransmission;

@@ -1,10 +1,15 @@
 // Diffuse area light on a triangle, disk, cylinder or sphere, emitting on the side of the shading normal.
+#include "../features.glsl"
 #include "../mutants.h"
+
+FEATURE(bool, kTwoSidedLights, kConstantTwoSidedLights, false)
+bool shines_on_both_sides(Instance instance) { return kTwoSidedLights && instance.light_area < 0.0; }
+float light_area_of(Instance instance) { return kTwoSidedLights ? abs(instance.light_area) : instance.light_area; }
 
 // Radiance toward w (pointing away from the surface).
 vec3 area_radiance(Instance instance, vec3 ns, vec3 w) {
   MUTATE(kMutantEmitterTwoSided, return instance.radiance);
-  return dot(w, ns) > 0.0 ? instance.radiance : vec3(0.0);
+  return shines_on_both_sides(instance) || dot(w, ns) > 0.0 ? instance.radiance : vec3(0.0);
 }
 
 // What the radiance of a lamp is multiplied with at a point of it.
@@ -56,6 +61,7 @@ LightSample area_sample_flat(vec3 p, Primitive tri, Instance instance, LightChoi
   ls.wi = v * inversesqrt(d2);
   // The shading normal decides on which side the light shines, the geometric one how large it looks.
   bool facing = dot(ls.wi, kLightNormals ? shading_normal(instance, tri.primitive, b, ls.ng) : ls.ng) < 0.0;
+  facing = facing || shines_on_both_sides(instance);
   MUTATE(kMutantEmitterTwoSided, facing = true);
   const float cos_light = abs(dot(ls.wi, ls.ng));
   facing = facing && cos_light > 0.0 && d2 > 0.0;

@@ -102,13 +102,13 @@ LightSample sample_light(vec3 p, vec3 n, uvec4 words) {
   }
   const LightPrimitive choice = fetch_light_primitive(choose_light_primitive(light, words.y));
   const Instance instance = fetch_instance(light.instance);
-  return area_sample(p, choice.primitive, instance, LightChoice(instance.light_prob, choice.prob, instance.light_area), to_unit(words.zw));
+  return area_sample(p, choice.primitive, instance, LightChoice(instance.light_prob, choice.prob, light_area_of(instance)), to_unit(words.zw));
 }
 
 // Density with which sample_light would have found the surface point `s` from `p` in direction wi; the mis_pdf of LightSample.
 float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, Instance instance, Primitive prim) {
   float prob = instance.light_prob;
-  float area = instance.light_area;
+  float area = light_area_of(instance);
   if (kLightTree) {
     // No walk for what does not emit: the loop ends at once when that holds for all lanes.
     const LightTrail trail = instance.light_prob > 0.0 ? fetch_light_trail(s.instance, kInstanced && instance.place != kNone ? 0u : s.primitive) : LightTrail(0u, 1.0, 0u, 0u);

@@ -9,7 +9,7 @@ LightSample sample_shared_light(vec3 p, LightInstance light, float prob, uint wo
   const Instance instance = fetch_instance(light.instance);
   const Place place = fetch_place(instance.place);
   const Primitive tri = place_triangle(place, choice.primitive, light.instance);
-  const float area = instance.light_area * place_area_factor(place, triangle_normal(tri));
+  const float area = light_area_of(instance) * place_area_factor(place, triangle_normal(tri));
   LightSample ls = area_sample(p, tri, instance, LightChoice(prob, choice.prob, area), u);
   MUTATE(kMutantInstanceAreaNotScaled, ls.pdf_w *= place_area_factor(place, triangle_normal(tri)));
   ls.error += place.error + place.relative_error * length(ls.p - p);

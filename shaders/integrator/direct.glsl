@@ -25,6 +25,7 @@ void next_direct_round(inout Path path) {
   path.ray = camera_ray(path.pixel, film_place(path.pixel), path.sample_index, weight);
   path.passed = kNothingPassed;
   path.beta = vec3(1.0);
+  path.channel = 0u;
   path.absorption = vec3(0.0);
   path.full_emission = true;
   path.bounces = 0u;

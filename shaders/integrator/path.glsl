@@ -45,6 +45,7 @@ struct Path {
   uint shadow_segments;
   uint shadow_vertex;  // where it began
   uint bounces;        // how often the path was scattered
+  uint channel;        // of a path that has met what disperses light: 1 red, 2 green, 3 blue
 };
 
 // Decisions taken at the end of a segment; kNone where nothing was decided. Folded into signatures or written out by the kernels that
@@ -72,7 +73,7 @@ Path begin_path(uint pixel, uvec2 xy, uint sample_index) {
   float weight;
   const Ray ray = camera_ray(pixel, xy, sample_index, weight);
   return Path(ray, vec3(1.0), vec3(0.0), 0.0, vec3(0.0), vec3(0.0), 1.0, 1u, true, pixel, sample_index, weight, true, false, ray, vec3(0.0),
-              kNothingPassed, kNothingPassed, 0u, 0u, 0u);
+              kNothingPassed, kNothingPassed, 0u, 0u, 0u, 0u);
 }
 
 Path begin_path(uint pixel, uint sample_index) { return begin_path(pixel, film_place(pixel), sample_index); }
@@ -201,16 +202,27 @@ vec3 mixed(OtherHalf other, vec3 a, vec3 b) { return other.share * a + (1.0 - ot
 
 // What has been chosen at a surface, and what of it light sees that looks from w.
 Scatterer scatterer_of(Choice choice, Surface s, SurfacePoint at, Primitive geometry, vec3 w) {
-  const Material material = evaluate_material(choice.material, at);
+  Material material = evaluate_material(choice.material, at);
   s.frame = choice.frame;
   s.base = choice.base;
   if (textures_have(kTexturesTangents) && material_has(material, kMaterialAligned)) s.frame = aligned_frame(s.frame.n, at, geometry);
+  if (kCoatNormals && material_has(material, kMaterialCoatNormal)) material.coat = to_local(s.frame, coat_normal(choice, at, geometry, w));
   return Scatterer(s, material, to_local(s.frame, w));
 }
 
 // Whether nothing scatters toward w.
 bool is_black(Scatterer m, vec3 w) {
   return (material_has(m.material, kMaterialOneSided) && m.wo.z <= 0.0) || !sides_agree(m.s, w, m.wo.z);
+}
+
+// What disperses light bends each colour otherwise: from there on a path carries one of the three. `u` chooses it.
+void disperse(inout Path path, inout Material m, float u) {
+  if (!material_has(m, kMaterialDispersive)) return;
+  if (path.channel == 0u) {
+    path.channel = 1u + min(uint(3.0 * u), 2u);
+    path.beta *= 3.0 * vec3(equal(uvec3(1u, 2u, 3u), uvec3(path.channel)));
+  }
+  m.eta.x = max(m.eta.x + (float(path.channel) - 2.0) * (m.volume.w - 1.0) * (m.eta.x - 1.0), 1.001);
 }
 
 bool absorbs_behind(Material m) { return kVolumes && material_has(m, kMaterialVolume) && material_has(m, kMaterialTransmissive); }
@@ -416,7 +428,8 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   }
   if (kLightPart == kLightPartDirect && path.bounces > 0u) return;
   if (path.segment >= max_depth) return;
-  const Scatterer chosen = scatterer_of(choice, s, at, hit.geometry, -path.ray.d);
+  Scatterer chosen = scatterer_of(choice, s, at, hit.geometry, -path.ray.d);
+  if (kDispersive && kIntegrator != kIntegratorAov) disperse(path, chosen.material, choice_number(words, kNone));
   const Material material = chosen.material;
   s = chosen.s;
   if (kIntegrator == kIntegratorAov && frame.aov == kAovNormal && !material_has(material, kMaterialDelta)) {
@@ -430,6 +443,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   OtherHalf other = OtherHalf(chosen, -1.0);
   if (kBlended && (kGathersLight || kIntegrator == kIntegratorAov) && other_choice.share >= 0.0)
     other = other_half(chosen, other_choice, at, hit.geometry, -path.ray.d, words);
+  if (kDispersive && kIntegrator != kIntegratorAov && is_mixed(other)) disperse(path, other.scatterer.material, choice_number(words, kNone));
   const bool delta = material_has(material, kMaterialDelta);
   const bool all_delta = delta && (!is_mixed(other) || material_has(other.scatterer.material, kMaterialDelta));
   const uint round = direct_round(path);

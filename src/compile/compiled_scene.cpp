@@ -441,10 +441,12 @@ class Compiler {
         const SharedMesh& mesh = shared_light(scene_.instances[i].shape);
         const double scale = mesh.normalization.scale;
         flat.light_area = static_cast<float>(mesh.light.area * scale * scale);
+        mark_two_sided(i);
         out_.light_instances.push_back({static_cast<gpu::uint>(thresholds[i]), static_cast<gpu::uint>(i),
                                         mesh.first_light_primitive, mesh.light_primitive_count});
         continue;
       }
+      mark_two_sided(i);
       add_light(Placed(scene_, scene_.instances[i]), static_cast<gpu::uint>(i), static_cast<gpu::uint>(thresholds[i]));
     }
     if (!thresholds.empty()) add_delta_lights(std::span(thresholds).subspan(areas.size()));
@@ -470,6 +472,16 @@ class Compiler {
           static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
       out_.light_instances.push_back({static_cast<gpu::uint>(thresholds[i]), gpu::kLightLeafDelta | index, 0, 0});
     }
+  }
+
+  bool is_two_sided(std::size_t instance) const {
+    const AreaEmitter* emitter = scene_.emitter_of(scene_.instances[instance]);
+    return emitter != nullptr && emitter->two_sided;
+  }
+  void mark_two_sided(std::size_t instance) {
+    if (!is_two_sided(instance)) return;
+    out_.two_sided_lights = true;
+    out_.instances[instance].light_area = -out_.instances[instance].light_area;
   }
 
   void add_light(const Placed& placed, gpu::uint index, gpu::uint threshold) {
@@ -504,6 +516,11 @@ class Compiler {
     return mesh;
   }
 
+  static void shine_to_all_sides(LightLeaf& leaf) {
+    leaf.normal = glm::dvec3(0.0);
+    leaf.corner_normals.clear();
+  }
+
   // The primitives that emit, in the order of the scene: light primitives of positive power.
   std::vector<LightLeaf> light_leaves() const {
     std::vector<LightLeaf> leaves;
@@ -521,6 +538,7 @@ class Compiler {
       if (sharing_.has_instance(light.instance)) {
         leaves.push_back(placed_light_leaf(*meshes_[instance.shape], instance));
         leaves.back().power *= luminance(radiance.mean_of_all());
+        if (is_two_sided(light.instance)) shine_to_all_sides(leaves.back());
         leaves.back().light_primitive = gpu::kLightLeafShared | static_cast<gpu::uint>(l);
         if (!(leaves.back().power > 0.0)) leaves.pop_back();
         continue;
@@ -531,6 +549,7 @@ class Compiler {
         leaf.power *= luminance(radiance.mean(out_.light_primitives[i].primitive.primitive));
         if (!(leaf.power > 0.0)) continue;
         leaf.light_primitive = i;
+        if (is_two_sided(light.instance)) shine_to_all_sides(leaf);
         leaves.push_back(leaf);
       }
     }
@@ -555,7 +574,7 @@ class Compiler {
       if ((leaves[i].light_primitive & gpu::kLightLeafDelta) != 0) continue;  // no ray meets it
       if ((leaves[i].light_primitive & gpu::kLightLeafShared) != 0) {
         const gpu::uint instance = out_.light_instances[leaves[i].light_primitive & ~gpu::kLightLeafShared].instance;
-        trails[trails[instance].turns] = {tree.trails[i].turns, out_.instances[instance].light_area, 0, 0};
+        trails[trails[instance].turns] = {tree.trails[i].turns, std::abs(out_.instances[instance].light_area), 0, 0};
         continue;
       }
       const gpu::Primitive& at = out_.light_primitives[leaves[i].light_primitive].primitive;

@@ -41,6 +41,7 @@ struct CompiledScene {
   std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone when all primitives stand outside the tree
   std::uint32_t tree_depth = 0;  ///< levels of nodes, those of the deepest shared mesh and a step into it included
   bool has_spheres = false, inward_spheres = false, has_disks = false, has_cylinders = false;
+  bool two_sided_lights = false;                   ///< some light shines on both sides
   std::uint32_t few_count = 0;                     ///< the first primitives stand outside the tree, see kFewPrimitives
   std::uint32_t few_spheres = 0;                   ///< bit i: the i-th of them is a sphere
   std::uint32_t few_disks = 0, few_cylinders = 0;  ///< the same

@@ -195,7 +195,7 @@ CompiledView compile_view(const SceneFacts& scene, const View& view, std::uint32
   f.light_instance_count = scene.light_instance_count;
   const FilterTable table = make_filter_table(camera.filter);
   f.filter_weight = static_cast<float>(table.weight);
-  f.filter_zero = table.has_negative_lobes ? static_cast<float>(table.zero) : INFINITY;
+  f.filter_zero = table.turns_negative ? static_cast<float>(table.zero) : INFINITY;
   out.filter = table.knots.empty() ? gpu::kFilterBox : table.alternates ? gpu::kFilterAlternating : gpu::kFilterTable;
   out.filter_knots = table.knots;
   return out;

@@ -115,7 +115,7 @@ FilterTable make_filter_table(const ReconstructionFilter& f) {
   table.alternates = f.type == ReconstructionFilter::Type::lanczos;
   const double zero = table.alternates ? 1.0 : find_zero(f);
   table.zero = zero * reach;
-  table.has_negative_lobes = zero < 1.0;
+  table.turns_negative = zero < 1.0;
   int cell = 0;
   for (gpu::uint i = 0; i <= gpu::kFilterSteps; ++i) {
     const double target = cdf.back() * i / gpu::kFilterSteps;

@@ -10,8 +10,8 @@ namespace etendue {
 struct FilterTable {
   std::vector<float> knots;  ///< inverse CDF of |filter| at i/kFilterSteps, in pixels; empty for the box of one pixel
   double weight = 1.0;       ///< ∫|f| / ∫f
-  bool has_negative_lobes = false;
-  double zero = 0.0;        ///< |x| beyond which the filter is negative
+  bool turns_negative = false;
+  double zero = 0.0;        ///< |x| beyond which the filter is negative, where it turns so once
   bool alternates = false;  ///< the sign changes at every whole number of pixels instead
 };
 

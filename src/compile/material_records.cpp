@@ -45,7 +45,8 @@ gpu::MaterialRecord flatten(const BlendAdapter& blend) {
           .header = gpu::kAdapterBlend};
 }
 gpu::MaterialRecord flatten(const NormalMapAdapter& map) {
-  return {.params = glm::vec3(static_cast<float>(map.inner), 0.0f, 0.0f), .header = gpu::kAdapterNormalMap};
+  return {.params = glm::vec3(static_cast<float>(map.inner), map.vertex_tangents ? 1.0f : 0.0f, 0.0f),
+          .header = gpu::kAdapterNormalMap};
 }
 gpu::MaterialRecord flatten(const BumpMapAdapter& map) {
   return {.params = glm::vec3(static_cast<float>(map.inner), 0.0f, map.height.value), .header = gpu::kAdapterBumpMap};
@@ -72,6 +73,8 @@ const std::vector<float>& sheen_table() {
   static const std::vector<float> table = sheen_albedos();
   return table;
 }
+// Of the indices of red and blue, for a dispersion of 1, in terms of the index less 1 [Khronos2021].
+constexpr double kHalfSpread = 0.025;
 // A negative exponent of a solid's transmittance, per scene unit.
 glm::dvec3 absorption(const GltfBsdf& bsdf) {
   return bsdf.thin ? glm::dvec3(0.0) : -glm::log(bsdf.attenuation_color) / bsdf.attenuation_distance;
@@ -84,7 +87,9 @@ gpu::MaterialRecord flatten(const GltfBsdf& bsdf, std::vector<gpu::vec4>& tables
   const gpu::MaterialRecord record{
       .params = glm::vec3(bsdf.base_color.value),
       .header = gpu::kBsdfGltf | (may_refract(bsdf) ? gpu::kMaterialTransmissive : gpu::kMaterialOneSided) |
-                (absorbs ? gpu::kMaterialVolume : 0u) | (has_film ? gpu::kMaterialFilm : 0u),
+                (absorbs ? gpu::kMaterialVolume : 0u) | (has_film ? gpu::kMaterialFilm : 0u) |
+                (disperses(bsdf) ? gpu::kMaterialDispersive : 0u) |
+                (bsdf.coat_keeps_normal ? gpu::kMaterialCoatNormal : 0u),
       .specular = glm::vec3(bsdf.specular_color.value),
       .share = static_cast<float>(bsdf.specular.value),
       .eta = glm::vec3(bsdf.ior.value, bsdf.roughness.value, bsdf.metallic.value),
@@ -96,7 +101,8 @@ gpu::MaterialRecord flatten(const GltfBsdf& bsdf, std::vector<gpu::vec4>& tables
           glm::vec4(glm::vec3(bsdf.diffuse_transmission_color.value), static_cast<float>(bsdf.iridescence.value)),
       .film = glm::vec4(bsdf.iridescence_ior.value, bsdf.iridescence_thickness.value, turn - std::floor(turn),
                         tables.size()),
-      .volume = glm::vec4(glm::vec3(absorption(bsdf)), bsdf.thin ? 0.0f : 1.0f)};
+      .volume = glm::vec4(glm::vec3(absorption(bsdf)),
+                          bsdf.thin ? 0.0 : 1.0 + (disperses(bsdf) ? kHalfSpread * bsdf.dispersion : 0.0))};
   if (bsdf.sheen_color.value == glm::dvec3(0.0)) return record;
   const std::vector<float>& sheen = sheen_table();
   for (std::size_t i = 0; i < sheen.size(); i += 4)
@@ -304,7 +310,7 @@ gpu::MaterialRecord material_record(const Material& material, std::vector<gpu::v
 
 gpu::MaterialTextures material_textures(const Material& material, std::vector<gpu::TextureUse>& uses) {
   gpu::MaterialTextures textures{
-      .first = gpu::kNone, .begin = static_cast<gpu::uint>(uses.size()), .end = 0, .pad0 = 0};
+      .first = gpu::kNone, .begin = static_cast<gpu::uint>(uses.size()), .end = 0, .coat_normals = gpu::kNone};
   bool first = true;
   each_parameter(material, [&](const char*, const auto& parameter) {
     if (first && parameter.texture) textures.first = texture_of(parameter);
@@ -313,12 +319,19 @@ gpu::MaterialTextures material_textures(const Material& material, std::vector<gp
   const auto add = [&](const auto& bsdf) {
     each_parameter(bsdf, [&](const char* name, const auto& parameter) {
       if (!parameter.texture) return;
+      if (std::string_view(name) == "coat_normals") {
+        textures.coat_normals = texture_of(parameter);
+        return;
+      }
       const ParameterRange range = parameter_range(bsdf, name);
       uses.push_back({texture_of(parameter), floats_of(bsdf, name), static_cast<float>(range.least),
                       static_cast<float>(range.most)});
     });
   };
   if (!material.adapter) std::visit(add, material.bsdf);
+  const auto* gltf = material.adapter ? nullptr : std::get_if<GltfBsdf>(&material.bsdf);
+  if (gltf != nullptr && gltf->coat_normals.texture && gltf->coat_vertex_tangents)
+    textures.coat_normals |= gpu::kTextureOfVertexTangents;
   textures.end = static_cast<gpu::uint>(uses.size());
   return textures;
 }

@@ -51,7 +51,7 @@ std::shared_ptr<const Bitmap> linear_floats(const Bitmap& coded) {
 /// What the textures of an instance read of its shape.
 struct Needs {
   std::uint32_t sets = 0;
-  bool vertex_colors = false, face_colors = false;
+  bool vertex_colors = false, face_colors = false, tangents = false;
   bool any = false;
 };
 
@@ -85,6 +85,13 @@ class TextureCompiler {
     each_material(scene_, instance.material, [&](const Material& material) {
       each_parameter(material, add);
       if (is_aligned(material)) add_tangents(instance, needs);
+      const auto* normals = material.adapter ? std::get_if<NormalMapAdapter>(&*material.adapter) : nullptr;
+      const auto* gltf = material.adapter ? nullptr : std::get_if<GltfBsdf>(&material.bsdf);
+      const bool of_coat = gltf != nullptr && gltf->coat_vertex_tangents && gltf->coat_normals.texture;
+      if (of_coat || (normals != nullptr && normals->vertex_tangents)) {
+        needs.tangents = true;
+        out_.features |= gpu::kTexturesVertexTangents;
+      }
       const bool plain = material.adapter || std::holds_alternative<DiffuseBsdf>(material.bsdf);
       if (!plain && is_textured(material)) out_.features |= gpu::kTexturesRich;
       const auto* coated = std::get_if<RoughPlasticBsdf>(&material.bsdf);
@@ -106,6 +113,7 @@ class TextureCompiler {
 
   void add_need(const Texture& texture, const Instance& instance, Needs& needs) {
     textured_ = needs.any = true;
+    needs.vertex_colors |= texture.vertex_tint;
     if (const auto* attribute = std::get_if<AttributeTexture>(&texture.source)) {
       const bool faces = attribute->source == AttributeTexture::Source::face_color;
       (faces ? needs.face_colors : needs.vertex_colors) = true;
@@ -141,6 +149,12 @@ class TextureCompiler {
     record.v_row = glm::vec3(rows[1]);
     record.uv_set = texture.uv_set;
     std::visit([&](const auto& source) { flatten_source(source, texture, record); }, texture.source);
+    if (texture.vertex_tint) record.header |= gpu::kTextureTinted;
+    if (texture.alpha_cutoff) record.header |= gpu::kTextureCut;
+    if (texture.premultiplied) record.header |= gpu::kTexturePremultiplied;
+    record.cutoff = static_cast<float>(texture.alpha_cutoff.value_or(0.0));
+    if (texture.vertex_tint) out_.features |= gpu::kTexturesTinted;
+    if (texture.alpha_cutoff || texture.premultiplied) out_.features |= gpu::kTexturesAlpha;
     return record;
   }
 
@@ -218,8 +232,13 @@ class TextureCompiler {
       return flat;
     }
     flat.layout_bits = needs.sets | (needs.vertex_colors ? gpu::kAttributesVertexColors : 0u) |
-                       (needs.face_colors ? gpu::kAttributesFaceColors : 0u);
-    const auto [place, added] = meshes_.try_emplace(key(instance), static_cast<gpu::uint>(out_.attributes.size()));
+                       (needs.face_colors ? gpu::kAttributesFaceColors : 0u) |
+                       (needs.tangents ? gpu::kAttributesTangents : 0u);
+    // Tangents lie in the world, unless the mesh is shared.
+    const auto index = static_cast<std::size_t>(&instance - scene_.instances.data());
+    const std::size_t own = needs.tangents && !sharing_.has_instance(index) ? index : scene_.instances.size();
+    const auto [place, added] =
+        meshes_.try_emplace({key(instance), own}, static_cast<gpu::uint>(out_.attributes.size()));
     flat.first = place->second;
     if (added) add_mesh(instance, needs);
     return flat;
@@ -259,9 +278,22 @@ class TextureCompiler {
         out_.attributes.emplace_back(uvs[t.x], uvs[t.y]);
         out_.attributes.emplace_back(uvs[t.z], 0.0f, 0.0f);
       }
-      for (int k = 0; k < 3 && needs.vertex_colors; ++k) out_.attributes.emplace_back(mesh.vertex_colors[t[k]], 0.0f);
+      for (int k = 0; k < 3 && needs.vertex_colors; ++k)
+        out_.attributes.emplace_back(mesh.vertex_colors[t[k]],
+                                     mesh.vertex_alphas.empty() ? 1.0f : mesh.vertex_alphas[t[k]]);
       if (needs.face_colors) out_.attributes.emplace_back(mesh.face_colors[i], 0.0f);
+      for (int k = 0; k < 3 && needs.tangents; ++k)
+        out_.attributes.push_back(placed_tangent(instance, mesh.tangents[t[k]]));
     }
+  }
+
+  gpu::vec4 placed_tangent(const Instance& instance, const glm::vec4& tangent) const {
+    const auto index = static_cast<std::size_t>(&instance - scene_.instances.data());
+    if (sharing_.has_instance(index)) return tangent;
+    // Directions alone count: brought to the size of single precision for all of the instance alike.
+    const glm::dmat3 linear(instance.world_from_object);
+    const double size = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
+    return {glm::vec3(linear * (glm::dvec3(tangent) / size)), turns_winding(instance) ? -tangent.w : tangent.w};
   }
 
   void add_srgb() {
@@ -278,8 +310,9 @@ class TextureCompiler {
   CompiledTextures out_;
   bool textured_ = false;
   std::map<std::pair<std::uint32_t, bool>, Needs> needs_;
-  std::map<std::pair<std::uint32_t, bool>, gpu::uint> meshes_;  // first texel of their attributes
-  std::map<BitmapUse, std::uint64_t> places_;                   // in multiples of 16 bytes
+  // First texel of their attributes, where needs be of one instance.
+  std::map<std::pair<std::pair<std::uint32_t, bool>, std::size_t>, gpu::uint> meshes_;
+  std::map<BitmapUse, std::uint64_t> places_;  // in multiples of 16 bytes
   std::map<BitmapUse, std::shared_ptr<const Bitmap>> placed_;
   std::uint64_t next_place_ = 0;
 };

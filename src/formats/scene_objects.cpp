@@ -229,6 +229,8 @@ class ElementWriter {
     };
     check(mesh.normals.size(), "normals");
     check(mesh.vertex_colors.size(), "colours of vertices");
+    check(mesh.vertex_alphas.size(), "alphas of vertices");
+    check(mesh.tangents.size(), "tangents");
     for (const std::vector<glm::vec2>& set : mesh.uv_sets) check(set.size(), "texture coordinates");
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const std::uint32_t largest = std::max({mesh.triangles[i].x, mesh.triangles[i].y, mesh.triangles[i].z});

@@ -8,6 +8,30 @@
 namespace etendue::reference {
 namespace {
 
+/// What the colour of a normal map makes of `n`, which with `side` −1 is the opposite of the surface's; not normalised.
+std::optional<Vec3> mapped(const Scene& scene, const Surface& surface, const Vec3& color, std::uint32_t uv_set,
+                           bool vertex_tangents, const Vec3& n, double side) {
+  Vec3 u(0.0);
+  if (vertex_tangents) {
+    const glm::dvec4 tangent = vertex_tangent(scene, surface);
+    u = Vec3(tangent);
+    side *= tangent.w;
+  } else {
+    u = tangents(scene, uv_set, surface).u;
+  }
+  const Vec3 along = u - n * glm::dot(n, u);
+  if (!(glm::length(along) > 0.0)) return std::nullopt;
+  const Vec3 t = glm::normalize(along), b = side * glm::cross(n, t);
+  const Vec3 c = 2.0 * color - 1.0;
+  return c.x * t + c.y * b + c.z * n;
+}
+
+/// A normal that is not seen from where the surface is seen lies on the other side of the surface's.
+Vec3 seen(const Vec3& turned, const Vec3& n, const Vec3& d) {
+  if (glm::dot(turned, d) * glm::dot(n, d) > 0.0) return turned;
+  return glm::normalize(2.0 * glm::dot(n, turned) * n - turned);
+}
+
 /// A place on the way from an adapter to a material.
 struct Place {
   std::uint32_t row;
@@ -55,13 +79,9 @@ struct Chooser : Place {
   }
   /// Tangent, bitangent and normal are those of the surface; seen from behind, height is counted backward.
   bool step(const NormalMapAdapter& map) {
-    const Tangents by = tangents(scene, scene.textures[*map.normals.texture].uv_set, surface);
-    const Vec3 n = frame.normal(), along = by.u - n * glm::dot(n, by.u);
-    if (glm::length(along) > 0.0) {
-      const Vec3 t = glm::normalize(along), b = side * glm::cross(n, t);
-      const Vec3 c = 2.0 * at_point(scene, map.normals, surface) - 1.0;
-      turn(c.x * t + c.y * b + c.z * n);
-    }
+    const std::uint32_t uv_set = scene.textures[*map.normals.texture].uv_set;
+    const Vec3 color = at_point(scene, map.normals, surface);
+    if (const auto to = mapped(scene, surface, color, uv_set, map.vertex_tangents, frame.normal(), side)) turn(*to);
     row = map.inner;
     return true;
   }
@@ -79,13 +99,11 @@ struct Chooser : Place {
     row = map.inner;
     return true;
   }
-  /// A normal that is not seen from where the surface is seen lies on the other side of the surface's.
   void turn(const Vec3& to) {
     if (!(glm::length(to) > 0.0)) return;
-    const Vec3 n = frame.normal(), turned = glm::normalize(to);
-    const bool seen = glm::dot(turned, d) * glm::dot(n, d) > 0.0;
+    const Vec3 n = frame.normal();
     if (!base) base = n;
-    frame = Frame(seen ? turned : glm::normalize(2.0 * glm::dot(n, turned) * n - turned));
+    frame = Frame(seen(glm::normalize(to), n, d));
   }
 };
 
@@ -98,7 +116,7 @@ std::optional<ChosenMaterial> arrive(Chooser& chooser) {
       const Frame& frame = chooser.frame;
       return ChosenMaterial{chooser.row,
                             is_aligned(material) ? frame.along(tangents(chooser.scene, 0, chooser.surface).u) : frame,
-                            chooser.base};
+                            chooser.base, chooser.side};
     }
     if (!std::visit([&](const auto& adapter) { return chooser.step(adapter); }, *material.adapter)) return std::nullopt;
   }
@@ -111,6 +129,23 @@ Chooser begin(const Scene& scene, const Surface& surface, const Vec3& d, const S
 }
 
 }  // namespace
+
+Bsdf material_at(const Scene& scene, const ChosenMaterial& chosen, const Surface& surface, const Vec3& d) {
+  Bsdf bsdf = at_point(scene, scene.materials[chosen.row].bsdf, surface);
+  auto* gltf = std::get_if<GltfBsdf>(&bsdf);
+  if (gltf == nullptr || !gltf->coat_keeps_normal) return bsdf;
+  Vec3 n = chosen.base.value_or(chosen.frame.normal());
+  // At the point, a textured parameter has become a constant.
+  const ColorParameter& map = std::get<GltfBsdf>(scene.materials[chosen.row].bsdf).coat_normals;
+  if (map.texture) {
+    const std::uint32_t uv_set = scene.textures[*map.texture].uv_set;
+    const auto to =
+        mapped(scene, surface, gltf->coat_normals.value, uv_set, gltf->coat_vertex_tangents, n, chosen.side);
+    if (to && glm::length(*to) > 0.0) n = seen(glm::normalize(*to), n, d);
+  }
+  gltf->met.coat_normal = chosen.frame.to_local(n);
+  return bsdf;
+}
 
 std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface& surface, const Vec3& d,
                                               const SampleRandom& random, std::uint32_t k, bool shadow_ray) {

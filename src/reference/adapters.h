@@ -17,6 +17,7 @@ struct ChosenMaterial {
   Frame frame;
   /// The normal before maps turned it, on the same side; nothing where none has.
   std::optional<Vec3> base = {};
+  double side = 1.0;  ///< of the frame's normal, against that of the surface
 };
 
 /// A material that was chosen, and what the outermost blend on the way to it would have chosen else.
@@ -33,5 +34,8 @@ std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface&
 /// The same with what a blend did not choose, for a path that arrives at vertex `k`.
 std::optional<ChosenMaterials> choose_materials(const Scene& scene, const Surface& surface, const Vec3& d,
                                                 const SampleRandom& random, std::uint32_t k);
+
+/// A chosen material at a point that a ray in direction `d` has met: all of its parameters are constants.
+Bsdf material_at(const Scene& scene, const ChosenMaterial& chosen, const Surface& surface, const Vec3& d);
 
 }  // namespace etendue::reference

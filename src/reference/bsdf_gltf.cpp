@@ -7,6 +7,7 @@
 
 #include "reference/bsdf.h"
 #include "reference/burley_base.h"
+#include "reference/frame.h"
 #include "reference/fresnel.h"
 #include "reference/microfacet_distribution.h"
 #include "reference/sampling.h"
@@ -57,7 +58,10 @@ struct GltfView {
         coat_alpha(squared_roughness(b.clearcoat_roughness.value)),
         fibres(b.sheen_roughness.value),
         wo(inward(o)) {
-    const double ior = b.thin ? 1.0 : std::max(1.001, b.ior.value);
+    const double bending = b.met.bending_index > 0.0 ? b.met.bending_index : b.ior.value;
+    const double ior = b.thin ? 1.0 : std::max(1.001, bending);
+    coat_normal = inward(b.met.coat_normal);
+    if (coat_normal.z < 0.0) coat_normal = -coat_normal;
     (side > 0.0 ? n_i : n_o) = ior;
     const double root = (b.ior.value - 1.0) / (b.ior.value + 1.0);
     along_normal = glm::min(b.specular_color.value * (root * root), 1.0) * b.specular.value;
@@ -66,7 +70,7 @@ struct GltfView {
     if (!all_layers) return;
     weights[facets] += b.metallic.value + opaque * std::max(0.1, largest(dielectric(wo.z)));
     weights[front] = opaque * (1.0 - b.diffuse_transmission.value);
-    weights[coat] = b.clearcoat.value * std::max(0.1, coat_albedo(wo.z));
+    weights[coat] = b.clearcoat.value * std::max(0.1, coat_albedo(wo));
     weights[sheen] = largest(b.sheen_color.value) / 2.0;
   }
 
@@ -106,8 +110,9 @@ struct GltfView {
     return glm::mix(least + (bsdf.specular.value - least) * grazing, most + (1.0 - most) * grazing,
                     bsdf.iridescence.value);
   }
-  double coat_albedo(double cosine) const {
-    return bsdf.clearcoat.value * (0.04 + 0.96 * grazing_share(cosine, coat_alpha));
+  /// Of light from a direction, by the coat's own normal.
+  double coat_albedo(const Vec3& w) const {
+    return bsdf.clearcoat.value * (0.04 + 0.96 * grazing_share(std::abs(glm::dot(w, coat_normal)), coat_alpha));
   }
 
   const GltfBsdf& bsdf;
@@ -118,6 +123,7 @@ struct GltfView {
   double coat_alpha;
   Sheen fibres;
   Vec3 wo;
+  Vec3 coat_normal{0.0, 0.0, 1.0};
   double n_o = 1.0, n_i = 1.0;
   Vec3 along_normal{0.0};
   std::array<double, kParts> weights{};
@@ -150,7 +156,10 @@ struct Layers {
     if (!s.all_layers && !m.through) return;
     double a = s.wo.z, b = std::abs(m.wi.z);
     if (m.through && !s.bsdf.thin) (s.side > 0.0 ? b : a) = s.side > 0.0 ? a : b;  // the layers are on one side
-    below_coat = 1.0 - std::max(s.coat_albedo(a), s.coat_albedo(b));
+    const bool inside_too = m.through && !s.bsdf.thin;
+    const Vec3& first = inside_too && s.side < 0.0 ? m.wi : s.wo;
+    const Vec3& second = inside_too ? first : m.wi;
+    below_coat = 1.0 - std::max(s.coat_albedo(first), s.coat_albedo(second));
     const double sheen = largest(s.bsdf.sheen_color.value);
     if (sheen == 0.0) return;
     const double most = std::max(s.fibres.albedo(a), s.fibres.albedo(b));
@@ -171,6 +180,27 @@ double seen_facets(const Roughness& roughness, const GltfView& s, const GltfMeet
   const MicrofacetDistribution d(roughness);
   return d.density(m.h) * d.masking(s.wo, m.h) * d.masking(m.image, m.h) * m.wo_h * m.normals_by_directions(s) / s.wo.z;
 }
+
+/// The coat's microfacets as seen along its own normal.
+struct CoatView {
+  CoatView(const GltfView& s, const GltfMeeting& m)
+      : frame(s.coat_normal),
+        wo(frame.to_local(s.wo)),
+        wi(frame.to_local(m.wi)),
+        h(frame.to_local(m.h)),
+        wo_h(m.wo_h) {}
+  bool met() const { return wo.z > 0.0 && h.z > 0.0; }
+  double value(const MicrofacetDistribution& d) const {
+    if (!met() || wi.z <= 0.0) return 0.0;
+    return d.density(h) * d.masking(wo, h) * d.masking(wi, h) * wo_h * (1.0 / (4.0 * wo_h)) / wo.z;
+  }
+  double density(const MicrofacetDistribution& d) const {
+    return met() ? d.visible_density(wo, h) / (4.0 * wo_h) : 0.0;
+  }
+  Frame frame;
+  Vec3 wo, wi, h;
+  double wo_h;
+};
 
 Vec3 microfacets(const GltfView& s, const GltfMeeting& m) {
   if (!m.met) return Vec3(0.0);
@@ -193,7 +223,7 @@ Vec3 eval(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   Vec3 value = layers.below_coat * layers.below_sheen * (base(s, m) + microfacets(s, m));
   if (m.through || !s.all_layers) return value;
   const Roughness coat{Roughness::Distribution::ggx, s.coat_alpha, s.coat_alpha};
-  value += bsdf.clearcoat.value * schlick(Vec3(0.04), m.wo_h) * seen_facets(coat, s, m);
+  value += bsdf.clearcoat.value * schlick(Vec3(0.04), m.wo_h) * CoatView(s, m).value(MicrofacetDistribution(coat));
   return value + bsdf.sheen_color.value * (layers.below_coat * layers.norm * s.fibres.lobe(s.wo.z, m.wi.z, m.h.z));
 }
 
@@ -210,8 +240,7 @@ double pdf(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   }
   if (!m.through) {
     const MicrofacetDistribution coat({Roughness::Distribution::ggx, s.coat_alpha, s.coat_alpha});
-    density += s.weights[GltfView::coat] * coat.visible_density(s.wo, m.h) / (4.0 * m.wo_h) +
-               s.weights[GltfView::sheen] / (2.0 * kPi);
+    density += s.weights[GltfView::coat] * CoatView(s, m).density(coat) + s.weights[GltfView::sheen] / (2.0 * kPi);
   }
   return density / s.total();
 }
@@ -245,8 +274,9 @@ Vec3 sample_rest(const GltfView& s, double x, const Vec2& u, Lobe& lobe) {
   }
   if (x - s.weights[GltfView::behind] < s.weights[GltfView::coat]) {
     lobe = Lobe::glossy_reflection;
-    const Vec3 h =
-        MicrofacetDistribution({Roughness::Distribution::ggx, s.coat_alpha, s.coat_alpha}).sample_visible(s.wo, u);
+    const Frame frame(s.coat_normal);
+    const MicrofacetDistribution coat({Roughness::Distribution::ggx, s.coat_alpha, s.coat_alpha});
+    const Vec3 h = frame.to_world(coat.sample_visible(frame.to_local(s.wo), u));
     return 2.0 * glm::dot(s.wo, h) * h - s.wo;
   }
   const double z = 1.0 - u.x, r = std::sqrt(std::max(0.0, 1.0 - z * z)), phi = 2.0 * kPi * u.y;

@@ -161,7 +161,7 @@ void Lights::see_from(const Vec3& from, const Chosen& chosen, bool shared, Light
   if (shared) sample.surface.magnitude = kMostCondition * (sample.surface.magnitude + distance);
   if (distance == 0.0) return;
   sample.wi = to_light / distance;
-  if (glm::dot(sample.wi, sample.surface.ns) >= 0.0) return;  // seen from behind
+  if (!chosen.light->two_sided && glm::dot(sample.wi, sample.surface.ns) >= 0.0) return;  // seen from behind
   const double cos_light = std::abs(glm::dot(sample.wi, sample.surface.ng));
   if (cos_light == 0.0) return;  // seen edge-on
   const double area_to_solid_angle = distance * distance / cos_light;
@@ -233,7 +233,8 @@ double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, c
 
 Vec3 emitted_radiance(const Scene& scene, const Surface& surface, const Vec3& wo) {
   const AreaEmitter* emitter = scene.emitter_of(scene.instances[surface.instance]);
-  return emitter != nullptr && glm::dot(surface.ns, wo) > 0.0 ? at_point(scene, emitter->radiance, surface) : Vec3(0.0);
+  const bool shines = emitter != nullptr && (emitter->two_sided || glm::dot(surface.ns, wo) > 0.0);
+  return shines ? at_point(scene, emitter->radiance, surface) : Vec3(0.0);
 }
 
 }  // namespace etendue::reference

@@ -82,7 +82,7 @@ class Look {
     }
     if (segment == kMaxSegments) return false;
     const auto scatterer_of = [&](const ChosenMaterial& m) {
-      return Scatterer(at_point(scene_, scene_.materials[m.row].bsdf, surface), m, -ray.direction);
+      return Scatterer(material_at(scene_, m, surface, ray.direction), m, -ray.direction);
     };
     const Mixture scatterer = found.other ? Mixture(scatterer_of(chosen), found.share, scatterer_of(*found.other))
                                           : Mixture(scatterer_of(chosen));

@@ -6,6 +6,7 @@
 #include "reference/scatterer.h"
 #include "reference/texture.h"
 #include "reference/walk.h"
+#include "scene/materials.h"
 
 namespace etendue::reference {
 namespace {
@@ -61,6 +62,7 @@ class Path {
       Ray ray = camera_ray;
       beta_ = Vec3(1.0);
       absorption_ = Vec3(0.0);
+      color_.reset();
       previous_.reset();
       bounces_ = 0;
       std::optional<Surface> hit;
@@ -120,15 +122,35 @@ class Path {
   }
 
   /// What light from vertex `k` on meets in the direction `w`, or nothing where it passes the surface.
-  std::optional<Mixture> scatterer_at(const Surface& surface, const Vec3& w, std::uint32_t k) const {
+  std::optional<Mixture> scatterer_at(const Surface& surface, const Vec3& w, std::uint32_t k) {
     const Scene& scene = world_.scene();
     const std::optional<ChosenMaterials> found = choose_materials(scene, surface, w, random_, k);
     if (!found) return std::nullopt;
-    const auto scatterer = [&](const ChosenMaterial& m) {
-      return Scatterer(at_point(scene, scene.materials[m.row].bsdf, surface), m, -w);
+    const auto scatterer = [&](const ChosenMaterial& m, bool disperses) {
+      Bsdf bsdf = material_at(scene, m, surface, w);
+      return Scatterer(disperses ? dispersed(std::move(bsdf), surface, w, k) : std::move(bsdf), m, -w);
     };
-    if (!found->other) return Mixture(scatterer(found->chosen));
-    return Mixture(scatterer(found->chosen), found->share, scatterer(*found->other));
+    const Scatterer chosen = scatterer(found->chosen, true);
+    if (!found->other) return Mixture(chosen);
+    // What is not mixed chooses no colour.
+    const Mixture mixture(chosen, found->share, scatterer(*found->other, false));
+    return mixture.mixed() ? Mixture(chosen, found->share, scatterer(*found->other, true)) : mixture;
+  }
+
+  /// What disperses light bends each of its three colours otherwise, and a path carries one from there on.
+  Bsdf dispersed(Bsdf bsdf, const Surface& surface, const Vec3& w, std::uint32_t k) {
+    auto* gltf = std::get_if<GltfBsdf>(&bsdf);
+    if (gltf == nullptr || !disperses(*gltf)) return bsdf;
+    if (!color_) {
+      const SampleRandom::Decision decision{k, surface.instance, surface.primitive, glm::dot(w, surface.ng) > 0.0,
+                                            false};
+      color_ = std::min(2, static_cast<int>(3.0 * random_.choice(decision, UINT32_MAX)));
+      for (int c = 0; c < 3; ++c) beta_[c] *= c == *color_ ? 3.0 : 0.0;
+    }
+    // n_F − n_C = (n − 1) / V, V = 20 / dispersion; red and blue lie half of it below and above green.
+    const double n = std::max(1.001, gltf->ior.value), spread = (n - 1.0) * gltf->dispersion / 20.0;
+    gltf->met.bending_index = std::max(1.001, n + (*color_ - 1) * spread / 2.0);
+    return bsdf;
   }
 
   Step pass(const Surface& surface, Ray& ray) {
@@ -335,6 +357,7 @@ class Path {
   Vec3 absorption_{0.0};  ///< of what the ray goes through, per scene unit
   Vec3 radiance_{0.0};
   double eta_scale_ = 1.0;
+  std::optional<int> color_;          ///< the one that the path carries, once it has met what disperses light
   std::optional<Previous> previous_;  ///< the vertex before; none for the camera
 };
 

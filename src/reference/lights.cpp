@@ -142,6 +142,12 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
       if (!mesh.normals.empty()) shine_by_vertex_normals(mesh, i, lights[l].placement, leaves.back());
     }
   }
+  // What emits on both sides is like a sphere.
+  for (LightLeaf& leaf : leaves) {
+    if (!lights[leaf.light].two_sided) continue;
+    leaf.normal = Vec3(0.0);
+    leaf.corner_normals.clear();
+  }
   for (std::uint32_t d = 0; d < deltas.size(); ++d) {
     const DeltaLight& light = scene.delta_lights[deltas[d]];
     LightLeaf& leaf = leaves.emplace_back();
@@ -178,6 +184,7 @@ Lights::Lights(const Scene& scene) : of_instance_(scene.instances.size()) {
     if (!scene.instances[i].emitter) continue;
     of_instance_[i] = lights_.size();
     lights_.push_back(make_light(scene, i, sharing.has_instance(i), shared));
+    lights_.back().two_sided = scene.emitter_of(scene.instances[i])->two_sided;
     weights.push_back(instance_power(scene, lights_.back()));
     power_ += weights.back();
   }

@@ -24,6 +24,7 @@ struct AreaLight {
   double area = 0.0;                        ///< of the whole instance, in world space
   DiscreteChoice triangles;                 ///< empty for other shapes than meshes
   std::shared_ptr<const MeshLight> shared;  ///< of an instance of a shared mesh, instead of `triangles`
+  bool two_sided = false;                   ///< emits behind, too
 
   const DiscreteChoice& choice() const { return shared ? shared->triangles() : triangles; }
 };

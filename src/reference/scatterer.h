@@ -83,6 +83,7 @@ class Mixture {
   }
 
   const Scatterer& chosen() const { return chosen_; }
+  bool mixed() const { return other_.has_value(); }
   /// As those of a single material. Lights have to be chosen alike whichever material was.
   Vec3 light_normal() const {
     return !other_ || other_->light_normal() == chosen_.light_normal() ? chosen_.light_normal() : Vec3(0.0);

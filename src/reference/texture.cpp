@@ -81,9 +81,12 @@ Vec4 value(const AttributeTexture& attribute, const TriangleMesh& mesh, const In
   if (attribute.source == AttributeTexture::Source::face_color)
     return Vec4(glm::dvec3(mesh.face_colors[surface.primitive]), 1.0);
   const glm::uvec3 t = corners(mesh, instance, surface);
-  Vec3 color(0.0);
-  for (int k = 0; k < 3; ++k) color += surface.weights[k] * Vec3(mesh.vertex_colors[t[k]]);
-  return Vec4(color, 1.0);
+  Vec4 color(0.0);
+  for (int k = 0; k < 3; ++k) {
+    const double alpha = mesh.vertex_alphas.empty() ? 1.0 : static_cast<double>(mesh.vertex_alphas[t[k]]);
+    color += surface.weights[k] * Vec4(Vec3(mesh.vertex_colors[t[k]]), alpha);
+  }
+  return color;
 }
 
 Vec2 sphere_uv(const Instance& instance, const Surface& surface) {
@@ -172,11 +175,16 @@ Vec2 first_uv(const Scene& scene, const Surface& surface) {
 }
 
 glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const Surface& surface) {
-  if (const auto* attribute = std::get_if<AttributeTexture>(&texture.source)) {
-    const Instance& instance = scene.instances[surface.instance];
-    return value(*attribute, std::get<TriangleMesh>(scene.shape_of(instance)), instance, surface);
-  }
-  return texture_value(scene, texture, surface_uv(scene, texture.uv_set, surface));
+  const Instance& instance = scene.instances[surface.instance];
+  const auto colors = [&](const AttributeTexture& attribute) {
+    return value(attribute, std::get<TriangleMesh>(scene.shape_of(instance)), instance, surface);
+  };
+  const auto* attribute = std::get_if<AttributeTexture>(&texture.source);
+  Vec4 result = attribute != nullptr ? colors(*attribute)
+                                     : texture_value(scene, texture, surface_uv(scene, texture.uv_set, surface));
+  if (texture.vertex_tint) result *= colors(AttributeTexture{AttributeTexture::Source::vertex_color});
+  if (texture.alpha_cutoff) result.a = result.a < *texture.alpha_cutoff ? 0.0 : 1.0;
+  return texture.premultiplied ? Vec4(Vec3(result) * result.a, result.a) : result;
 }
 
 glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const glm::dvec2& surface_uv) {
@@ -215,6 +223,22 @@ Tangents tangents(const Scene& scene, std::uint32_t set, const Surface& surface)
   const glm::dmat2 inverse = glm::inverse(coordinates);
   const Vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
   return {inverse[0][0] * e1 + inverse[0][1] * e2, inverse[1][0] * e1 + inverse[1][1] * e2};
+}
+
+glm::dvec4 vertex_tangent(const Scene& scene, const Surface& surface) {
+  const Instance& instance = scene.instances[surface.instance];
+  const auto& mesh = std::get<TriangleMesh>(scene.shape_of(instance));
+  const glm::uvec3 t = corners(mesh, instance, surface);
+  const glm::dmat3 linear(instance.world_from_object);
+  Vec3 sum(0.0);
+  double side = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec4 tangent(mesh.tangents[t[k]]);
+    sum += surface.weights[k] * (linear * Vec3(tangent));
+    side += surface.weights[k] * tangent.w;
+  }
+  // A mirror image shows the mirror image of its texture; normals that are flipped turn the bitangent once more.
+  return {sum, side < 0.0 != Placement(instance).turned() ? -1.0 : 1.0};
 }
 
 Vec2 gradient_at(const Scene& scene, const ScalarParameter& parameter, const Surface& surface) {

@@ -25,6 +25,8 @@ struct Tangents {
 };
 /// `set`: of texture coordinates.
 Tangents tangents(const Scene& scene, std::uint32_t set, const Surface& surface);
+/// The tangent of the mesh's vertices, and in w which side of normal × tangent the bitangent is on, 1 or −1.
+glm::dvec4 vertex_tangent(const Scene& scene, const Surface& surface);
 /// How a picture's number changes with those coordinates, interpolated bilinearly.
 Vec2 gradient_at(const Scene& scene, const ScalarParameter& parameter, const Surface& surface);
 

@@ -29,10 +29,11 @@ struct BlendAdapter {
 };
 
 /// `inner` with another shading normal: 2 c − 1 for the colour c of a texture, along dp/du, across it, and along the
-/// normal.
+/// normal. With `vertex_tangents` along the tangents of the mesh's vertices, and across those on their side.
 struct NormalMapAdapter {
   ColorParameter normals{glm::dvec3(1.0)};
   std::uint32_t inner = 0;
+  bool vertex_tangents = false;
 };
 /// `inner` with the shading normal of a surface that is raised by `height`, a picture times a number, in scene units.
 struct BumpMapAdapter {

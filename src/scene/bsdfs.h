@@ -67,8 +67,20 @@ struct GltfBsdf {
   ScalarParameter iridescence_ior{1.3};          ///< of the film, in [1,10]
   ScalarParameter iridescence_thickness{400.0};  ///< of the film, nanometres, in [0,10000]
   bool thin = true;                              ///< a sheet; else the surface of a solid, with a thickness in glTF
-  glm::dvec3 attenuation_color{1.0};             ///< above 0: of white light in a solid after attenuation_distance
+  double dispersion = 0.0;                       ///< of a solid: 20 over its Abbe number, in [0,kMaxDispersion]
+  /// The coat has the surface's normal, whatever normal maps do to what lies below it, or that of a normal map of its
+  /// own, as in NormalMapAdapter.
+  bool coat_keeps_normal = false;
+  ColorParameter coat_normals{glm::dvec3(1.0)};
+  bool coat_vertex_tangents = false;
+  glm::dvec3 attenuation_color{1.0};  ///< above 0: of white light in a solid after attenuation_distance
   double attenuation_distance = std::numeric_limits<double>::infinity();  ///< scene units, above 0
+  /// What a path knows where it has met the material; a scene says nothing of it.
+  struct Met {
+    double bending_index = 0.0;             ///< of its colour; 0: as `ior`
+    glm::dvec3 coat_normal{0.0, 0.0, 1.0};  ///< in the frame of the material
+  };
+  Met met = {};
 };
 
 /// Nothing: light passes as if the surface were not there.

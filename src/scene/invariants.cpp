@@ -292,6 +292,12 @@ class Checker {
   void check_bsdf(const PrincipledThinBsdf& bsdf, const Material& material) { check_ranges(bsdf, material); }
   void check_bsdf(const GltfBsdf& bsdf, const Material& material) {
     check_ranges(bsdf, material);
+    if (!(bsdf.dispersion >= 0.0 && bsdf.dispersion <= kMaxDispersion))
+      error(material.position, "dispersion",
+            fmt::format("dispersion {} is not between 0 and {}", bsdf.dispersion, kMaxDispersion));
+    if (bsdf.coat_normals.texture && (!bsdf.coat_keeps_normal || bsdf.coat_normals.value != glm::dvec3(1.0)))
+      error(material.position, "coat_normals",
+            "the coat's normal map is a texture, times 1, of a coat that keeps its normal");
     if (!std::isfinite(bsdf.anisotropy_rotation))
       error(material.position, "anisotropy_rotation",
             fmt::format("anisotropy_rotation {} is not finite", bsdf.anisotropy_rotation));
@@ -621,6 +627,8 @@ class Checker {
     const bool lengths_fit =
         (mesh.normals.empty() || mesh.normals.size() == vertices) &&
         (mesh.vertex_colors.empty() || mesh.vertex_colors.size() == vertices) &&
+        (mesh.tangents.empty() || mesh.tangents.size() == vertices) &&
+        (mesh.vertex_alphas.empty() || mesh.vertex_alphas.size() == vertices) &&
         (mesh.face_colors.empty() || mesh.face_colors.size() == mesh.triangles.size()) &&
         std::all_of(mesh.uv_sets.begin(), mesh.uv_sets.end(), [&](const auto& uvs) { return uvs.size() == vertices; });
     if (!lengths_fit) {

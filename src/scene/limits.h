@@ -31,6 +31,8 @@ inline constexpr double kMaxCoatIndex = 10.0;
 inline constexpr double kMinAttenuation = 1e-6;
 /// Largest factor of a reflectance along the normal.
 inline constexpr double kMaxSpecularColor = 100.0;
+/// Largest dispersion of glTF's, 20 over the Abbe number: 20 / 1.
+inline constexpr double kMaxDispersion = 20.0;
 /// Largest index and thickness (nanometres) of an iridescent film.
 inline constexpr double kMaxFilmIndex = 10.0;
 inline constexpr double kMaxFilmThickness = 10000.0;

@@ -61,6 +61,11 @@ inline bool may_refract(const GltfBsdf& bsdf) {
   return !metal && (some(bsdf.transmission) || some(bsdf.diffuse_transmission));
 }
 
+/// Whether it bends light of each colour otherwise.
+inline bool disperses(const GltfBsdf& bsdf) {
+  return bsdf.dispersion > 0.0 && !bsdf.thin && may_refract(bsdf);
+}
+
 /// Whether light may pass a surface of this material as if there were nothing.
 bool may_pass(const Scene& scene, std::uint32_t row);
 /// The same of any instance of the scene.

@@ -102,6 +102,7 @@ void each_parameter(T& bsdf, F&& f) {
   f("iridescence", bsdf.iridescence);
   f("iridescence_ior", bsdf.iridescence_ior);
   f("iridescence_thickness", bsdf.iridescence_thickness);
+  if (bsdf.coat_normals.texture) f("coat_normals", bsdf.coat_normals);
 }
 template <MaybeConst<Bsdf> T, typename F>
 void each_parameter(T& bsdf, F&& f) {
@@ -152,6 +153,8 @@ struct ParameterRange {
 /// Of a parameter by its name in each_parameter(). The albedo of diffuse materials alone is what the texture says.
 template <typename T>
 constexpr ParameterRange parameter_range(const T&, std::string_view name) {
+  if (name == "coat_normals")
+    return {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max()};  // directions
   constexpr bool kMetal = std::is_same_v<T, ConductorBsdf> || std::is_same_v<T, RoughConductorBsdf>;
   if (std::is_same_v<T, DiffuseBsdf>) return {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max()};
   if (name.starts_with("alpha")) return {kMinRoughness, 1.0};

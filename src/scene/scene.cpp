@@ -32,7 +32,8 @@ class Hasher {
   template <typename T>
   void list(const std::vector<T>& values) {
     static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, glm::dvec3> ||
-                  std::is_same_v<T, glm::vec3> || std::is_same_v<T, glm::vec2>);
+                  std::is_same_v<T, glm::vec3> || std::is_same_v<T, glm::vec2> || std::is_same_v<T, glm::vec4> ||
+                  std::is_same_v<T, float>);
     value(values.size());
     bytes(values.data(), values.size() * sizeof(T));
   }
@@ -44,8 +45,8 @@ class Hasher {
   };
   std::unique_ptr<XXH3_state_t, Free> state_{XXH3_createState()};
 };
-static_assert(sizeof(glm::dvec3) == 24 && sizeof(glm::vec3) == 12 && sizeof(glm::vec2) == 8 &&
-              sizeof(glm::uvec3) == 12);
+static_assert(sizeof(glm::vec4) == 16 && sizeof(glm::dvec3) == 24 && sizeof(glm::vec3) == 12 &&
+              sizeof(glm::vec2) == 8 && sizeof(glm::uvec3) == 12);
 
 void hash(Hasher& h, const TriangleMesh& mesh) {
   h.list(mesh.positions);
@@ -53,6 +54,8 @@ void hash(Hasher& h, const TriangleMesh& mesh) {
   h.value(mesh.uv_sets.size());
   for (const std::vector<glm::vec2>& uvs : mesh.uv_sets) h.list(uvs);
   h.list(mesh.vertex_colors);
+  if (!mesh.vertex_alphas.empty()) h.list(mesh.vertex_alphas);
+  if (!mesh.tangents.empty()) h.list(mesh.tangents);
   h.list(mesh.face_colors);
   h.list(mesh.triangles);
 }
@@ -83,6 +86,8 @@ void hash(Hasher& h, const PrincipledThinBsdf& bsdf) {
   each_parameter(bsdf, [&](const char*, const auto& parameter) { hash(h, parameter); });
 }
 void hash(Hasher& h, const GltfBsdf& bsdf) {
+  if (bsdf.dispersion != 0.0) h.value(bsdf.dispersion);
+  if (bsdf.coat_keeps_normal) h.value(bsdf.coat_vertex_tangents);
   each_parameter(bsdf, [&](const char*, const auto& parameter) { hash(h, parameter); });
   h.value(bsdf.anisotropy_rotation);
   h.value(bsdf.thin);
@@ -172,6 +177,7 @@ void hash(Hasher& h, const BlendAdapter& blend) {
 }
 void hash(Hasher& h, const NormalMapAdapter& map) {
   hash(h, map.normals);
+  if (map.vertex_tangents) h.value(map.vertex_tangents);
 }
 void hash(Hasher& h, const BumpMapAdapter& map) {
   hash(h, map.height);
@@ -234,6 +240,11 @@ void hash(Hasher& h, const Texture& texture) {
   hash(h, texture.source);
   for (int column = 0; column < 3; ++column) h.value(texture.uv_transform[column]);
   h.value(texture.uv_set);
+  if (!texture.is_derived()) return;
+  h.value(texture.vertex_tint);
+  h.value(texture.alpha_cutoff.has_value());
+  if (texture.alpha_cutoff) h.value(*texture.alpha_cutoff);
+  h.value(texture.premultiplied);
 }
 
 void hash(Hasher& h, const Bitmap& bitmap) {
@@ -343,7 +354,10 @@ std::uint64_t scene_hash(const Scene& scene) {
       hash(h, scene.bsdf_of(instance));
     }
     h.value(instance.emitter.has_value());
-    if (const AreaEmitter* emitter = scene.emitter_of(instance)) hash(h, emitter->radiance);
+    if (const AreaEmitter* emitter = scene.emitter_of(instance)) {
+      hash(h, emitter->radiance);
+      if (emitter->two_sided) h.value(emitter->two_sided);
+    }
   }
   for (const DeltaLight& light : scene.delta_lights) hash(h, light);
   // Nothing where there is none: scenes without textures have the numbers they had before there were any.

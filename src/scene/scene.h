@@ -48,10 +48,12 @@ struct Material {
   SourcePosition position;         ///< the tag that makes it; that of its instance where it stands by default
 };
 
-/// Emits `radiance` (W·sr⁻¹·m⁻², Rec. 709) in all directions alike, on the side of the shading normal.
+/// Emits `radiance` (W·sr⁻¹·m⁻², Rec. 709) in all directions alike, on the side of the shading normal; `two_sided`, of
+/// meshes and disks, on both sides.
 struct AreaEmitter {
   ColorParameter radiance;
   SourcePosition position;
+  bool two_sided = false;
 };
 
 /// A light without extent: a point, or a direction. No ray meets one, so it is found by sampling lights alone. In its
@@ -87,13 +89,17 @@ struct DeltaLight {
 };
 
 /// Indexed triangles in object space. `normals` is empty or as long as `positions` (unit vectors); so is each set of
-/// texture coordinates, and `vertex_colors`. `face_colors` is empty or as long as `triangles`. Colours are linear
-/// Rec. 709.
+/// texture coordinates, `vertex_colors`, `vertex_alphas` and `tangents`. `face_colors` is empty or as long as
+/// `triangles`. Colours are linear Rec. 709.
 struct TriangleMesh {
   std::vector<glm::dvec3> positions;
   std::vector<glm::dvec3> normals;
   std::vector<std::vector<glm::vec2>> uv_sets;
   std::vector<glm::vec3> vertex_colors;
+  std::vector<float> vertex_alphas;  ///< of the colours; without them these are opaque
+  /// Toward growing u, any length; 0 where there is none. w < 0: what v grows toward is not normal × tangent, but its
+  /// opposite.
+  std::vector<glm::vec4> tangents;
   std::vector<glm::vec3> face_colors;
   std::vector<glm::uvec3> triangles;
 };

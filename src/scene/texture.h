@@ -38,13 +38,19 @@ struct AttributeTexture {
 };
 
 /// A function of a surface point whose value is red, green, blue and alpha. Pictures of one channel are grey; without
-/// alpha it is 1.
+/// alpha it is 1. What it is multiplied with, and what becomes of its alpha, follow in the order of the members.
 struct Texture {
   std::variant<BitmapTexture, CheckerboardTexture, AttributeTexture> source;
   glm::dmat3 uv_transform{1.0};  ///< texture coordinates of the surface (u, v, 1) → those of the texture; affine
   std::uint32_t uv_set = 0;      ///< which of the mesh's
-  std::string name;              ///< for messages: the file name of a picture, or the type
+  bool vertex_tint = false;      ///< times the colours, and the alpha, of the mesh's vertices
+  std::optional<double> alpha_cutoff{};  ///< alpha becomes 1 from here on, and 0 below
+  bool premultiplied = false;            ///< its colours are multiplied with its alpha
+  std::string name;                      ///< for messages: the file name of a picture, or the type
   SourcePosition position;
+
+  /// Whether it has any of the above.
+  bool is_derived() const { return vertex_tint || alpha_cutoff || premultiplied; }
 };
 
 /// What the values of a texture are, as one number.

@@ -80,6 +80,12 @@ class TextureChecker {
       if (!is_finite(board->color0) || !is_finite(board->color1))
         error(texture.position, "color0", fmt::format("a colour of the checkerboard {} is not finite", name));
     }
+    if (texture.vertex_tint && std::holds_alternative<AttributeTexture>(texture.source))
+      error(texture.position, "vertex_tint",
+            fmt::format("the texture {} shows colours of a mesh, which are not multiplied with those of its vertices",
+                        name));
+    if (texture.alpha_cutoff && !std::isfinite(*texture.alpha_cutoff))
+      error(texture.position, "alpha_cutoff", fmt::format("the cutoff of the texture {} is not finite", name));
     const auto* picture = std::get_if<BitmapTexture>(&texture.source);
     if (picture != nullptr && picture->bitmap >= scene_.bitmaps.size())
       sink_.error(texture.position, fmt::format("the texture {} refers to number {} of the scene's pictures, of which "
@@ -105,7 +111,8 @@ class TextureChecker {
         std::holds_alternative<AttributeTexture>(scene_.textures[*normals->normals.texture].source))
       error(material.position, "normals", "the colours of a mesh are no normal map; use a bitmap");
     if (bumps != nullptr && bumps->height.texture &&
-        !std::holds_alternative<BitmapTexture>(scene_.textures[*bumps->height.texture].source))
+        (!std::holds_alternative<BitmapTexture>(scene_.textures[*bumps->height.texture].source) ||
+         scene_.textures[*bumps->height.texture].is_derived()))
       error(material.position, "height", "a bump map needs a texture with slopes; use a bitmap");
   }
 
@@ -113,8 +120,22 @@ class TextureChecker {
     const auto add = [&](const char* field, const auto& parameter) {
       if (parameter.texture) check_attributes(scene_.textures[*parameter.texture], field, instance);
     };
-    each_material(scene_, instance.material, [&](const Material& material) { each_parameter(material, add); });
-    if (const AreaEmitter* emitter = scene_.emitter_of(instance)) each_parameter(*emitter, add);
+    each_material(scene_, instance.material, [&](const Material& material) {
+      each_parameter(material, add);
+      const auto* gltf = std::get_if<GltfBsdf>(&material.bsdf);
+      if (!material.adapter && gltf != nullptr && gltf->coat_vertex_tangents && gltf->coat_normals.texture)
+        check_tangents(instance);
+      if (!material.adapter) return;
+      const auto* normals = std::get_if<NormalMapAdapter>(&*material.adapter);
+      if (normals != nullptr && normals->vertex_tangents) check_tangents(instance);
+    });
+    const AreaEmitter* emitter = scene_.emitter_of(instance);
+    if (emitter == nullptr) return;
+    each_parameter(*emitter, add);
+    const Shape& shape = scene_.shape_of(instance);
+    if (emitter->two_sided && !std::holds_alternative<TriangleMesh>(shape) && !std::holds_alternative<Disk>(shape))
+      error(emitter->position, "two_sided",
+            fmt::format("{} is no mesh and no disk; only those emit on both sides", text::quoted(instance.name)));
   }
 
   /// Whether the shape has what the texture reads.
@@ -126,10 +147,15 @@ class TextureChecker {
     const auto* attribute = std::get_if<AttributeTexture>(&texture.source);
     const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
     const bool faces = attribute != nullptr && attribute->source == AttributeTexture::Source::face_color;
+    if (mesh != nullptr && (texture.vertex_tint || (attribute != nullptr && !faces))) check_alphas(*mesh, instance);
     if (attribute != nullptr) {
       const char* what = faces ? "colours of faces" : "colours of vertices";
       if (mesh == nullptr || (faces ? mesh->face_colors : mesh->vertex_colors).empty()) return lacks(what);
       return check_colors(faces ? mesh->face_colors : mesh->vertex_colors, field, instance);
+    }
+    if (texture.vertex_tint) {
+      if (mesh == nullptr || mesh->vertex_colors.empty()) return lacks("colours of vertices");
+      check_colors(mesh->vertex_colors, field, instance);
     }
     // Spheres, disks and cylinders have one set.
     if (texture.uv_set >= (mesh == nullptr ? 1 : mesh->uv_sets.size()))
@@ -145,6 +171,26 @@ class TextureChecker {
       return sink_.error(instance.position,
                          fmt::format("{} has texture coordinates {} {}; up to {} are supported",
                                      text::quoted(instance.name), uv.x, uv.y, kMaxTextureCoordinate));
+    }
+  }
+
+  void check_tangents(const Instance& instance) {
+    const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
+    if (mesh == nullptr || mesh->tangents.empty())
+      return sink_.error(instance.position, fmt::format("{} has no tangents of vertices, which its normal map lies by",
+                                                        text::quoted(instance.name)));
+    for (const glm::vec4& t : mesh->tangents) {
+      if (std::isfinite(t.x + t.y + t.z + t.w)) continue;
+      return sink_.error(instance.position, fmt::format("{} has a tangent {} {} {} {}; it must be finite",
+                                                        text::quoted(instance.name), t.x, t.y, t.z, t.w));
+    }
+  }
+
+  void check_alphas(const TriangleMesh& mesh, const Instance& instance) {
+    for (const float alpha : mesh.vertex_alphas) {
+      if (std::isfinite(alpha)) continue;
+      return sink_.error(instance.position, fmt::format("{} has a vertex whose alpha is {}; it must be finite",
+                                                        text::quoted(instance.name), alpha));
     }
   }
 
@@ -175,7 +221,7 @@ class TextureChecker {
   void check_projected(const DeltaLight& light) {
     if (!light.intensity.texture) return;
     const Texture& texture = scene_.textures[*light.intensity.texture];
-    if (std::holds_alternative<AttributeTexture>(texture.source))
+    if (texture.vertex_tint || std::holds_alternative<AttributeTexture>(texture.source))
       error(light.position, "intensity",
             fmt::format("the {} has no mesh whose colours the texture {} could show; use a picture",
                         text::quoted(light.name), text::quoted(texture.name)));

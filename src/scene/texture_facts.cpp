@@ -80,7 +80,7 @@ glm::dvec3 largest_intensity(const Scene& scene, const DeltaLight& light) {
 
 EmitterRadiance::EmitterRadiance(const Scene& scene, const Instance& instance) {
   const ColorParameter& radiance = scene.emitter_of(instance)->radiance;
-  value_ = mean_ = largest_ = radiance.value;
+  mean_ = largest_ = radiance.value;
   if (!radiance.texture) return;
   const Texture& texture = scene.textures[*radiance.texture];
   if (const auto* attribute = std::get_if<AttributeTexture>(&texture.source)) {
@@ -88,17 +88,18 @@ EmitterRadiance::EmitterRadiance(const Scene& scene, const Instance& instance) {
     source_ = attribute->source;
     return;
   }
+  if (texture.vertex_tint) colors_ = &std::get<TriangleMesh>(scene.shape_of(instance));
   const TextureFacts facts = texture_facts(scene, texture);
-  mean_ = value_ * facts.mean;
-  largest_ = value_ * facts.largest;
+  mean_ = radiance.value * facts.mean;
+  largest_ = radiance.value * facts.largest;
 }
 
 glm::dvec3 EmitterRadiance::mean(std::size_t primitive) const {
   if (uniform()) return mean_;
-  if (source_ == AttributeTexture::Source::face_color) return value_ * glm::dvec3(colors_->face_colors[primitive]);
+  if (source_ == AttributeTexture::Source::face_color) return mean_ * glm::dvec3(colors_->face_colors[primitive]);
   const glm::uvec3 t = colors_->triangles[primitive];
   const std::vector<glm::vec3>& colors = colors_->vertex_colors;
-  return value_ * (glm::dvec3(colors[t.x]) + glm::dvec3(colors[t.y]) + glm::dvec3(colors[t.z])) / 3.0;
+  return mean_ * (glm::dvec3(colors[t.x]) + glm::dvec3(colors[t.y]) + glm::dvec3(colors[t.z])) / 3.0;
 }
 
 glm::dvec3 EmitterRadiance::mean_of_all() const {
@@ -118,7 +119,7 @@ double EmitterRadiance::largest() const {
   const bool faces = source_ == AttributeTexture::Source::face_color;
   double largest = 0.0;
   for (const glm::vec3& color : faces ? colors_->face_colors : colors_->vertex_colors)
-    largest = std::max(largest, largest_component(value_ * glm::dvec3(color)));
+    largest = std::max(largest, largest_component(largest_ * glm::dvec3(color)));
   return largest;
 }
 

@@ -20,7 +20,7 @@ struct TextureFacts {
 TextureFacts texture_facts(const Scene& scene, const Texture& texture);
 
 /// Radiance of the primitives of an emitting instance, averaged so that it is positive wherever they shine: what lights
-/// are chosen by. Of a picture it is the mean over all of the picture.
+/// are chosen by. Of a picture it is the mean over all of the picture, as if its alpha were 1.
 class EmitterRadiance {
  public:
   /// The instance has an emitter, and the scene outlives this.
@@ -35,11 +35,10 @@ class EmitterRadiance {
   double largest() const;
 
  private:
-  const TriangleMesh* colors_ = nullptr;  ///< the mesh whose colours the texture is
+  const TriangleMesh* colors_ = nullptr;  ///< the mesh whose colours the texture is, or is multiplied with
   AttributeTexture::Source source_ = AttributeTexture::Source::vertex_color;
-  glm::dvec3 value_{0.0};
-  glm::dvec3 mean_{0.0};
-  glm::dvec3 largest_{0.0};
+  glm::dvec3 mean_{0.0};     ///< without those colours
+  glm::dvec3 largest_{0.0};  ///< likewise
 };
 
 /// The intensity of a light without extent, its texture averaged over all of it; and the largest.

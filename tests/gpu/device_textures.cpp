@@ -189,6 +189,55 @@ TEST_F(DeviceTextures, LookupsAreThoseOfTheReference) {
   }
 }
 
+// Pictures times colours of vertices, cut by their alpha or multiplied with it.
+TEST_F(DeviceTextures, DerivedOnesAreThoseOfTheReference) {
+  Random random(7);
+  for (std::uint32_t round = 0; round < 16; ++round) {
+    Scene scene = bodies(random, 1.0f);
+    scene.instances.resize(2);  // other shapes have no colours
+    auto& mesh = std::get<TriangleMesh>(scene.shapes[0]);
+    if (round % 2 == 0) {
+      for (int i = 0; i < 4; ++i) mesh.vertex_alphas.push_back(random.unit());
+    }
+    const bool attribute = round >= 12;
+    Texture texture{.source = CheckerboardTexture{glm::dvec3(0.75, 0.5, 0.25), glm::dvec3(0.25, 0.75, 1.0)}};
+    if (attribute) texture.source = AttributeTexture{};
+    if (round < 8) {
+      scene.bitmaps.push_back(random_bitmap(random, 2, 2));
+      texture.source = BitmapTexture{.bitmap = 0};
+    }
+    texture.vertex_tint = !attribute;
+    if (round / 2 % 2 == 0) texture.alpha_cutoff = 0.5;
+    texture.premultiplied = round / 4 % 2 == 0;
+    scene.textures.push_back(texture);
+    use(scene);
+    const CompiledScene compiled = compile_scene(scene);
+    std::vector<gpu::TextureCase> cases(64);
+    for (gpu::TextureCase& c : cases) {
+      c.instance = random.below(2);
+      c.primitive = random.below(2);
+      const float a = random.unit(), b = (1.0f - a) * random.unit();
+      c.weights = {a, b, 1.0f - a - b};
+    }
+    const auto answers = run<gpu::TextureAnswer>({kernels::textures, "textures", &compiled}, cases);
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const gpu::TextureCase& c = cases[i];
+      const reference::Surface surface{
+          .instance = c.instance, .primitive = c.primitive, .weights = glm::dvec3(c.weights)};
+      Texture uncut = texture;
+      uncut.alpha_cutoff.reset();
+      uncut.premultiplied = false;
+      // Single precision may fall on the other side.
+      if (std::abs(reference::texture_value(scene, uncut, surface).a - 0.5) < 1e-4) continue;
+      const Bracket wanted = around(scene, texture, surface, 1e-5);
+      for (int k = 0; k < 4; ++k) {
+        ASSERT_GE(static_cast<double>(answers[i].value[k]), wanted.low[k] - 1e-4) << round << " " << i << " " << k;
+        ASSERT_LE(static_cast<double>(answers[i].value[k]), wanted.high[k] + 1e-4) << round << " " << i << " " << k;
+      }
+    }
+  }
+}
+
 TEST_F(DeviceTextures, AttributesAreThoseOfTheReference) {
   Random random(6);
   for (const auto source : {AttributeTexture::Source::vertex_color, AttributeTexture::Source::face_color}) {

@@ -359,6 +359,125 @@ TEST_F(RendererAgreement, BrushedMetalAndInwardSpheres) {
   compare("by the tree", scene, 20000, 1200, 800);
 }
 
+// Waves of normals, 8 × 8 texels.
+std::shared_ptr<Bitmap> waves() {
+  auto bitmap = std::make_shared<Bitmap>();
+  *bitmap = {.width = 8, .height = 8, .channels = 3, .format = BitmapFormat::f32, .color_space = ColorSpace::linear};
+  for (int i = 0; i < 64; ++i) {
+    const glm::vec3 c(0.5 + 0.2 * std::sin(i), 0.5 + 0.2 * std::cos(1.3 * i), 0.95);
+    const auto* bytes = reinterpret_cast<const std::byte*>(&c);
+    bitmap->texels.insert(bitmap->texels.end(), bytes, bytes + sizeof c);
+  }
+  return bitmap;
+}
+
+// A mesh of a few bent triangles that has everything: coordinates, colours, alpha, normals and tangents of either side.
+TriangleMesh bent_mesh() {
+  TriangleMesh mesh;
+  auto& uvs = mesh.uv_sets.emplace_back();
+  constexpr int kSide = 9;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const double u = 2.0 * x / (kSide - 1) - 1.0, v = 2.0 * y / (kSide - 1) - 1.0;
+      mesh.positions.emplace_back(u, v, 0.3 * std::cos(2.0 * u) * std::cos(v));
+      mesh.normals.push_back(glm::normalize(
+          glm::dvec3(0.6 * std::sin(2.0 * u) * std::cos(v), 0.3 * std::cos(2.0 * u) * std::sin(v), 1.0)));
+      uvs.emplace_back(1.5 * u, v);
+      mesh.vertex_colors.emplace_back(0.5 + 0.5 * u, 0.7, 0.5 - 0.5 * v);
+      mesh.vertex_alphas.push_back(static_cast<float>(0.5 + 0.5 * u * v));
+      mesh.tangents.emplace_back(0.9, 0.3 * v, 0.2 * u, x < kSide / 2 ? 1.0 : -1.0);
+    }
+  }
+  for (std::uint32_t y = 0; y + 1 < kSide; ++y) {
+    for (std::uint32_t x = 0; x + 1 < kSide; ++x) {
+      const std::uint32_t i = y * kSide + x;
+      mesh.triangles.emplace_back(i, i + 1, i + kSide + 1);
+      mesh.triangles.emplace_back(i, i + kSide + 1, i + kSide);
+    }
+  }
+  return mesh;
+}
+
+// Instances of the mesh, upright, mirrored and turned, of a material that is made of a base by `finish`.
+template <typename Finish>
+Scene bent_meshes(Instancing instancing, const GltfBsdf& base, const Finish& finish) {
+  Scene scene = everything();
+  scene.instancing = instancing;
+  scene.bitmaps.push_back(waves());
+  scene.textures.push_back({.source = BitmapTexture{.bitmap = 0}, .name = "waves"});
+  const glm::dmat4 one(1.0), here = glm::translate(one, {0.4, 1.0, 1.6}) * glm::scale(one, glm::dvec3(0.7));
+  Instance first = scene.add(bent_mesh(), base);
+  scene.instances.pop_back();
+  first.material = finish(scene, first.material);
+  for (const glm::dmat4& place : {here, glm::translate(one, {-1.4, 1.2, 0.9}) * glm::scale(one, {-0.6, 0.6, 0.6}),
+                                  glm::translate(one, {1.5, 1.7, 0.4}) * glm::rotate(one, 2.5, {0.3, 1.0, 0.1}) *
+                                      glm::scale(one, {0.5, 0.8, 0.4})}) {
+    Instance instance = first;
+    instance.world_from_object = place;
+    scene.instances.push_back(instance);
+  }
+  scene.instances.back().flip_normals = true;
+  return scene;
+}
+
+std::uint32_t add_material(Scene& scene, Adapter adapter) {
+  scene.materials.push_back({.adapter = std::move(adapter)});
+  return static_cast<std::uint32_t>(scene.materials.size() - 1);
+}
+
+TEST_F(RendererAgreement, TangentsTintsAndCoats) {
+  const GltfBsdf lacquer{
+      .base_color = {0.7, 0.4, 0.2}, .metallic = 0.3, .roughness = 0.6, .clearcoat = 0.8, .clearcoat_roughness = 0.4};
+  for (const Instancing instancing : {Instancing::never, Instancing::always}) {
+    const std::string where = instancing == Instancing::always ? ", shared" : "";
+    for (const bool own : {false, true}) {
+      const Scene bent = bent_meshes(instancing, lacquer, [&](Scene& scene, std::uint32_t row) {
+        auto& coated = std::get<GltfBsdf>(scene.materials[row].bsdf);
+        coated.coat_keeps_normal = true;
+        coated.coat_vertex_tangents = own;
+        if (own) coated.coat_normals.texture = std::uint32_t{0};
+        row = add_material(scene, NormalMapAdapter{{glm::dvec3(1.0), 0}, row, true});
+        return add_material(scene, TwoSidedAdapter{row, row});
+      });
+      compare((own ? "coat's map" : "smooth coat") + where, bent, 20000, 1500, 1500);
+    }
+    const Scene tinted = bent_meshes(instancing, {.roughness = 0.7}, [&](Scene& scene, std::uint32_t row) {
+      scene.textures.push_back({.source = BitmapTexture{.bitmap = 0}, .vertex_tint = true, .name = "tinted"});
+      scene.textures.push_back(
+          {.source = BitmapTexture{.bitmap = 0}, .vertex_tint = true, .alpha_cutoff = 0.4, .name = "cut"});
+      std::get<GltfBsdf>(scene.materials[row].bsdf).base_color = ColorParameter(glm::dvec3(0.9), 1);
+      row = add_material(scene, TwoSidedAdapter{row, row});
+      return add_material(scene, MaskAdapter{{1.0, 2, TextureChannel::alpha}, row});
+    });
+    compare("tinted" + where, tinted, 20000, 2000, 1500);
+  }
+}
+
+TEST_F(RendererAgreement, LampsOfTwoSidesAndDispersion) {
+  for (const Instancing instancing : {Instancing::never, Instancing::always}) {
+    for (const auto sampler : {Integrator::LightSampler::power, Integrator::LightSampler::tree}) {
+      Scene lamps = bent_meshes(instancing, {}, [](Scene&, std::uint32_t row) { return row; });
+      lamps.integrator.light_sampler = sampler;
+      lamps.emitters.push_back({.radiance = ColorParameter(glm::dvec3(3.0, 2.0, 1.0), 0), .two_sided = true});
+      for (std::size_t i = lamps.instances.size() - 3; i < lamps.instances.size(); ++i)
+        lamps.instances[i].emitter = static_cast<std::uint32_t>(lamps.emitters.size() - 1);
+      Instance& disk = lamps.add(Disk{}, diffuse(0.5), AreaEmitter{glm::dvec3(4.0), {}, true});
+      disk.world_from_object =
+          glm::translate(glm::dmat4(1.0), {-0.6, 1.8, 0.5}) * glm::scale(glm::dmat4(1.0), glm::dvec3(0.3));
+      compare(fmt::format("two sides {} {}", static_cast<int>(instancing), static_cast<int>(sampler)), lamps, 20000,
+              1500, 1500);
+    }
+  }
+  Scene prism = everything();
+  const GltfBsdf glass{
+      .metallic = 0.0, .roughness = 0.1, .ior = 1.6, .transmission = 1.0, .thin = false, .dispersion = 5.0};
+  add(prism, Sphere{{0.3, 0.7, 1.8}, 0.6}, glass);
+  compare("dispersion", prism, 40000, 1500, 1500);
+  prism.sampler = {Sampler::Type::sobol, 16, 4};
+  prism.integrator.type = Integrator::Type::direct;
+  compare("dispersion, direct", prism, 20000, 1500, 1500);
+}
+
 TEST_F(RendererAgreement, ScaledAndFarFromTheOrigin) {
   compare("1e-3", placed(everything(), 1e-3, {0, 0, 0}), 20000, 1000, 800);
   compare("1e3", placed(everything(), 1e3, {0, 0, 0}), 20000, 1000, 800);

@@ -118,9 +118,9 @@ TEST(CompileFilter, KnotsAreTheInverseOfTheCumulativeFilter) {
       EXPECT_LT(table.knots[i - 1], table.knots[i]);
     }
     EXPECT_EQ(table.alternates, f.type == Type::lanczos);
-    const bool negative = (f.type == Type::mitchell && f.c > 0.0) || f.type == Type::lanczos;
-    EXPECT_EQ(table.has_negative_lobes, negative);
-    if (negative) {
+    const bool turns = f.type == Type::mitchell && f.c > 0.0;  // once, where Lanczos's turns at every whole number
+    EXPECT_EQ(table.turns_negative, turns);
+    if (turns) {
       EXPECT_GT(filter_value(f, table.zero * 0.999), 0.0);
       EXPECT_LT(filter_value(f, table.zero * 1.001), 0.0);
     }

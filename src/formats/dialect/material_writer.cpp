@@ -89,6 +89,7 @@ void MaterialWriter::write_adapter(const std::string& id, const MaskAdapter& mas
 void MaterialWriter::write_adapter(const std::string& id, const NormalMapAdapter& map) {
   open_bsdf(id, "normalmap");
   color("normalmap", map.normals);
+  if (map.vertex_tangents) write_vertex_tangents();
   refer_to(map.inner);
 }
 

@@ -70,6 +70,8 @@ class MaterialWriter {
   /// Opens the element, like write_bsdf.
   virtual void write_microfacet(const std::string& id, const MicrofacetBsdf& bsdf) = 0;
   virtual void write_gltf(const std::string& id, const GltfBsdf& bsdf) = 0;
+  /// That a normal map lies by the tangents of vertices.
+  virtual void write_vertex_tangents() = 0;
 
   static std::string material_id(std::uint32_t row);
   void write_material(std::uint32_t row);

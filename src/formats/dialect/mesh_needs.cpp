@@ -25,11 +25,16 @@ MeshContent content_for(std::uint32_t row, const AreaEmitter* emitter, const Sce
     const Texture& texture = scene.textures[*parameter.texture];
     const bool colors = std::holds_alternative<AttributeTexture>(texture.source);
     (colors ? content.colors : content.textured) = true;
+    content.colors |= texture.vertex_tint;
     if (colors) attributes.insert(attribute_of(texture));
   };
   each_material(scene, row, [&](const Material& material) {
     each_parameter(material, add);
     content.uv |= is_aligned(material);
+    const auto* normals = material.adapter ? std::get_if<NormalMapAdapter>(&*material.adapter) : nullptr;
+    content.tangents |= normals != nullptr && normals->vertex_tangents;
+    const auto* gltf = material.adapter ? nullptr : std::get_if<GltfBsdf>(&material.bsdf);
+    content.tangents |= gltf != nullptr && gltf->coat_vertex_tangents && gltf->coat_normals.texture;
   });
   if (emitter != nullptr) each_parameter(*emitter, add);
   content.uv |= content.textured;

@@ -95,6 +95,8 @@ void read_layers(const JsonValue& json, GltfMaterial& m) {
     m.clearcoat_texture = find_texture(*e, "clearcoatTexture");
     m.clearcoat_roughness_texture = find_texture(*e, "clearcoatRoughnessTexture");
     m.clearcoat_normal_texture = find_texture(*e, "clearcoatNormalTexture");
+    if (m.clearcoat_normal_texture)
+      m.clearcoat_normal_scale = number_or(*m.clearcoat_normal_texture->where, "scale", 1.0);
   }
   if (const JsonValue* e = find_extension(json, "KHR_materials_sheen")) {
     m.sheen_color = color(*e, "sheenColorFactor", glm::dvec3(0.0));

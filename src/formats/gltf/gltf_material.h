@@ -43,6 +43,7 @@ struct GltfMaterial {
 
   double clearcoat = 0.0, clearcoat_roughness = 0.0;
   MaybeTexture clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;
+  double clearcoat_normal_scale = 1.0;
   glm::dvec3 sheen_color{0.0};
   double sheen_roughness = 0.0;
   MaybeTexture sheen_color_texture, sheen_roughness_texture;

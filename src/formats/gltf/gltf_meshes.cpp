@@ -32,7 +32,8 @@ std::string signature(const JsonValue& primitive, const PrimitiveNeeds& needs, c
     for (const JsonValue& target : array_of(primitive, "targets")) text += signature(&target) + "/ ";
     text += fmt::format("{}", fmt::join(pose.weights, " "));
   }
-  return text + fmt::format("; {} {} {}", needs.uv_sets, needs.colors, needs.tangent_uv.value_or(~0u));
+  return text + fmt::format("; {} {} {} {} {}", needs.uv_sets, needs.colors, needs.alphas,
+                            needs.tangent_uv.value_or(~0u), needs.tangents.value_or(~0u));
 }
 
 }  // namespace

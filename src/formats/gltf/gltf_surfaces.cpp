@@ -19,6 +19,11 @@ bool has_opacity(const GltfMaterial& m) {
   return m.alpha != GltfMaterial::Alpha::opaque;
 }
 
+/// From which alpha of its textures on a material is seen; beyond [0,1] all or none of them are.
+double cutoff_of_texture(const GltfMaterial& m) {
+  return std::clamp(m.alpha_cutoff / m.base_color.a, -1.0, 2.0);
+}
+
 /// The textures that become parameters of the scene.
 std::vector<const MaybeTexture*> textures_of(const GltfMaterial& m) {
   return {&m.base_color_texture,
@@ -28,6 +33,7 @@ std::vector<const MaybeTexture*> textures_of(const GltfMaterial& m) {
           &m.emission_texture,
           &m.clearcoat_texture,
           &m.clearcoat_roughness_texture,
+          &m.clearcoat_normal_texture,
           &m.sheen_color_texture,
           &m.sheen_roughness_texture,
           &m.specular_texture,
@@ -64,25 +70,30 @@ PrimitiveNeeds GltfSurfaces::needs(std::optional<std::uint32_t> index, const Pri
   for (const MaybeTexture* info : textures_of(m)) {
     if (*info && (*info)->uv_set < content.uv_sets) needs.uv_sets = std::max(needs.uv_sets, (*info)->uv_set + 1);
   }
-  needs.colors = content.colors && !m.base_color_texture;
+  needs.colors = content.colors;
+  needs.alphas = content.colors_have_alpha && has_opacity(m);
   if (m.anisotropy > 0.0 && content.uv_sets > 0) {
     needs.uv_sets = std::max(needs.uv_sets, 1u);
     if (m.anisotropy_rotation != 0.0) needs.tangent_uv = 0;
   }
-  if (m.normal_texture && m.normal_texture->uv_set < content.uv_sets) needs.tangent_uv = m.normal_texture->uv_set;
+  // Tangents of vertices are those of one set.
+  for (const MaybeTexture* map : {&m.clearcoat_normal_texture, &m.normal_texture}) {
+    if (*map && (*map)->uv_set < content.uv_sets)
+      (content.normals ? needs.tangents : needs.tangent_uv) = (*map)->uv_set;
+  }
   return needs;
 }
 
 GltfSurface GltfSurfaces::surface(std::optional<std::uint32_t> index, const PrimitiveContent& content, bool mirrored,
                                   const JsonValue& where) {
-  const Traits traits{content.uv_sets, content.colors, content.colors_have_alpha, mirrored};
+  const Traits traits{content.uv_sets, content.colors, content.colors_have_alpha, mirrored, content.normals};
   const auto [known, is_new] = surfaces_.try_emplace({index, traits});
   if (is_new) known->second = make(material(index, where), traits);
   return known->second;
 }
 
 GltfSurface GltfSurfaces::make(const GltfMaterial& m, const Traits& traits) {
-  say_what_is_left_out(m, traits);
+  say_what_is_left_out(m);
   Bsdf bsdf = bsdf_of(m, traits);
   const auto* layered = std::get_if<GltfBsdf>(&bsdf);
   const bool refracts = layered != nullptr && may_refract(*layered);
@@ -135,6 +146,12 @@ void GltfSurfaces::set_layers(const GltfMaterial& m, const Traits& traits, GltfB
   assign(b.sheen_color, m.sheen_color, m.sheen_color_texture, traits);
   assign(b.sheen_roughness, m.sheen_roughness, m.sheen_roughness_texture, traits, TextureChannel::alpha);
   assign(b.anisotropy, m.anisotropy, m.anisotropy_texture, traits, TextureChannel::blue);
+  // Without a normal texture of its own the coat is smooth, whatever that of the base does.
+  b.coat_keeps_normal = m.clearcoat > 0.0 && (m.normal_texture || m.clearcoat_normal_texture);
+  if (b.coat_keeps_normal && m.clearcoat_normal_texture) {
+    b.coat_normals.texture = normal_row(m.clearcoat_normal_texture, m.clearcoat_normal_scale, traits);
+    b.coat_vertex_tangents = traits.normals;
+  }
   // Counted from the tangent toward the bitangent, which is turned where coordinates are mirrored.
   b.anisotropy_rotation = traits.mirrored ? -m.anisotropy_rotation : m.anisotropy_rotation;
   assign(b.iridescence, m.iridescence, m.iridescence_texture, traits, TextureChannel::red);
@@ -151,6 +168,7 @@ void GltfSurfaces::set_transmission(const GltfMaterial& m, const Traits& traits,
   assign(b.diffuse_transmission, m.diffuse_transmission, m.diffuse_transmission_texture, traits, TextureChannel::alpha);
   assign(b.diffuse_transmission_color, m.diffuse_transmission_color, m.diffuse_transmission_color_texture, traits);
   b.thin = !m.is_volume();
+  b.dispersion = b.thin ? 0.0 : std::min(m.dispersion, kMaxDispersion);
   if (b.thin || !(m.attenuation_distance > 0.0)) return;
   b.attenuation_color = glm::max(m.attenuation_color, kMinAttenuation);
   b.attenuation_distance = m.attenuation_distance;
@@ -159,30 +177,33 @@ void GltfSurfaces::set_transmission(const GltfMaterial& m, const Traits& traits,
 ColorParameter GltfSurfaces::base_color(const GltfMaterial& m, const Traits& traits) {
   ColorParameter color;
   assign(color, glm::dvec3(m.base_color), m.base_color_texture, traits);
-  if (!traits.colors) return color;
-  if (m.base_color_texture) {
-    warn_once(m, "has a texture and its meshes have colours, of which the product cannot be shown: the texture counts");
-    return color;
-  }
-  scene_.textures.push_back(
-      {.source = AttributeTexture{AttributeTexture::Source::vertex_color}, .name = "COLOR_0", .position = position(m)});
-  color.texture = static_cast<std::uint32_t>(scene_.textures.size() - 1);
+  if (traits.colors) color.texture = textures_.tinted(color.texture, position(m));
   return color;
+}
+
+std::optional<std::uint32_t> GltfSurfaces::normal_row(const MaybeTexture& info, double scale, const Traits& traits) {
+  // Flat triangles lie by their own coordinates, others by tangents of vertices, which know whether those are mirrored.
+  const bool flip = traits.mirrored && !traits.normals;
+  const TextureRecipe recipe = scaled_normals(scale, flip);
+  return texture(info, traits, ColorSpace::linear, scale == 1.0 && !flip ? nullptr : &recipe);
 }
 
 std::uint32_t GltfSurfaces::with_normals(const GltfMaterial& m, const Traits& traits, std::uint32_t inner) {
   if (!m.normal_texture || m.model == GltfMaterial::Model::unlit) return inner;
-  const bool as_it_is = m.normal_scale == 1.0 && !traits.mirrored;
-  const TextureRecipe recipe = scaled_normals(m.normal_scale, traits.mirrored);
-  const auto row = texture(m.normal_texture, traits, ColorSpace::linear, as_it_is ? nullptr : &recipe);
+  const auto row = normal_row(m.normal_texture, m.normal_scale, traits);
   if (!row) return inner;
-  return add({.adapter = NormalMapAdapter{ColorParameter(glm::dvec3(1.0), *row), inner}}, m);
+  return add({.adapter = NormalMapAdapter{ColorParameter(glm::dvec3(1.0), *row), inner, traits.normals}}, m);
 }
 
 std::uint32_t GltfSurfaces::with_opacity(const GltfMaterial& m, const Traits& traits, std::uint32_t inner) {
   if (!has_opacity(m)) return inner;
   const bool blend = m.alpha == GltfMaterial::Alpha::blend;
   const double factor = m.base_color.a;
+  if (traits.colors && traits.colors_have_alpha && factor > 0.0) {
+    std::uint32_t row = *base_color(m, traits).texture;
+    if (!blend) row = textures_.derived(row, cutoff_of_texture(m), false);
+    return add({.adapter = MaskAdapter{{blend ? factor : 1.0, row, TextureChannel::alpha}, inner}}, m);
+  }
   ScalarParameter opacity(blend ? factor : factor >= m.alpha_cutoff ? 1.0 : 0.0);
   if (m.base_color_texture && blend) {
     assign(opacity, factor, m.base_color_texture, traits, TextureChannel::alpha);
@@ -199,7 +220,14 @@ std::optional<std::uint32_t> GltfSurfaces::emitter_of(const GltfMaterial& m, con
   if (m.model == GltfMaterial::Model::unlit) {
     emitter.radiance = base_color(m, traits);
     const TextureRecipe recipe = premultiplied();
-    if (has_opacity(m)) {
+    const double alpha = m.base_color.a;
+    if (has_opacity(m) && traits.colors && emitter.radiance.texture) {
+      // What is cut counts as it is, what is blended by its share.
+      const bool cut = m.alpha == GltfMaterial::Alpha::mask && alpha > 0.0;
+      emitter.radiance.texture =
+          textures_.derived(*emitter.radiance.texture, cut ? std::optional(cutoff_of_texture(m)) : std::nullopt, true);
+      if (!cut) emitter.radiance.value *= alpha;
+    } else if (has_opacity(m)) {
       if (const auto row = texture(m.base_color_texture, traits, ColorSpace::srgb, &recipe))
         emitter.radiance.texture = row;
       if (!m.base_color_texture) emitter.radiance.value *= m.base_color.a;
@@ -208,21 +236,19 @@ std::optional<std::uint32_t> GltfSurfaces::emitter_of(const GltfMaterial& m, con
     assign(emitter.radiance, m.emission, m.emission_texture, traits);
   }
   if (emitter.radiance.value == glm::dvec3(0.0)) return std::nullopt;
+  emitter.two_sided = m.double_sided;
   scene_.emitters.push_back(emitter);
   return static_cast<std::uint32_t>(scene_.emitters.size() - 1);
 }
 
-void GltfSurfaces::say_what_is_left_out(const GltfMaterial& m, const Traits& traits) {
+void GltfSurfaces::say_what_is_left_out(const GltfMaterial& m) {
   const auto say = [&](bool used, const char* what) {
     if (used) warn_once(m, fmt::format("{}, which is not shown", what));
   };
   if (m.occlusion_texture && said_.insert("occlusion").second)
     sink_.note(position(m), "occlusion textures are not looked at: light is traced");
-  say(m.clearcoat_normal_texture && m.clearcoat > 0.0, "has a normal texture of its clear coat");
   say(m.anisotropy > 0.0 && m.anisotropy_texture, "has a texture of the direction of its anisotropy");
-  say(m.dispersion > 0.0, "has dispersion");
   say(m.scatters, "scatters light inside");
-  say(has_opacity(m) && traits.colors_have_alpha, "takes part of its opacity from colours of vertices");
 }
 
 std::optional<std::uint32_t> GltfSurfaces::texture(const MaybeTexture& info, const Traits& traits,

@@ -33,7 +33,7 @@ class GltfSurfaces {
  private:
   struct Traits {
     std::uint32_t uv_sets = 0;
-    bool colors = false, colors_have_alpha = false, mirrored = false;
+    bool colors = false, colors_have_alpha = false, mirrored = false, normals = false;
     auto operator<=>(const Traits&) const = default;
   };
 
@@ -43,11 +43,12 @@ class GltfSurfaces {
   void set_specular_glossiness(const GltfMaterial& m, const Traits& traits, GltfBsdf& b);
   void set_layers(const GltfMaterial& m, const Traits& traits, GltfBsdf& b);
   void set_transmission(const GltfMaterial& m, const Traits& traits, GltfBsdf& b);
+  std::optional<std::uint32_t> normal_row(const MaybeTexture& info, double scale, const Traits& traits);
   std::uint32_t with_normals(const GltfMaterial& m, const Traits& traits, std::uint32_t inner);
   std::uint32_t with_opacity(const GltfMaterial& m, const Traits& traits, std::uint32_t inner);
   std::optional<std::uint32_t> emitter_of(const GltfMaterial& m, const Traits& traits);
   ColorParameter base_color(const GltfMaterial& m, const Traits& traits);
-  void say_what_is_left_out(const GltfMaterial& m, const Traits& traits);
+  void say_what_is_left_out(const GltfMaterial& m);
 
   std::optional<std::uint32_t> texture(const MaybeTexture& info, const Traits& traits, ColorSpace color_space,
                                        const TextureRecipe* recipe = nullptr);

@@ -105,6 +105,32 @@ std::optional<std::uint32_t> GltfTextures::row(const GltfTextureInfo& info, Colo
   return known->second;
 }
 
+std::uint32_t GltfTextures::tinted(std::optional<std::uint32_t> row, const SourcePosition& position) {
+  if (!row)
+    return once(
+        "white",
+        {.source = AttributeTexture{AttributeTexture::Source::vertex_color}, .name = "COLOR_0", .position = position});
+  Texture texture = scene_.textures[*row];
+  texture.vertex_tint = true;
+  return once(fmt::format("tinted {}", *row), std::move(texture));
+}
+
+std::uint32_t GltfTextures::derived(std::uint32_t row, std::optional<double> alpha_cutoff, bool premultiplied) {
+  Texture texture = scene_.textures[row];
+  texture.alpha_cutoff = alpha_cutoff;
+  texture.premultiplied = premultiplied;
+  return once(fmt::format("derived {} {} {}", row, alpha_cutoff.has_value() ? fmt::format("{}", *alpha_cutoff) : "-",
+                          premultiplied),
+              std::move(texture));
+}
+
+std::uint32_t GltfTextures::once(const std::string& key, Texture texture) {
+  const auto [known, is_new] = derived_.try_emplace(key);
+  if (!is_new) return known->second;
+  scene_.textures.push_back(std::move(texture));
+  return known->second = static_cast<std::uint32_t>(scene_.textures.size() - 1);
+}
+
 std::uint32_t GltfTextures::make_row(const GltfTextureInfo& info, ColorSpace color_space, const TextureRecipe* recipe) {
   const JsonValue& texture = document_.element("textures", info.index, *info.where);
   const std::uint32_t image = image_of(texture);

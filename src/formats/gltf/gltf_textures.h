@@ -28,8 +28,13 @@ class GltfTextures {
   /// A row of Scene::textures. Nothing after reporting why there is none: an error, or with `approximate` a warning.
   std::optional<std::uint32_t> row(const GltfTextureInfo& info, ColorSpace color_space,
                                    const TextureRecipe* recipe = nullptr);
+  /// That row, or without one white, times the colours of a mesh's vertices.
+  std::uint32_t tinted(std::optional<std::uint32_t> row, const SourcePosition& position);
+  /// A row with these members set.
+  std::uint32_t derived(std::uint32_t row, std::optional<double> alpha_cutoff, bool premultiplied);
 
  private:
+  std::uint32_t once(const std::string& key, Texture texture);
   std::uint32_t make_row(const GltfTextureInfo& info, ColorSpace color_space, const TextureRecipe* recipe);
   std::uint32_t bitmap_of(std::uint32_t image, const TextureRecipe* recipe, const JsonValue& where);
   std::shared_ptr<const Bitmap> decoded(std::uint32_t image, const JsonValue& where);
@@ -41,6 +46,7 @@ class GltfTextures {
   Diagnostics& sink_;
   bool approximate_;
   std::map<std::string, std::optional<std::uint32_t>> rows_;
+  std::map<std::string, std::uint32_t> derived_;
   std::map<std::string, std::uint32_t> bitmaps_;                  ///< by image and recipe
   std::map<std::uint32_t, std::weak_ptr<const Bitmap>> decoded_;  ///< by image
 };

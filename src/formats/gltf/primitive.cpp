@@ -47,6 +47,96 @@ bool is_mirrored(const TriangleMesh& mesh, std::uint32_t uv_set, const glm::uvec
   return b.x * c.y - b.y * c.x < 0.0;
 }
 
+/// Tangents of vertices as MikkTSpace makes them [Mikkelsen2008]: at each the mean of the directions in which u grows
+/// on its triangles, within the plane of its normal, weighted by their angles. A vertex of triangles whose coordinates
+/// are mirrored and of others is split in two.
+class TangentMaker {
+ public:
+  TangentMaker(TriangleMesh& mesh, std::uint32_t uv_set) : mesh_(mesh), uv_set_(uv_set) {}
+
+  void make() {
+    split();
+    mesh_.tangents.assign(mesh_.positions.size(), glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
+    std::vector<glm::dvec3> sums(mesh_.positions.size(), glm::dvec3(0.0));
+    for (const glm::uvec3& t : mesh_.triangles) {
+      const glm::dvec3 along = toward_u(t);
+      const bool mirrored = is_mirrored(mesh_, uv_set_, t);
+      for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 here = flat(along, t[k]);
+        if (mirrored) mesh_.tangents[t[k]].w = -1.0f;
+        if (here != glm::dvec3(0.0)) sums[t[k]] += angle(t, k) * glm::normalize(here);
+      }
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const double length = glm::length(sums[i]);
+      if (length > 0.0) mesh_.tangents[i] = glm::vec4(glm::vec3(sums[i] / length), mesh_.tangents[i].w);
+    }
+  }
+
+ private:
+  /// Gives the mirrored triangles vertices of their own where others have them, too.
+  void split() {
+    std::vector<bool> upright(mesh_.positions.size(), false);
+    std::vector<std::uint32_t> copies(mesh_.positions.size(), 0);  // 0: none
+    for (const glm::uvec3& t : mesh_.triangles) {
+      if (!is_mirrored(mesh_, uv_set_, t)) upright[t.x] = upright[t.y] = upright[t.z] = true;
+    }
+    for (glm::uvec3& t : mesh_.triangles) {
+      if (!is_mirrored(mesh_, uv_set_, t)) continue;
+      const glm::uvec3 old = t;
+      for (int k = 0; k < 3; ++k) {
+        if (!upright[old[k]]) continue;
+        if (copies[old[k]] == 0) copies[old[k]] = copy(old[k]);
+        t[k] = copies[old[k]];
+      }
+    }
+  }
+
+  std::uint32_t copy(std::uint32_t vertex) {
+    const auto append = [&](auto& list) {
+      if (list.empty()) return;
+      const auto of_vertex = list[vertex];
+      list.push_back(of_vertex);
+    };
+    append(mesh_.positions);
+    append(mesh_.normals);
+    for (std::vector<glm::vec2>& uvs : mesh_.uv_sets) append(uvs);
+    append(mesh_.vertex_colors);
+    append(mesh_.vertex_alphas);
+    return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
+  }
+
+  /// 0 where coordinates have no area.
+  glm::dvec3 toward_u(const glm::uvec3& t) const {
+    const std::vector<glm::vec2>& uvs = mesh_.uv_sets[uv_set_];
+    const glm::dvec2 origin(uvs[t.x]), b = glm::dvec2(uvs[t.y]) - origin, c = glm::dvec2(uvs[t.z]) - origin;
+    const double det = b.x * c.y - b.y * c.x;
+    if (det == 0.0) return glm::dvec3(0.0);
+    const glm::dvec3 along =
+        c.y * (mesh_.positions[t.y] - mesh_.positions[t.x]) - b.y * (mesh_.positions[t.z] - mesh_.positions[t.x]);
+    const double length = glm::length(along);
+    return length > 0.0 && std::isfinite(length) ? along * ((det < 0.0 ? -1.0 : 1.0) / length) : glm::dvec3(0.0);
+  }
+
+  /// A direction within the plane of the vertex's normal.
+  glm::dvec3 flat(const glm::dvec3& v, std::uint32_t vertex) const {
+    if (mesh_.normals.empty()) return v;
+    const glm::dvec3& n = mesh_.normals[vertex];
+    return v - n * glm::dot(n, v);
+  }
+
+  double angle(const glm::uvec3& t, int k) const {
+    const glm::dvec3& p = mesh_.positions[t[k]];
+    const glm::dvec3 a = flat(mesh_.positions[t[(k + 1) % 3]] - p, t[k]);
+    const glm::dvec3 b = flat(mesh_.positions[t[(k + 2) % 3]] - p, t[k]);
+    const double angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+    return std::isfinite(angle) ? angle : 0.0;
+  }
+
+  TriangleMesh& mesh_;
+  std::uint32_t uv_set_;
+};
+
 class PrimitiveReader {
  public:
   PrimitiveReader(GltfDocument& document, Accessors& accessors, const JsonValue& primitive, const PrimitiveNeeds& needs,
@@ -71,10 +161,12 @@ class PrimitiveReader {
     read_normals();
     read_coordinates();
     read_colors();
+    read_tangents();
     morph();
     bend_by_skin();
     read_triangles();
     finish_normals();
+    if (needs_.tangents && mesh_.tangents.empty()) TangentMaker(mesh_, *needs_.tangents).make();
     if (!needs_.tangent_uv) return {std::move(mesh_), {}};
     return split();
   }
@@ -137,16 +229,40 @@ class PrimitiveReader {
   void read_colors() {
     if (!needs_.colors) return;
     const FloatTable table = attribute("COLOR_0", {3, 4});
+    const auto share = [](float value) { return value > 0.0f ? std::min(value, 1.0f) : 0.0f; };  // of NaN nothing, too
     mesh_.vertex_colors.resize(table.rows());
     for (std::size_t i = 0; i < table.rows(); ++i) {
-      for (int c = 0; c < 3; ++c) {
-        const float value = table.row(i)[c];
-        mesh_.vertex_colors[i][c] = value > 0.0f ? std::min(value, 1.0f) : 0.0f;  // of NaN nothing, too
-      }
+      for (int c = 0; c < 3; ++c) mesh_.vertex_colors[i][c] = share(table.row(i)[c]);
     }
+    if (!needs_.alphas || table.components < 4) return;
+    mesh_.vertex_alphas.resize(table.rows());
+    for (std::size_t i = 0; i < table.rows(); ++i) mesh_.vertex_alphas[i] = share(table.row(i)[3]);
   }
 
-  void add_target(const JsonValue& target, const std::string& name, double weight, std::vector<glm::dvec3>& to) {
+  /// Those of the file, unless some say nothing.
+  void read_tangents() {
+    if (!needs_.tangents || !has("TANGENT")) return;
+    const FloatTable table = attribute("TANGENT", {4});
+    std::size_t bad = 0;
+    mesh_.tangents.resize(table.rows());
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+      const float* row = table.row(i);
+      const glm::vec4 t(row[0], row[1], row[2], row[3] < 0.0f ? -1.0f : 1.0f);
+      const float length = glm::length(glm::vec3(t));
+      const bool good = length > 0.0f && std::isfinite(length) && row[3] != 0.0f && std::isfinite(row[3]);
+      bad += good ? 0 : 1;
+      mesh_.tangents[i] = good ? t : glm::vec4(0.0f, 0.0f, 0.0f, 1.0f);
+    }
+    if (bad == 0) return;
+    sink_.warning(document_.position(primitive_),
+                  fmt::format("{} of {} tangents have no direction or no side; the normal texture lies by the texture "
+                              "coordinates",
+                              bad, table.rows()));
+    mesh_.tangents.clear();
+  }
+
+  template <typename Vector>
+  void add_target(const JsonValue& target, const std::string& name, double weight, std::vector<Vector>& to) {
     const auto index = find_index(target, name);
     if (!index || to.empty()) return;
     const FloatTable offsets = accessors_.floats(*index, target, {3});
@@ -155,7 +271,9 @@ class PrimitiveReader {
                       fmt::format("{} of the target has {} rows, the primitive {}", name, offsets.rows(), to.size())};
     for (std::size_t i = 0; i < to.size(); ++i) {
       const float* row = offsets.row(i);
-      to[i] += weight * glm::dvec3(row[0], row[1], row[2]);
+      for (int c = 0; c < 3; ++c)
+        to[i][c] = static_cast<typename Vector::value_type>(static_cast<double>(to[i][c]) +
+                                                            weight * static_cast<double>(row[c]));
     }
   }
 
@@ -165,6 +283,7 @@ class PrimitiveReader {
       if (pose_.weights[i] == 0.0) continue;
       add_target(targets[i], "POSITION", pose_.weights[i], mesh_.positions);
       add_target(targets[i], "NORMAL", pose_.weights[i], mesh_.normals);
+      add_target(targets[i], "TANGENT", pose_.weights[i], mesh_.tangents);
     }
   }
 
@@ -178,6 +297,10 @@ class PrimitiveReader {
       const glm::dmat4 blend = sum > 0.0 ? blends[i] / sum : glm::dmat4(1.0);
       mesh_.positions[i] = glm::dvec3(blend * glm::dvec4(mesh_.positions[i], 1.0));
       const glm::dmat3 linear(blend);
+      if (!mesh_.tangents.empty()) {
+        glm::vec4& t = mesh_.tangents[i];
+        t = glm::vec4(glm::vec3(linear * glm::dvec3(t)), t.w);
+      }
       if (!mesh_.normals.empty() && glm::determinant(linear) != 0.0)
         mesh_.normals[i] = glm::transpose(glm::inverse(linear)) * mesh_.normals[i];
     }
@@ -278,9 +401,10 @@ PrimitiveContent primitive_content(const GltfDocument& document, Accessors& acce
   const JsonValue& attributes = attributes_of(primitive);
   PrimitiveContent content;
   while (attributes.find(fmt::format("TEXCOORD_{}", content.uv_sets)) != nullptr) ++content.uv_sets;
+  const bool packed = find_extension(primitive, "KHR_draco_mesh_compression") != nullptr;
+  content.normals = attributes.find("NORMAL") != nullptr;
   const auto color = find_index(attributes, "COLOR_0");
   if (!color) return content;
-  const bool packed = find_extension(primitive, "KHR_draco_mesh_compression") != nullptr;
   const auto is_one = [](float value) { return value == 1.0f; };
   // Many exporters write white for every vertex.
   content.colors = packed || !std::ranges::all_of(accessors.floats(*color, attributes, {3, 4}).numbers, is_one);

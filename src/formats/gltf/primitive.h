@@ -14,7 +14,9 @@ namespace etendue {
 struct PrimitiveNeeds {
   std::uint32_t uv_sets = 0;                ///< the first so many
   bool colors = false;                      ///< COLOR_0
+  bool alphas = false;                      ///< and its alpha
   std::optional<std::uint32_t> tangent_uv;  ///< the triangles whose coordinates in this set are mirrored stand apart
+  std::optional<std::uint32_t> tangents;    ///< TANGENT, or without it those that follow from this set
 };
 
 /// How a primitive is bent.
@@ -34,6 +36,7 @@ struct PrimitiveContent {
   std::uint32_t uv_sets = 0;
   bool colors = false;  ///< other than white
   bool colors_have_alpha = false;
+  bool normals = false;
 };
 
 PrimitiveContent primitive_content(const GltfDocument& document, Accessors& accessors, const JsonValue& primitive);

@@ -54,6 +54,8 @@ void drop_unused_vertices(TriangleMesh& mesh) {
   compact(mesh.normals, place, count);
   for (std::vector<glm::vec2>& uvs : mesh.uv_sets) compact(uvs, place, count);
   compact(mesh.vertex_colors, place, count);
+  compact(mesh.vertex_alphas, place, count);
+  compact(mesh.tangents, place, count);
   for (glm::uvec3& t : mesh.triangles) t = {place[t.x], place[t.y], place[t.z]};
 }
 

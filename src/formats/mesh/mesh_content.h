@@ -15,6 +15,7 @@ struct MeshContent {
   bool uv = true;
   bool textured = true;  ///< textures use them, or else only the direction of materials
   bool colors = true;
+  bool tangents = false;  ///< those that PLY files of ours have
   /// Of PLY files: what is read as colours instead, the properties NAME_0 to NAME_2, or NAME_0 alone as grey.
   std::string attribute = {};
   std::size_t attributes = 0;  ///< that are wanted; a mesh brings one

@@ -336,6 +336,8 @@ class MitsubaWriter : MaterialWriter {
     const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z, channel}, id);
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
     Texture texture = scene_.textures[row];
+    if (texture.vertex_tint) refuse("a texture is multiplied with the colours of a mesh");
+    if (texture.is_derived()) refuse("a texture is changed by its alpha");
     if (channel.value_or(TextureChannel::luminance) != TextureChannel::luminance) {
       const auto* picture = std::get_if<BitmapTexture>(&texture.source);
       if (picture == nullptr) refuse("a number is a channel of a texture that is no picture");
@@ -420,7 +422,8 @@ class MitsubaWriter : MaterialWriter {
   /// By the nearest of Mitsuba's materials.
   void write_gltf(const std::string& id, const GltfBsdf& bsdf) override {
     const std::string sentence =
-        "materials of glTF are written as principled, whose lobes are others, without sheen, film and volume";
+        "materials of glTF are written as principled, whose lobes are others, without sheen, film, volume and "
+        "dispersion, and with the normal of the base for the coat";
     if (std::ranges::find(differences_, sentence) == differences_.end()) differs(sentence);
     const bool sheet = bsdf.thin && may_refract(bsdf);
     open_bsdf(id, sheet ? "principledthin" : "principled");
@@ -436,6 +439,12 @@ class MitsubaWriter : MaterialWriter {
     number("metallic", bsdf.metallic);
     number("anisotropic", bsdf.anisotropy);
     number("clearcoat", bsdf.clearcoat);
+  }
+  void write_vertex_tangents() override {
+    if (std::exchange(tangents_noted_, true)) return;
+    differs(
+        "normal maps lie by the tangents of vertices, in Mitsuba by the texture coordinates of each triangle, and are "
+        "not turned where those are mirrored");
   }
   void note_masks() {
     const auto is_mask = [](const Material& material) {
@@ -476,12 +485,15 @@ class MitsubaWriter : MaterialWriter {
     if (const AreaEmitter* emitter = scene_.emitter_of(instance)) {
       xml_.open("emitter", {{"type", "area"}});
       color("radiance", emitter->radiance);
+      if (emitter->two_sided && !std::exchange(sides_noted_, true))
+        differs("lamps that shine on both sides do so in front alone in Mitsuba");
       xml_.close();
     }
     xml_.close();
   }
 
   std::vector<std::string> differences_;
+  bool tangents_noted_ = false, sides_noted_ = false;
   /// Ids by row, factor and, of numbers, the channel.
   std::map<std::tuple<std::uint32_t, double, double, double, std::optional<TextureChannel>>, std::string> textures_;
 };

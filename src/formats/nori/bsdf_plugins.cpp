@@ -91,7 +91,8 @@ std::vector<Plugin> adapter_plugins() {
        "A material whose shading normals a picture says: red along dp/du, green across it, blue along the normal, 0 … "
        "1 "
        "for −1 … 1. Pictures of 8 bits want raw.",
-       {{"normalmap", color, "0.5 0.5 1", kUnit, "the normals; a texture", "texture"}},
+       {{"normalmap", color, "0.5 0.5 1", kUnit, "the normals; a texture", "texture"},
+        {"vertex_tangents", boolean, "false", {}, "along the tangents that the mesh's file has, in place of dp/du"}},
        {{"bsdf", 1, 1}}},
       {"bsdf",
        "bumpmap",
@@ -180,6 +181,20 @@ Plugin gltf_plugin() {
        textured("iridescence_ior", "1.3", "its index of refraction", {1, kMaxFilmIndex, false, false}),
        textured("iridescence_thickness", "400", "its thickness, nanometres", {0, kMaxFilmThickness, false, false})},
       {}};
+  row.parameters.push_back({"coat_keeps_normal",
+                            boolean,
+                            "false",
+                            {},
+                            "the lacquer has the surface's normal, whatever normal maps do to what lies below it"});
+  row.parameters.push_back(
+      {"coat_normals", color, "0.5 0.5 1", {0, 1, false, false}, "and is turned by this map; a texture", "texture"});
+  row.parameters.push_back(
+      {"coat_vertex_tangents", boolean, "false", {}, "along the tangents that the mesh's file has, in place of dp/du"});
+  row.parameters.push_back({"dispersion",
+                            real,
+                            "0",
+                            {0, kMaxDispersion, false, false},
+                            "of a solid: 20 over its Abbe number, by which red and blue are bent otherwise"});
   for (const Parameter& parameter : gltf_solid()) row.parameters.push_back(parameter);
   return row;
 }

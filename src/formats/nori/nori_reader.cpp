@@ -675,7 +675,8 @@ class SceneReader {
         return std::nullopt;
       }
       if (type == "normalmap") {
-        adapter.emplace(NormalMapAdapter{read_factor(object, property, &scene), rows.front()});
+        adapter.emplace(
+            NormalMapAdapter{read_factor(object, property, &scene), rows.front(), object.get<bool>("vertex_tangents")});
       } else {
         ScalarParameter height = read_scalar(object, property, &scene);
         height.value *= object.get<double>("scale");
@@ -826,6 +827,10 @@ class SceneReader {
     auto bsdf = read_parameters<GltfBsdf>(object, scene);
     bsdf.anisotropy_rotation = glm::radians(object.get<double>("anisotropy_rotation"));
     bsdf.thin = object.get<bool>("thin");
+    bsdf.dispersion = object.get<double>("dispersion");
+    bsdf.coat_keeps_normal = object.get<bool>("coat_keeps_normal");
+    bsdf.coat_vertex_tangents = object.get<bool>("coat_vertex_tangents");
+    if (object.child_of("coat_normals") != nullptr) bsdf.coat_normals = read_factor(object, "coat_normals", scene);
     bsdf.attenuation_color = object.get<glm::dvec3>("attenuation_color");
     const auto distance = object.get<double>("attenuation_distance");
     if (distance > 0.0) bsdf.attenuation_distance = distance;
@@ -1035,17 +1040,18 @@ class SceneReader {
       return {};
     }
     const auto scale = object.get<double>("scale");
+    const bool two_sided = object.get<bool>("two_sided");
     if (object.child_of("radiance") != nullptr) {
       ColorParameter textured = read_textured(object, "radiance", &scene);
       textured.value *= scale;
-      return {textured, object.position()};
+      return {textured, object.position(), two_sided};
     }
     const glm::dvec3 radiance = scale * object.get<glm::dvec3>("radiance");
     remember_fields(object, {"radiance"});
     if (object.given("radiance") && radiance == glm::dvec3(0.0)) {
       sink_.warning(object.position_of("radiance"), "radiance 0 0 0: this emitter sends no light");
     }
-    return {radiance, object.position()};
+    return {radiance, object.position(), two_sided};
   }
 
   std::optional<TriangleMesh> read_mesh(const Object& object, const MeshFormat& format, const MeshContent& content,

@@ -268,6 +268,9 @@ class NoriWriter : MaterialWriter {
     if (texture.uv_set > 0) refuse("a texture uses the second texture coordinates of a mesh");
     std::visit([&](const auto& source) { write_source(name, known->second, source); }, texture.source);
     if (factor != glm::dvec3(1.0)) color("scale", factor);
+    if (texture.vertex_tint) xml_.boolean("vertex_tint", true);
+    if (texture.alpha_cutoff) xml_.number("alpha_cutoff", *texture.alpha_cutoff);
+    if (texture.premultiplied) xml_.boolean("premultiplied", true);
     constexpr const char* kChannels[] = {"red", "green", "blue", "alpha", "luminance"};
     if (channel != TextureChannel::luminance) xml_.text("channel", kChannels[static_cast<std::size_t>(channel)]);
     const glm::dmat3& m = texture.uv_transform;
@@ -299,6 +302,8 @@ class NoriWriter : MaterialWriter {
     xml_.text("attribute", faces ? "face_color" : "vertex_color");
   }
 
+  void write_vertex_tangents() override { xml_.boolean("vertex_tangents", true); }
+
   void write_microfacet(const std::string& id, const MicrofacetBsdf& bsdf) override {
     open_bsdf(id, "microfacet");
     color("kd", bsdf.kd);
@@ -310,6 +315,9 @@ class NoriWriter : MaterialWriter {
     constexpr double kDegrees = 57.295779513082320877;
     open_bsdf(id, "gltf");
     write_parameters(bsdf);
+    if (bsdf.coat_keeps_normal) xml_.boolean("coat_keeps_normal", true);
+    if (bsdf.coat_normals.texture && bsdf.coat_vertex_tangents) xml_.boolean("coat_vertex_tangents", true);
+    if (bsdf.dispersion != 0.0) number("dispersion", bsdf.dispersion);
     if (bsdf.anisotropy_rotation != 0.0) number("anisotropy_rotation", bsdf.anisotropy_rotation * kDegrees);
     xml_.boolean("thin", bsdf.thin);
     if (!std::isfinite(bsdf.attenuation_distance)) return;
@@ -325,6 +333,7 @@ class NoriWriter : MaterialWriter {
     if (const AreaEmitter* emitter = scene_.emitter_of(instance)) {
       xml_.open("emitter", {{"type", "area"}});
       color("radiance", emitter->radiance);
+      if (emitter->two_sided) xml_.boolean("two_sided", true);
       xml_.close();
     }
     xml_.close();

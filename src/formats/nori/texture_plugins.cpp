@@ -17,6 +17,16 @@ Parameter factor() {
   return {"scale", color, "1 1 1", kFactor, "what its colours are multiplied with"};
 }
 
+/// What is done to the value of a texture.
+std::vector<Parameter> derived(bool may_be_tinted) {
+  std::vector<Parameter> rows;
+  if (may_be_tinted)
+    rows.push_back({"vertex_tint", boolean, "false", {}, "times the colours, and alpha, of the mesh's vertices"});
+  rows.push_back({"alpha_cutoff", real, "", kColor, "alpha becomes 1 from here on, and 0 below"});
+  rows.push_back({"premultiplied", boolean, "false", {}, "its colours are multiplied with its alpha"});
+  return rows;
+}
+
 Parameter channel() {
   return {"channel", string, "luminance", {}, "what stands for a number: red, green, blue, alpha or luminance"};
 }
@@ -60,7 +70,13 @@ std::vector<Plugin> texture_plugins() {
        {{"attribute", string, "vertex_color", {}, "vertex_color, interpolated, or face_color"}, factor()},
        {}},
   };
-  for (Plugin& row : rows) row.parameters.push_back(channel());
+  for (Plugin& row : rows) {
+    const bool attribute = std::string_view(row.type) == "mesh_attribute";
+    if (attribute || std::string_view(row.type) == "bitmap" || std::string_view(row.type) == "checkerboard") {
+      for (const Parameter& parameter : derived(!attribute)) row.parameters.push_back(parameter);
+    }
+    row.parameters.push_back(channel());
+  }
   return rows;
 }
 

@@ -40,6 +40,10 @@ std::optional<std::uint32_t> TextureReader::read(const Object& owner, const char
   const std::optional<Object> object = Object::read(*element, context_);
   std::optional<Texture> texture = object ? read_texture(*object, scene) : std::nullopt;
   if (!texture) return std::nullopt;
+  const auto is_given = [&](const char* name) { return object->plugin().find(name) != nullptr && object->given(name); };
+  if (is_given("vertex_tint")) texture->vertex_tint = object->get<bool>("vertex_tint");
+  if (is_given("alpha_cutoff")) texture->alpha_cutoff = object->get<double>("alpha_cutoff");
+  if (is_given("premultiplied")) texture->premultiplied = object->get<bool>("premultiplied");
   channels_[element] = read_channel(*object);
   entry->second = static_cast<std::uint32_t>(scene.textures.size());
   scene.textures.push_back(std::move(*texture));

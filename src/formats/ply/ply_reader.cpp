@@ -23,12 +23,14 @@ namespace etendue {
 namespace {
 
 /// Numbers of a vertex or a face that the reader keeps.
-enum Slot : std::size_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kSlots };
+enum Slot : std::size_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kTx, kTy, kTz, kTw, kRed, kGreen, kBlue, kAlpha, kSlots };
 constexpr int kUnwanted = -1;
 constexpr std::array kPositionSlots = {kX, kY, kZ};
 constexpr std::array kNormalSlots = {kNx, kNy, kNz};
 constexpr std::array kUvSlots = {kU, kV};
+constexpr std::array kTangentSlots = {kTx, kTy, kTz, kTw};
 constexpr std::array kColorSlots = {kRed, kGreen, kBlue};
+constexpr std::array kAlphaSlots = {kAlpha};
 
 struct SlotName {
   const char* name;
@@ -49,6 +51,10 @@ constexpr SlotName kSlotNames[] = {{"x", kX},
                                    {"texture_v", kV},
                                    {"texture_s", kU},
                                    {"texture_t", kV},
+                                   {"tangent_x", kTx},
+                                   {"tangent_y", kTy},
+                                   {"tangent_z", kTz},
+                                   {"tangent_w", kTw},
                                    {"red", kRed},
                                    {"green", kGreen},
                                    {"blue", kBlue},
@@ -58,6 +64,7 @@ constexpr SlotName kSlotNames[] = {{"x", kX},
                                    {"color_0", kRed},
                                    {"color_1", kGreen},
                                    {"color_2", kBlue},
+                                   {"color_3", kAlpha},
                                    {"diffuse_red", kRed},
                                    {"diffuse_green", kGreen},
                                    {"diffuse_blue", kBlue}};
@@ -115,7 +122,9 @@ Layout make_layout(const PlyElement& element, bool is_face, const MeshContent& c
   drop_unless_whole(layout, kPositionSlots, !is_face);
   drop_unless_whole(layout, kNormalSlots, !is_face);
   drop_unless_whole(layout, kUvSlots, !is_face && content.uv);
+  drop_unless_whole(layout, kTangentSlots, !is_face && content.tangents);
   drop_unless_whole(layout, kColorSlots, content.colors);
+  drop_unless_whole(layout, kAlphaSlots, !is_face && layout.has(kColorSlots) && layout.color_scale == 0.0);
   return layout;
 }
 
@@ -239,7 +248,9 @@ class PlyReader {
     mesh_.positions.emplace_back(n[kX], n[kY], n[kZ]);
     if (layout.present[kNx]) mesh_.normals.push_back(unit_or_zero({n[kNx], n[kNy], n[kNz]}));
     if (layout.present[kU]) mesh_.uv_sets[0].emplace_back(n[kU], n[kV]);
+    if (layout.present[kTx]) mesh_.tangents.emplace_back(n[kTx], n[kTy], n[kTz], n[kTw]);
     if (layout.present[kRed]) mesh_.vertex_colors.push_back(color_of(layout, n));
+    if (layout.present[kAlpha]) mesh_.vertex_alphas.push_back(static_cast<float>(n[kAlpha]));
   }
 
   static glm::dvec3 unit_or_zero(const glm::dvec3& n) {
@@ -388,6 +399,7 @@ class PlyReader {
                      fmt::format("vertex {} has texture coordinates {} {}; they must be finite", vertex,
                                  mesh_.uv_sets[0][vertex].x, mesh_.uv_sets[0][vertex].y)};
     if (!mesh_.vertex_colors.empty()) check_color(mesh_.vertex_colors[vertex], "vertex", vertex);
+    if (!mesh_.vertex_alphas.empty()) check_color(glm::vec3(mesh_.vertex_alphas[vertex]), "vertex", vertex);
   }
 
   void check_color(const glm::vec3& c, const char* what, std::size_t index) const {

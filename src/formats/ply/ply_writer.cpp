@@ -29,13 +29,17 @@ void write_ply(const std::string& path, const TriangleMesh& mesh) {
                                               path, mesh.uv_sets.size()));
   const bool normals = !mesh.normals.empty(), uv = !mesh.uv_sets.empty();
   const bool colors = !mesh.vertex_colors.empty(), face_colors = !mesh.face_colors.empty();
+  const bool tangents = !mesh.tangents.empty();
+  const char* xyzw =
+      "property float tangent_x\nproperty float tangent_y\nproperty float tangent_z\nproperty float tangent_w\n";
+  const bool alphas = colors && !mesh.vertex_alphas.empty();
   const char* rgb = "property float color_0\nproperty float color_1\nproperty float color_2\n";
   const std::string header = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
-      "z\n{}{}{}element face {}\nproperty list uchar int vertex_indices\n{}end_header\n",
+      "z\n{}{}{}{}{}element face {}\nproperty list uchar int vertex_indices\n{}end_header\n",
       mesh.positions.size(), normals ? "property double nx\nproperty double ny\nproperty double nz\n" : "",
-      uv ? "property float u\nproperty float v\n" : "", colors ? rgb : "", mesh.triangles.size(),
-      face_colors ? rgb : "");
+      uv ? "property float u\nproperty float v\n" : "", colors ? rgb : "", alphas ? "property float color_3\n" : "",
+      tangents ? xyzw : "", mesh.triangles.size(), face_colors ? rgb : "");
   std::vector<std::byte> bytes;
   put(bytes, header.data(), header.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -43,6 +47,8 @@ void write_ply(const std::string& path, const TriangleMesh& mesh) {
     if (normals) put(bytes, &mesh.normals[i], sizeof(glm::dvec3));
     if (uv) put(bytes, &mesh.uv_sets[0][i], sizeof(glm::vec2));
     if (colors) put(bytes, &mesh.vertex_colors[i], sizeof(glm::vec3));
+    if (alphas) put(bytes, &mesh.vertex_alphas[i], sizeof(float));
+    if (tangents) put(bytes, &mesh.tangents[i], sizeof(glm::vec4));
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     constexpr std::uint8_t kCorners = 3;
