@@ -1,7 +1,7 @@
 /// What glTF's materials and lamps have beside others, against numbers that are known otherwise.
 
-#include <algorithm>
 #include <gtest/gtest.h>
+#include <algorithm>
 
 #include <glm/gtc/matrix_transform.hpp>
 
