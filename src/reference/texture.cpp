@@ -238,7 +238,7 @@ glm::dvec4 vertex_tangent(const Scene& scene, const Surface& surface) {
     side += surface.weights[k] * tangent.w;
   }
   // A mirror image shows the mirror image of its texture; normals that are flipped turn the bitangent once more.
-  return {sum, side < 0.0 != Placement(instance).turned() ? -1.0 : 1.0};
+  return {sum, (side < 0.0) != Placement(instance).turned() ? -1.0 : 1.0};
 }
 
 Vec2 gradient_at(const Scene& scene, const ScalarParameter& parameter, const Surface& surface) {
