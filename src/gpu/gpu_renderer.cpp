@@ -96,7 +96,8 @@ class PassSizer {
       : seconds_(context.is_cpu() ? kCpuPassSeconds : options.pass_seconds),
         fixed_samples_(options.fixed_samples),
         fixed_groups_(options.fixed_groups),
-        most_(most_samples(context, lane_groups) / gpu::kWorkgroupSize),
+        most_(std::min<std::uint64_t>(most_samples(context, lane_groups) / gpu::kWorkgroupSize,
+                                      context.limits().maxComputeWorkGroupCount[0])),
         lane_groups_(lane_groups),
         paths_per_lane_(std::clamp(rounds / kRoundsPerPath, 4u, kPathsPerLane)) {}
 
@@ -110,8 +111,7 @@ class PassSizer {
   /// signals and time limits.
   std::uint32_t samples(std::uint64_t slots, std::uint32_t paths) const {
     if (fixed_samples_ > 0) return fixed_samples_;
-    constexpr double kDispatchesPerPass = 1.0;
-    const double affordable = kDispatchesPerPass * seconds_ * rate_ / (static_cast<double>(slots) * paths);
+    const double affordable = seconds_ * rate_ / (static_cast<double>(slots) * paths);
     return static_cast<std::uint32_t>(std::clamp(affordable, 1.0, 64.0));
   }
   /// Groups of slots that are given so many paths each by one dispatch, or by several where that is too much for one.
@@ -141,7 +141,7 @@ class PassSizer {
 
   double seconds_;
   std::uint32_t fixed_samples_, fixed_groups_;
-  std::uint64_t most_;  // groups of 64 samples
+  std::uint64_t most_;  // groups of 64 samples; a workgroup takes each into the film
   std::uint32_t lane_groups_;
   std::uint32_t paths_per_lane_;
   double rate_ = 2e5;  // paths per second; a careful first guess
