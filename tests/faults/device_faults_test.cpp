@@ -113,6 +113,18 @@ TEST_F(DeviceFaults, LimitsAreNamedBeforeAnythingIsUploaded) {
   }
 }
 
+TEST_F(DeviceFaults, DispatchesKeepToTheWorkgroupsThereMayBe) {
+  const auto render = [&](const char* groups, const char* out) {
+    ProcessOptions options = fault("limits", 0);
+    options.environment["ETENDUE_FAULT_GROUPS"] = groups;
+    return run({"render", kScene, "--size", "100x75", "--spp", "3", "--film", "-o", out}, options);
+  };
+  EXPECT_EQ(render("65535", "many.exr").code, 0);
+  const auto few = render("5", "few.exr");
+  EXPECT_EQ(few.code, 0) << few.err;
+  expect_same("many.exr", "few.exr");
+}
+
 // What every Vulkan device can bind suffices, and 8 storage buffers where tables are too long for texel buffers.
 TEST_F(DeviceFaults, FewBindingsSuffice) {
   const auto with = [&](const char* buffers, const char* images, const char* texels) {

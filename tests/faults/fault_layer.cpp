@@ -6,7 +6,8 @@
 /// - ETENDUE_FAULT=limits: the device says it can take less: ETENDUE_FAULT_TEXELS, ETENDUE_FAULT_RANGE,
 /// ETENDUE_FAULT_HEAP and ETENDUE_FAULT_ALLOCATION lower maxTexelBufferElements, maxStorageBufferRange, the size of its
 /// memory heaps and maxMemoryAllocationSize; ETENDUE_FAULT_BUFFERS and ETENDUE_FAULT_IMAGES the storage buffers and
-/// sampled images that a kernel can be given.
+/// sampled images that a kernel can be given; ETENDUE_FAULT_GROUPS the workgroups of a dispatch, and one of more ends
+/// the process.
 /// - ETENDUE_FAULT_AFTER=N: the first N dispatches or allocations of the process are good.
 /// - ETENDUE_FAULT_TIMES=N: faults in all; unlimited by default.
 
@@ -98,6 +99,7 @@ void lower_limits(VkPhysicalDeviceLimits& limits) {
   lower(limits.maxDescriptorSetStorageBuffers, "ETENDUE_FAULT_BUFFERS");
   lower(limits.maxPerStageDescriptorSampledImages, "ETENDUE_FAULT_IMAGES");
   lower(limits.maxDescriptorSetSampledImages, "ETENDUE_FAULT_IMAGES");
+  lower(limits.maxComputeWorkGroupCount[0], "ETENDUE_FAULT_GROUPS");
 }
 
 VKAPI_ATTR void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperties* properties) {
@@ -165,6 +167,9 @@ VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateI
 }
 
 VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer buffer, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  std::uint32_t most = ~0u;
+  lower(most, "ETENDUE_FAULT_GROUPS");
+  if (x > most) std::abort();
   PFN_vkCmdDispatch next = nullptr;
   {
     const std::lock_guard lock(g_mutex);
