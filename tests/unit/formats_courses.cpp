@@ -71,8 +71,8 @@ TEST(Courses, TagsThatArePassedOver) {
       sphere(""));
   EXPECT_TRUE(parsed.file);
   const std::string messages = all_messages(parsed.diagnostics);
-  EXPECT_THAT(messages, HasSubstr("2:1: <acceleration> is passed over"));
-  EXPECT_THAT(messages, HasSubstr("<denoiser> is passed over: pictures are left as they are rendered"));
+  EXPECT_THAT(messages, HasSubstr("2:1: <acceleration> is ignored"));
+  EXPECT_THAT(messages, HasSubstr("<denoiser> is ignored: rendering does not denoise"));
   ASSERT_EQ(parsed.diagnostics.list().size(), 2u);
   EXPECT_EQ(parsed.diagnostics.list()[0].severity, Severity::note);
   EXPECT_EQ(parsed.diagnostics.list()[1].severity, Severity::warning);

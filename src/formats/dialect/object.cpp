@@ -204,7 +204,7 @@ void Object::report_unknown_tag(const XmlElement& child, ReadContext& context) c
   const SourcePosition position = context.document.position(child.offset);
   for (const IgnoredTag& ignored : context.dialect.ignored_tags) {
     if (ignored.tag != child.name) continue;
-    const std::string message = fmt::format("<{}> is passed over: {}", child.name, ignored.why);
+    const std::string message = fmt::format("<{}> is ignored: {}", child.name, ignored.why);
     ignored.changes_picture ? context.diagnostics.warning(position, message)
                             : context.diagnostics.note(position, message);
     return;

@@ -30,8 +30,8 @@ void append(std::vector<Plugin>& rows, std::vector<Plugin> more) {
 std::vector<Plugin> scene_rows() {
   return {{"scene",
            "",
-           "The root. Bsdfs, textures and groups of shapes that stand here are used by `<ref>`; what nothing refers to "
-           "is not looked at.",
+           "The root. Bsdfs, textures and groups of shapes at this level are used through `<ref>`; those without a "
+           "reference are ignored.",
            {},
            {{"integrator", 0, 1},
             {"sensor", 0, kAnyNumber},
@@ -47,54 +47,54 @@ std::vector<Plugin> scene_rows() {
 std::vector<Parameter> path_parameters() {
   return {{"max_depth", integer, "-1", between(-1, 1 << 30), "path segments: 1 is emitted light only; -1 is no limit"},
           {"rr_depth", integer, "5", between(1, 1 << 30), "Russian roulette from this segment on"},
-          {"hide_emitters", boolean, "false", any(), "whether camera rays see no emitters"}};
+          {"hide_emitters", boolean, "false", any(), "hides emitters from camera rays"}};
 }
 
 Plugin as_path(const char* type) {
-  return {"integrator", type, "Taken as `path`, which computes the same light.", path_parameters(), {}};
+  return {"integrator", type, "Read as `path`, which computes the same light.", path_parameters(), {}};
 }
 
 std::vector<Plugin> integrator_rows() {
   std::vector<Plugin> rows = {
       {"integrator",
        "path",
-       "Path tracing with multiple importance sampling. Without an integrator a scene has this one.",
+       "Path tracing with multiple importance sampling. The default if a scene has no integrator.",
        path_parameters(),
        {}},
       {"integrator",
        "direct",
        "Light that arrives after at most one reflection.",
-       {{"shading_samples", integer, "1", between(0, kMaxDirectSamples), "both of the next two"},
+       {{"shading_samples", integer, "1", between(0, kMaxDirectSamples), "sets both of the next two"},
         {"emitter_samples", integer, "1", between(0, kMaxDirectSamples), "samples of lights"},
         {"bsdf_samples", integer, "1", between(0, kMaxDirectSamples), "samples of materials"},
-        {"hide_emitters", boolean, "false", any(), "whether camera rays see no emitters"}},
+        {"hide_emitters", boolean, "false", any(), "hides emitters from camera rays"}},
        {}},
       {"integrator",
        "depth",
-       "How far the first surface lies beyond the near clipping distance, along the ray; 0 where there is none.",
+       "Distance along the ray from the near clipping plane to the first surface; 0 if there is none.",
        {},
        {}},
       {"integrator",
        "moment",
-       "Its child is rendered; every EXR has its standard error anyway.",
+       "Renders its child; every EXR file contains the standard error anyway.",
        {},
        {{"integrator", 1, 1}}},
       {"integrator",
        "aov",
-       "Its child is rendered, and beside it what `aovs` names. Depth is the distance from the camera itself; "
-       "Mitsuba's "
-       "begins at the near clipping plane.",
+       "Renders its child and the AOVs listed in `aovs`. Depth is the distance from the camera itself; in Mitsuba it "
+       "starts at the near clipping plane.",
        {{"aovs", string, nullptr, any(),
-         "pairs of a name of one's own, which is not kept, and one of `depth`, `position`, `uv`, `geo_normal`, "
-         "`sh_normal`, `prim_index`, `shape_index`, `albedo`, with commas between them: `d:depth,n:sh_normal`"}},
+         "comma-separated pairs of a name of your own, which is not kept, and one of `depth`, `position`, `uv`, "
+         "`geo_normal`, `sh_normal`, `prim_index`, `shape_index`, `albedo`: `d:depth,n:sh_normal`"}},
        {{"integrator", 0, 1}}},
   };
-  rows.push_back({"integrator",
-                  "ao",
-                  "The share of the hemisphere, weighted by the cosine, that is free (Mitsuba 0.6).",
-                  {{"ray_length", real, "-1", any(), "how far to look; -1 is a quarter of the diagonal of the scene"},
-                   no_effect("shading_samples", integer, "has no effect: one sample a camera ray")},
-                  {}});
+  rows.push_back(
+      {"integrator",
+       "ao",
+       "The unoccluded share of the hemisphere, weighted by the cosine (Mitsuba 0.6).",
+       {{"ray_length", real, "-1", any(), "how far to look for occluders; -1 is a quarter of the scene's diagonal"},
+        no_effect("shading_samples", integer, "has no effect: one sample per camera ray")},
+       {}});
   for (const char* type :
        {"ptracer", "bdpt", "mlt", "pssmlt", "erpt", "photonmapper", "ppm", "sppm", "prb", "prb_basic", "prb_projective",
         "direct_projective", "adjoint_path", "irrcache", "volpath", "volpathmis", "volpath_simple", "prbvolpath"})
@@ -113,7 +113,7 @@ std::vector<Parameter> sensor_parameters(std::vector<Parameter> own) {
 
 std::vector<Parameter> field_of_view() {
   return {{"fov", real, "", inside(0, 180), "field of view in degrees along fov_axis"},
-          {"focal_length", string, "50mm", any(), "of a lens in front of 36 × 24 mm of film, instead of fov"},
+          {"focal_length", string, "50mm", any(), "focal length for 36 × 24 mm film, instead of fov"},
           {"fov_axis", string, "x", any(), "x, y, diagonal, smaller or larger"},
           {"principal_point_offset_x", real, "0", between(-1000, 1000), "shifts the picture, in widths of the film"},
           {"principal_point_offset_y", real, "0", between(-1000, 1000), "shifts the picture, in heights of the film"}};
@@ -123,35 +123,36 @@ std::vector<Plugin> sensor_rows() {
   const std::vector<ChildRule> children = {{"film", 0, 1}, {"sampler", 0, 1}};
   std::vector<Parameter> pinhole = field_of_view(), lens = field_of_view();
   pinhole.push_back(no_effect("focus_distance", real, "has no effect: a pinhole has no focus"));
-  lens.insert(lens.end(), {{"aperture_radius", real, nullptr, at_least(0), "of the lens, in units of the camera"},
-                           {"focus_distance", real, "", above(0), "where things are sharp; by default far_clip"}});
+  lens.insert(lens.end(),
+              {{"aperture_radius", real, nullptr, at_least(0), "radius of the lens, in units of the camera"},
+               {"focus_distance", real, "", above(0), "distance that is in focus; by default far_clip"}});
   const auto ignored = [](const char* name) { return no_effect(name, real, "has no effect"); };
   return {
       {"sensor", "perspective", "A pinhole camera: +z forward, +y up, +x to the left of the image.",
        sensor_parameters(std::move(pinhole)), children},
-      {"sensor", "thinlens", "The same with a lens.", sensor_parameters(std::move(lens)), children},
-      {"sensor", "orthographic", "Parallel rays; the film is 2 units of the camera wide.",
+      {"sensor", "thinlens", "A perspective camera with a thin lens.", sensor_parameters(std::move(lens)), children},
+      {"sensor", "orthographic", "Parallel rays; the film is 2 camera units wide.",
        sensor_parameters({ignored("focus_distance")}), children},
       {"sensor", "spherical", "All directions: longitude across, polar angle down (Mitsuba 0.6).",
        sensor_parameters({ignored("focus_distance")}), children},
       {"sensor", "radiancemeter", "One ray along the camera's +z.",
        sensor_parameters({{"origin", point, "0 0 0", any(), "where the ray starts, instead of to_world"},
-                          {"direction", vector, "0 0 1", any(), "where it goes, instead of to_world"}}),
+                          {"direction", vector, "0 0 1", any(), "direction of the ray, instead of to_world"}}),
        children},
       {"sensor",
        "distant",
-       "The mean radiance in one direction, of a film of one pixel: of what rays see that run along the direction and "
-       "aim at a point, at a rectangle or disk (a `<shape>` within), or at all places of the scene alike: at the "
-       "cross-section of the sphere around the box of its shapes. They begin two of its radii before what they aim at.",
-       {{"direction", vector, "0 0 1", any(), "where rays go; instead of the +z of to_world"},
-        {"target", point, "", any(), "the point that they aim at"},
+       "The mean radiance seen along one direction, on a film of one pixel. The rays are aimed at a point, at a "
+       "rectangle or disk (a child `<shape>`), or uniformly at the whole scene: at the cross-section of the sphere "
+       "around the box of its shapes. They start two radii of that sphere before their target.",
+       {{"direction", vector, "0 0 1", any(), "direction of the rays, instead of the +z of to_world"},
+        {"target", point, "", any(), "the point that the rays are aimed at"},
         ignored("shutter_open"),
         ignored("shutter_close"),
         to_world()},
        {{"film", 0, 1}, {"sampler", 0, 1}, {"shape", 0, 1}}},
       {"sensor",
        "irradiancemeter",
-       "The irradiance of the rectangle that it stands in, on the side of the normal; the film lies on it.",
+       "The irradiance of its parent rectangle, on the side of the normal; the film covers the rectangle.",
        {ignored("shutter_open"), ignored("shutter_close")},
        children},
   };
@@ -160,16 +161,16 @@ std::vector<Plugin> sensor_rows() {
 Plugin film_row(const char* type) {
   return {"film",
           type,
-          "Size and filter of the image. The files that are written are those of the command line.",
+          "Size and filter of the image. The command line determines which files are written.",
           {{"width", integer, "768", between(1, 65536), "pixels"},
            {"height", integer, "576", between(1, 65536), "pixels"},
-           {"crop_offset_x", integer, "0", between(0, 65536), "first column that is rendered"},
-           {"crop_offset_y", integer, "0", between(0, 65536), "first row that is rendered"},
-           {"crop_width", integer, "0", between(1, 65536), "columns that are rendered; by default all the others"},
-           {"crop_height", integer, "0", between(1, 65536), "rows that are rendered; by default all the others"},
+           {"crop_offset_x", integer, "0", between(0, 65536), "first rendered column"},
+           {"crop_offset_y", integer, "0", between(0, 65536), "first rendered row"},
+           {"crop_width", integer, "0", between(1, 65536), "number of rendered columns; by default all remaining ones"},
+           {"crop_height", integer, "0", between(1, 65536), "number of rendered rows; by default all remaining ones"},
            no_effect("pixel_format", string, "has no effect: files hold RGB"),
-           no_effect("component_format", string, "has no effect: pictures are half, films exact"),
-           no_effect("file_format", string, "has no effect: the name of the output decides"),
+           no_effect("component_format", string, "has no effect: outputs have fixed formats"),
+           no_effect("file_format", string, "has no effect: the output's file name decides"),
            no_effect("sample_border", boolean, "has no effect: filters are sampled"),
            no_effect("compensate", boolean, "has no effect: sums are exact"),
            no_effect("banner", boolean, "has no effect"),
@@ -189,7 +190,7 @@ std::vector<Plugin> view_rows() {
                   type,
                   doc,
                   {{"sample_count", integer, "4", between(1, 4294967295.0), "samples per pixel"},
-                   no_effect("seed", integer, "has no effect: the command line gives one"),
+                   no_effect("seed", integer, "has no effect: use --seed"),
                    no_effect("jitter", boolean, "has no effect"),
                    no_effect("scramble", integer, "has no effect: points are always scrambled"),
                    no_effect("dimension", integer, "has no effect")},
@@ -197,35 +198,34 @@ std::vector<Plugin> view_rows() {
   };
   rows.push_back(sampler("independent", "Independent random numbers."));
   for (const char* type : {"stratified", "multijitter", "orthogonal", "ldsampler", "sobol", "halton", "hammersley"})
-    rows.push_back(sampler(type, "Taken as `sobol`: scrambled Sobol points in independent sets of 16."));
-  append(
-      rows,
-      {
-          {"rfilter",
-           "box",
-           "The pixel's square, or a larger one (0.6).",
-           {{"radius", real, "0.5", above_up_to(0, 32), "pixels"}},
-           {}},
-          {"rfilter", "tent", "A tent.", {{"radius", real, "1", above_up_to(0, 32), "pixels"}}, {}},
-          {"rfilter",
-           "gaussian",
-           "A Gaussian of radius 4 standard deviations, lowered to reach zero there; a film's filter if it names none.",
-           {{"stddev", real, "0.5", above(0), "standard deviation in pixels"}},
-           {}},
-          {"rfilter",
-           "mitchell",
-           "The filter of Mitchell and Netravali.",
-           {{"A", real, "0.3333333333333333", any(), "blur, also called B"},
-            {"B", real, "0.3333333333333333", any(), "ringing, also called C, or blur where C is given"},
-            {"C", real, "0.3333333333333333", any(), "ringing"}},
-           {}},
-          {"rfilter", "catmullrom", "The filter of Mitchell and Netravali with B = 0 and C = 1/2.", {}, {}},
-          {"rfilter",
-           "lanczos",
-           "A sinc function that ends after some lobes; every second one is negative.",
-           {{"lobes", integer, "3", between(1, kMaxFilterLobes), "its radius in pixels"}},
-           {}},
-      });
+    rows.push_back(sampler(type, "Read as `sobol`: scrambled Sobol points in independent sets of 16."));
+  append(rows, {
+                   {"rfilter",
+                    "box",
+                    "The pixel's square, or a larger one (0.6).",
+                    {{"radius", real, "0.5", above_up_to(0, 32), "pixels"}},
+                    {}},
+                   {"rfilter", "tent", "A tent.", {{"radius", real, "1", above_up_to(0, 32), "pixels"}}, {}},
+                   {"rfilter",
+                    "gaussian",
+                    "A Gaussian with a radius of 4 standard deviations, lowered to reach zero there; the default "
+                    "filter of a film.",
+                    {{"stddev", real, "0.5", above(0), "standard deviation in pixels"}},
+                    {}},
+                   {"rfilter",
+                    "mitchell",
+                    "The filter of Mitchell and Netravali.",
+                    {{"A", real, "0.3333333333333333", any(), "blur, also called B"},
+                     {"B", real, "0.3333333333333333", any(), "ringing, also called C, or blur where C is given"},
+                     {"C", real, "0.3333333333333333", any(), "ringing"}},
+                    {}},
+                   {"rfilter", "catmullrom", "The filter of Mitchell and Netravali with B = 0 and C = 1/2.", {}, {}},
+                   {"rfilter",
+                    "lanczos",
+                    "A windowed sinc function; every second lobe is negative.",
+                    {{"lobes", integer, "3", between(1, kMaxFilterLobes), "radius in pixels"}},
+                    {}},
+               });
   return rows;
 }
 
@@ -237,7 +237,7 @@ Parameter flip_normals() {
   return {"flip_normals", boolean, "false", any(), "turns the surface inside out"};
 }
 Parameter face_normals() {
-  return {"face_normals", boolean, "false", any(), "flat triangles, whatever normals the file has"};
+  return {"face_normals", boolean, "false", any(), "flat triangles, even if the file has normals"};
 }
 
 std::vector<Plugin> shape_rows() {
@@ -248,72 +248,77 @@ std::vector<Plugin> shape_rows() {
         {"shape",
          format.word,
          format.doc,
-         {{"filename", string, nullptr, any(), "the file; looked for in the folders of <path>, then of the scene"},
+         {{"filename", string, nullptr, any(),
+           "the file; searched for in the folders of <path>, then in that of the scene"},
           face_normals(),
           flip_normals(),
           {"flip_tex_coords", boolean, flips ? "true" : "false", any(), "whether v grows upward in the file"},
-          no_effect("collapse", boolean, "has no effect: the file is one mesh"),
+          no_effect("collapse", boolean, "has no effect: the file is read as one mesh"),
           no_effect("max_smooth_angle", real, "has no effect"),
           no_effect("srgb", boolean, "has no effect"),
           to_world()},
          surface()});
   }
-  append(
-      rows,
-      {
-          {"shape",
-           "serialized",
-           "Triangles from a file of Mitsuba's own format.",
-           {{"filename", string, nullptr, any(), "the file; looked for in the folders of <path>, then of the scene"},
-            {"shape_index", integer, "0", between(0, 4294967295.0), "which of the file's meshes"},
-            face_normals(),
-            flip_normals(),
-            no_effect("max_smooth_angle", real, "has no effect"),
-            to_world()},
-           surface()},
-          {"shape",
-           "sphere",
-           "An exact sphere.",
-           {{"center", point, "0 0 0", any(), "object space"},
-            {"radius", real, "1", above(0), "object space"},
-            flip_normals(),
-            to_world()},
-           surface()},
-          {"shape",
-           "rectangle",
-           "From -1 to 1 in x and y, at z = 0; the normal is +z.",
-           {flip_normals(), to_world()},
-           surface()},
-          {"shape", "cube", "From -1 to 1 in x, y and z.", {flip_normals(), to_world()}, surface()},
-          {"shape",
-           "disk",
-           "x² + y² ≤ 1 at z = 0; the normal is +z. Texture coordinates are the distance from the centre and the "
-           "angle.",
-           {flip_normals(), to_world()},
-           surface()},
-          {"shape",
-           "cylinder",
-           "The side of a cylinder, open at both ends. Texture coordinates are the angle and the place from p0 to p1.",
-           {{"p0", point, "0 0 0", any(), "one end of the axis"},
-            {"p1", point, "0 0 1", any(), "its other end"},
-            {"radius", real, "1", above(0), "object space"},
-            flip_normals(),
-            to_world()},
-           surface()},
-          {"shape", "merge", "Shapes as if they stood here themselves.", {}, {{"shape", 0, kAnyNumber}}},
-          {"shape", "shapegroup", "Shapes that appear where an `instance` shows them.", {}, {{"shape", 0, kAnyNumber}}},
-          {"shape", "instance", "Shows a group of shapes.", {to_world()}, {{"shape", 1, 1}}},
-      });
+  append(rows,
+         {
+             {"shape",
+              "serialized",
+              "Triangles from a file in Mitsuba's own format.",
+              {{"filename", string, nullptr, any(),
+                "the file; searched for in the folders of <path>, then in that of the scene"},
+               {"shape_index", integer, "0", between(0, 4294967295.0), "index of the mesh in the file"},
+               face_normals(),
+               flip_normals(),
+               no_effect("max_smooth_angle", real, "has no effect"),
+               to_world()},
+              surface()},
+             {"shape",
+              "sphere",
+              "An exact sphere.",
+              {{"center", point, "0 0 0", any(), "object space"},
+               {"radius", real, "1", above(0), "object space"},
+               flip_normals(),
+               to_world()},
+              surface()},
+             {"shape",
+              "rectangle",
+              "From -1 to 1 in x and y, at z = 0; the normal is +z.",
+              {flip_normals(), to_world()},
+              surface()},
+             {"shape", "cube", "From -1 to 1 in x, y and z.", {flip_normals(), to_world()}, surface()},
+             {"shape",
+              "disk",
+              "x² + y² ≤ 1 at z = 0; the normal is +z. Texture coordinates are the distance from the centre and the "
+              "angle.",
+              {flip_normals(), to_world()},
+              surface()},
+             {"shape",
+              "cylinder",
+              "The side of a cylinder, open at both ends. Texture coordinates are the angle and the position from p0 "
+              "to p1.",
+              {{"p0", point, "0 0 0", any(), "one end of the axis"},
+               {"p1", point, "0 0 1", any(), "the other end"},
+               {"radius", real, "1", above(0), "object space"},
+               flip_normals(),
+               to_world()},
+              surface()},
+             {"shape", "merge", "Its shapes, as if they were children of the scene.", {}, {{"shape", 0, kAnyNumber}}},
+             {"shape",
+              "shapegroup",
+              "Shapes that appear wherever an `instance` shows them.",
+              {},
+              {{"shape", 0, kAnyNumber}}},
+             {"shape", "instance", "A copy of a group of shapes.", {to_world()}, {{"shape", 1, 1}}},
+         });
   return rows;
 }
 
 std::vector<Parameter> metal_parameters() {
-  return {
-      {"material", string, "none", any(), "a metal by its name; none reflects everything"},
-      color_or_texture("eta", "0 0 0", "real part of the index of refraction"),
-      color_or_texture("k", "1 1 1", "imaginary part of the index of refraction"),
-      {"ext_eta", real, "vacuum", between(1e-3, 1000), "index of refraction outside, by which eta and k are divided"},
-      color_or_texture("specular_reflectance", "1 1 1", "factor of what is reflected")};
+  return {{"material", string, "none", any(), "the name of a metal; none is a perfect mirror"},
+          color_or_texture("eta", "0 0 0", "real part of the index of refraction"),
+          color_or_texture("k", "1 1 1", "imaginary part of the index of refraction"),
+          {"ext_eta", real, "vacuum", between(1e-3, 1000), "index of refraction outside; eta and k are divided by it"},
+          color_or_texture("specular_reflectance", "1 1 1", "factor for reflected light")};
 }
 
 std::vector<Parameter> joined(std::vector<Parameter> a, const std::vector<Parameter>& b) {
@@ -326,7 +331,7 @@ Parameter number_or_texture(const char* name, const char* default_text, const Ra
 }
 
 std::vector<Parameter> distribution() {
-  return {{"distribution", string, "beckmann", any(), "of microfacets: beckmann or ggx"},
+  return {{"distribution", string, "beckmann", any(), "microfacet distribution: beckmann or ggx"},
           no_effect("sample_visible", boolean, "has no effect: visible facets are sampled")};
 }
 Parameter alpha(const char* name, const char* doc) {
@@ -343,15 +348,15 @@ std::vector<Parameter> indices(const char* inside) {
           {"ext_ior", real, "air", between(1e-3, 1000), "index of refraction outside, a number or a name"}};
 }
 std::vector<Parameter> clear() {
-  return joined(indices("bk7"), {color_or_texture("specular_reflectance", "1 1 1", "factor of what is reflected"),
-                                 color_or_texture("specular_transmittance", "1 1 1", "factor of what passes")});
+  return joined(indices("bk7"), {color_or_texture("specular_reflectance", "1 1 1", "factor for reflected light"),
+                                 color_or_texture("specular_transmittance", "1 1 1", "factor for transmitted light")});
 }
 std::vector<Parameter> plastic() {
   return joined(indices("polypropylene"),
                 {color_or_texture("diffuse_reflectance", "0.5 0.5 0.5", "albedo of the base"),
-                 color_or_texture("specular_reflectance", "1 1 1", "factor of what the coat reflects"),
+                 color_or_texture("specular_reflectance", "1 1 1", "factor for light reflected by the coat"),
                  {"nonlinear", boolean, "false", any(),
-                  "whether light takes the base's colour at each reflection below the coat"}});
+                  "whether light takes on the base's colour at each reflection under the coat"}});
 }
 
 // What principled and principledthin have in common.
@@ -359,32 +364,34 @@ std::vector<Parameter> principled_base() {
   const auto share = [&](const char* name, const char* default_text, const char* doc) {
     return number_or_texture(name, default_text, between(0, 1), doc);
   };
-  return {color_or_texture("base_color", "0.5 0.5 0.5", "of the diffuse base, of metal, of what passes"),
-          number_or_texture("eta", "1.5", between(1e-3, 1000), "index of refraction, a number or a name"),
-          share("roughness", "0.5", "its square is that of the microfacets"),
-          share("anisotropic", "0", "how much longer highlights are along the tangent"),
-          share("spec_trans", "0", "share of the rest that refracts"),
-          share("spec_tint", "0", "how much highlights take the base's colour"),
-          share("sheen", "0", "of cloth, at grazing angles"),
-          share("sheen_tint", "0", "how much the sheen takes the base's colour"),
-          share("flatness", "0", "of the base"),
-          no_effect("diffuse_reflectance_sampling_rate", real, "has no effect: lobes are sampled by their weights")};
+  return {
+      color_or_texture("base_color", "0.5 0.5 0.5", "colour of the diffuse base, of metal and of transmitted light"),
+      number_or_texture("eta", "1.5", between(1e-3, 1000), "index of refraction, a number or a name"),
+      share("roughness", "0.5", "its square is the roughness of the microfacets"),
+      share("anisotropic", "0", "stretches highlights along the tangent"),
+      share("spec_trans", "0", "share of the remaining light that is refracted"),
+      share("spec_tint", "0", "how far highlights take on the base's colour"),
+      share("sheen", "0", "sheen of cloth, at grazing angles"),
+      share("sheen_tint", "0", "how far the sheen takes on the base's colour"),
+      share("flatness", "0", "flatness of the diffuse base"),
+      no_effect("diffuse_reflectance_sampling_rate", real, "has no effect: lobes are sampled by their weights")};
 }
 
 std::vector<Parameter> principled() {
-  return joined(principled_base(),
-                {{"specular", real, "0.5", between(0, 1), "in place of eta: reflectance along the normal over 0.08"},
-                 number_or_texture("metallic", "0", between(0, 1), "share of metal"),
-                 number_or_texture("clearcoat", "0", between(0, 1), "weight of a second highlight"),
-                 number_or_texture("clearcoat_gloss", "0", between(0, 1), "of the second highlight"),
-                 no_effect("main_specular_sampling_rate", real, "has no effect: lobes are sampled by their weights"),
-                 no_effect("clearcoat_sampling_rate", real, "has no effect: lobes are sampled by their weights")});
+  return joined(
+      principled_base(),
+      {{"specular", real, "0.5", between(0, 1), "instead of eta: reflectance at normal incidence divided by 0.08"},
+       number_or_texture("metallic", "0", between(0, 1), "share of metal"),
+       number_or_texture("clearcoat", "0", between(0, 1), "weight of a second highlight"),
+       number_or_texture("clearcoat_gloss", "0", between(0, 1), "gloss of the second highlight"),
+       no_effect("main_specular_sampling_rate", real, "has no effect: lobes are sampled by their weights"),
+       no_effect("clearcoat_sampling_rate", real, "has no effect: lobes are sampled by their weights")});
 }
 
 std::vector<Parameter> principledthin() {
   std::vector<Parameter> parameters = joined(
       principled_base(),
-      {number_or_texture("diff_trans", "0", between(0, 2), "twice the share of the diffuse base that light passes")});
+      {number_or_texture("diff_trans", "0", between(0, 2), "twice the share of diffuse light that is transmitted")});
   for (const char* lobe : {"specular_reflectance_sampling_rate", "specular_transmittance_sampling_rate",
                            "diffuse_transmittance_sampling_rate"})
     parameters.push_back(no_effect(lobe, real, "has no effect: lobes are sampled by their weights"));
@@ -393,34 +400,32 @@ std::vector<Parameter> principledthin() {
 
 std::vector<Parameter> map_parameters(const Parameter& own) {
   return {own,
-          {"flip_invalid_normals", boolean, "true", any(), "only true: a turned normal that is not seen is mirrored"},
-          {"use_shadowing_function", boolean, "true", any(), "only true: turned normals shadow"}};
+          {"flip_invalid_normals", boolean, "true", any(), "must be true: a turned normal that faces away is mirrored"},
+          {"use_shadowing_function", boolean, "true", any(), "must be true: turned normals cast shadows"}};
 }
 
-/// Materials of 0.6 that are not here, but have a substitute, and mixtures.
+/// Materials of 0.6 that are not supported but have a substitute, and mixtures.
 std::vector<Plugin> old_bsdf_rows() {
   const std::vector<Parameter> lobe = {color_or_texture("specular_reflectance", "0.2 0.2 0.2", "weight of the lobe"),
                                        color_or_texture("diffuse_reflectance", "0.5 0.5 0.5", "albedo of the base")};
-  const std::vector<Parameter> coat =
-      joined(indices("bk7"), {{"thickness", real, "1", at_least(0), "of the coat"},
-                              color_or_texture("sigma_a", "0 0 0", "what the coat absorbs"),
-                              color_or_texture("specular_reflectance", "1 1 1", "factor of what the coat reflects")});
+  const std::vector<Parameter> coat = joined(
+      indices("bk7"), {{"thickness", real, "1", at_least(0), "thickness of the coat"},
+                       color_or_texture("sigma_a", "0 0 0", "what the coat absorbs"),
+                       color_or_texture("specular_reflectance", "1 1 1", "factor for light reflected by the coat")});
   const char* coated =
-      "A material under a clear coat (0.6). Not here: the scene is refused, or with --approximate shows what is "
-      "coated, "
+      "A material under a clear coat (0.6). Not supported: the scene is refused, or with --approximate rendered "
       "without the coat.";
   return {
       {"bsdf",
        "phong",
-       "A diffuse base and a lobe around the direction of reflection (0.6). Not here: the scene is refused, or with "
-       "--approximate the lobe is that of a rough mirror, Beckmann, of roughness √(2/(exponent + 2)).",
-       joined({{"exponent", real, "30", at_least(0), "of the cosine"}}, lobe),
+       "A diffuse base and a lobe around the mirror direction (0.6). Not supported: the scene is refused, or with "
+       "--approximate the lobe becomes that of a rough Beckmann mirror of roughness √(2/(exponent + 2)).",
+       joined({{"exponent", real, "30", at_least(0), "exponent of the cosine"}}, lobe),
        {}},
       {"bsdf",
        "ward",
-       "A diffuse base and Ward's lobe (0.6). Not here: the scene is refused, or with --approximate the lobe is that "
-       "of a "
-       "rough mirror, Beckmann, of the same roughness.",
+       "A diffuse base and Ward's lobe (0.6). Not supported: the scene is refused, or with --approximate the lobe "
+       "becomes that of a rough Beckmann mirror of the same roughness.",
        joined({{"variant", string, "balanced", any(), "ward, ward-duer or balanced"},
                {"alpha_u", real, "0.1", at_least(0), "roughness along the tangent"},
                {"alpha_v", real, "0.1", at_least(0), "roughness across it"}},
@@ -434,7 +439,8 @@ std::vector<Plugin> old_bsdf_rows() {
        {{"bsdf", 1, 1}}},
       {"bsdf",
        "mixturebsdf",
-       "A mixture of any number of materials (0.6). What their weights lack to 1 is black; more than 1 is scaled to 1.",
+       "A mixture of any number of materials (0.6). If the weights add up to less than 1, the rest is black; if to "
+       "more, they are scaled.",
        {{"weights", number_list, nullptr, at_least(0), "one for each material"}},
        {{"bsdf", 1, kAnyNumber}}},
   };
@@ -444,25 +450,26 @@ std::vector<Plugin> bsdf_rows() {
   return {
       {"bsdf",
        "diffuse",
-       "Lambertian reflection on the side of the normal. Shapes without a bsdf have this one; if they emit, black.",
-       {color_or_texture("reflectance", "0.5 0.5 0.5", "reflected share of the light"),
-        color_or_texture("diffuse_reflectance", "0.5 0.5 0.5", "another word for reflectance")},
+       "Lambertian reflection on the side of the normal. Shapes without a bsdf have this one, or a black one if they "
+       "emit.",
+       {color_or_texture("reflectance", "0.5 0.5 0.5", "share of light that is reflected"),
+        color_or_texture("diffuse_reflectance", "0.5 0.5 0.5", "another name for reflectance")},
        {}},
       {"bsdf",
        "dielectric",
        "A smooth boundary between two clear media; the normal points to the exterior.",
        clear(),
        {}},
-      {"bsdf", "thindielectric", "A pane of glass without thickness.", clear(), {}},
+      {"bsdf", "thindielectric", "An infinitely thin pane of glass.", clear(), {}},
       {"bsdf", "roughdielectric", "A rough boundary between two clear media.", joined(clear(), roughness()), {}},
       {"bsdf",
        "conductor",
-       "A smooth metal, seen from the side of the normal. Where a scene for 0.6 names none it is copper in air.",
+       "A smooth metal, visible from the side of the normal. In scenes for 0.6 the default is copper in air.",
        metal_parameters(),
        {}},
       {"bsdf",
        "roughconductor",
-       "A metal with a rough surface of microfacets.",
+       "A metal with a rough microfacet surface.",
        joined(metal_parameters(), roughness()),
        {}},
       {"bsdf", "plastic", "A diffuse base inside a smooth clear coat.", plastic(), {}},
@@ -479,37 +486,38 @@ std::vector<Plugin> bsdf_rows() {
       {"bsdf",
        "mask",
        "A material with holes.",
-       {{"opacity", real, "0.5", between(0, 1), "share of the light that meets the material", "texture"}},
+       {{"opacity", real, "0.5", between(0, 1), "share of the light that hits the material", "texture"}},
        {{"bsdf", 1, 1}}},
       {"bsdf",
        "blendbsdf",
        "A mixture of two materials.",
-       {{"weight", real, "0.5", between(0, 1), "share of the second", "texture"}},
+       {{"weight", real, "0.5", between(0, 1), "share of the second material", "texture"}},
        {{"bsdf", 2, 2}}},
       {"bsdf",
        "normalmap",
-       "A material whose shading normals a picture says.",
-       map_parameters(color_or_texture("normalmap", "0.5 0.5 1", "the normals; a raw texture, of any name in 0.6")),
+       "A material with shading normals from a picture.",
+       map_parameters(color_or_texture("normalmap", "0.5 0.5 1", "the normals; a raw texture (in 0.6 with any name)")),
        {{"bsdf", 1, 1}, {"texture", 0, 1}}},
       {"bsdf",
        "bumpmap",
-       "A material with the shading normals of a surface that a picture raises, whatever the name of its texture.",
-       map_parameters({"scale", real, "1", any(), "scene units of 1"}),
+       "A material with shading normals as if its surface were displaced by a picture. The texture may have any name.",
+       map_parameters({"scale", real, "1", any(), "displacement in scene units by the value 1"}),
        {{"bsdf", 1, 1}, {"texture", 1, 1}}},
-      {"bsdf", "principled", "Burley's material of many parts.", principled(), {}},
-      {"bsdf", "principledthin", "Burley's material of a thin sheet.", principledthin(), {}},
-      {"bsdf", "null", "No material: light passes.", {}, {}},
+      {"bsdf", "principled", "Burley's principled material.", principled(), {}},
+      {"bsdf", "principledthin", "Burley's principled material for thin sheets.", principledthin(), {}},
+      {"bsdf", "null", "No material: light passes through.", {}, {}},
   };
 }
 
 Parameter texture_transform() {
-  return {"to_uv", transform, "", any(), "texture coordinates of the surface to those of the texture; z is not used"};
+  return {"to_uv", transform, "", any(),
+          "from texture coordinates of the surface to those of the texture; z is not used"};
 }
 std::vector<Parameter> old_texture_transform() {
   const auto number = [](const char* name, const char* default_text, const char* doc) {
     return Parameter{name, real, default_text, between(-1e9, 1e9), doc};
   };
-  return {texture_transform(), number("uscale", "1", "factor of u (0.6)"), number("vscale", "1", "factor of v (0.6)"),
+  return {texture_transform(), number("uscale", "1", "factor for u (0.6)"), number("vscale", "1", "factor for v (0.6)"),
           number("uoffset", "0", "added to u after that (0.6)"), number("voffset", "0", "added to v after that (0.6)")};
 }
 
@@ -518,16 +526,17 @@ std::vector<Plugin> texture_rows() {
   return {
       {"texture",
        "bitmap",
-       "A picture: PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR. Its first row is where v is 0.",
-       joined({{"filename", string, nullptr, any(), "the file; looked for in the folders of <path>, then of the scene"},
-               {"raw", boolean, "false", any(), "8-bit numbers are no colours coded by sRGB but numbers"},
-               {"gamma", real, "-1", any(), "1: the same (0.6); -1: the kind of file decides"},
+       "A picture: PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR. Its first row is at v = 0.",
+       joined({{"filename", string, nullptr, any(),
+                "the file; searched for in the folders of <path>, then in that of the scene"},
+               {"raw", boolean, "false", any(), "8-bit values are plain numbers, not sRGB-encoded colours"},
+               {"gamma", real, "-1", any(), "1 is the same as raw (0.6); with -1 the file type decides"},
                {"filter_type", string, "bilinear", any(), "between texels: bilinear or nearest"},
-               wrap("wrap_mode", "beyond its edges: repeat, mirror or clamp"),
+               wrap("wrap_mode", "beyond the edges: repeat, mirror or clamp"),
                wrap("wrap_mode_u", "along u (0.6)"),
                wrap("wrap_mode_v", "along v (0.6)"),
                {"channel", string, "", any(),
-                "r, g, b, a or y: which of its channels is a number (0.6); luminance unless given"},
+                "the channel to use as a number (0.6): r, g, b, a or y; by default luminance"},
                no_effect("format", string, "has no effect: texels are kept as they are stored"),
                no_effect("accel", boolean, "has no effect"),
                no_effect("cache", boolean, "has no effect"),
@@ -537,20 +546,20 @@ std::vector<Plugin> texture_rows() {
       {"texture",
        "checkerboard",
        "Squares of side 1/2 in texture coordinates.",
-       joined(
-           {color_or_texture("color0", "0.4 0.4 0.4", "of the square at (0,0), and of those that touch it at a corner"),
-            color_or_texture("color1", "0.2 0.2 0.2", "of the others")},
-           old_texture_transform()),
+       joined({color_or_texture("color0", "0.4 0.4 0.4",
+                                "colour of the square at (0,0) and of those that touch it at a corner"),
+               color_or_texture("color1", "0.2 0.2 0.2", "colour of the others")},
+              old_texture_transform()),
        {}},
       {"texture",
        "mesh_attribute",
-       "Colours or numbers that the mesh's file has.",
+       "Colours or numbers stored in the mesh's file.",
        {{"name", string, nullptr, any(),
-         "vertex_NAME, interpolated, or face_NAME: of PLY files the properties NAME_0 to NAME_2, or NAME_0"},
+         "vertex_NAME, which is interpolated, or face_NAME: in PLY files the properties NAME_0 to NAME_2, or NAME_0"},
         {"scale", real, "1", any(), "a factor"}},
        {}},
       {"texture", "vertexcolors", "Interpolated colours of a mesh's vertices (0.6).", {}, {}},
-      {"texture", "rawconstant", "A number or three.", {color_or_texture("value", "0 0 0", "the same everywhere")}, {}},
+      {"texture", "rawconstant", "One number or three.", {color_or_texture("value", "0 0 0", "the value")}, {}},
       {"texture",
        "scale",
        "Another texture times a factor (0.6).",
@@ -563,23 +572,25 @@ std::vector<Plugin> emitter_rows() {
   return {
       {"emitter",
        "area",
-       "Makes its shape a light that shines on the side of the shading normal.",
+       "Makes its shape a light that emits on the side of the shading normal.",
        {color_or_texture("radiance", "1 1 1", "emitted radiance, the same in all directions"),
-        no_effect("sampling_weight", real, "has no effect: lights are chosen by what they contribute")},
+        no_effect("sampling_weight", real, "has no effect: lights are chosen by their contribution")},
        {}},
       {"emitter",
        "constant",
-       "Light from all around.",
+       "Uniform light from all directions.",
        {color_or_texture("radiance", "1 1 1", "radiance from all directions"),
-        no_effect("sampling_weight", real, "has no effect: lights are chosen by what they contribute"), to_world()},
+        no_effect("sampling_weight", real, "has no effect: lights are chosen by their contribution"), to_world()},
        {}},
       {"emitter",
        "envmap",
-       "Light from all around as a picture of longitude and latitude, +y up; its first and last rows are the poles.",
+       "Light from all directions, given by a latitude-longitude picture, +y up; its first and last rows are the "
+       "poles.",
        {{"filename", string, "", any(),
-         "the file; looked for in the folders of <path>, then of the scene; or a texture bitmap within names it"},
+         "the file; searched for in the folders of <path>, then in that of the scene; or given by a child texture "
+         "`bitmap`"},
         {"scale", real, "1", between(0, 1e20), "a factor"},
-        no_effect("sampling_weight", real, "has no effect: lights are chosen by what they contribute"),
+        no_effect("sampling_weight", real, "has no effect: lights are chosen by their contribution"),
         no_effect("mis_compensation", boolean, "has no effect"),
         no_effect("cache", boolean, "has no effect"),
         to_world()},
@@ -589,32 +600,34 @@ std::vector<Plugin> emitter_rows() {
 
 std::vector<Plugin> delta_light_rows() {
   const auto weight = [] {
-    return no_effect("sampling_weight", real, "has no effect: lights are chosen by what they contribute");
+    return no_effect("sampling_weight", real, "has no effect: lights are chosen by their contribution");
   };
   return {
       {"emitter",
        "point",
-       "A point that shines alike to all sides. Found by sampling lights alone.",
-       {{"position", point, "0 0 0", any(), "where it stands"},
+       "A point that emits equally in all directions. Reached only by sampling lights.",
+       {{"position", point, "0 0 0", any(), "position"},
         color_or_texture("intensity", "1 1 1", "power per solid angle"),
         weight(),
         to_world()},
        {}},
       {"emitter",
        "spot",
-       "A point that shines into a cone about +z, fading linearly with the angle between beam_width and cutoff_angle.",
+       "A point that emits into a cone about +z, fading linearly with the angle between beam_width and cutoff_angle.",
        {color_or_texture("intensity", "1 1 1", "power per solid angle along its axis"),
-        {"cutoff_angle", real, "20", inside(0, 180), "half angle of the cone, degrees"},
-        {"beam_width", real, "", between(0, 180), "half angle of what shines in full; 3/4 of the other unless given"},
-        {"texture", object, "", any(), "a picture across the cone", "texture"},
+        {"cutoff_angle", real, "20", inside(0, 180), "half angle of the cone in degrees"},
+        {"beam_width", real, "", between(0, 180),
+         "half angle of full intensity in degrees; by default 3/4 of cutoff_angle"},
+        {"texture", object, "", any(), "a picture projected across the cone", "texture"},
         weight(),
         to_world()},
        {}},
       {"emitter",
        "projector",
-       "A camera turned around: a picture, sent from the origin along +z.",
-       {color_or_texture("irradiance", "1 1 1", "of the plane z = 1, over π: the radiance of a white surface there"),
-        {"scale", real, "1", at_least(0), "factor of it"},
+       "A camera in reverse: projects a picture from the origin along +z.",
+       {color_or_texture("irradiance", "1 1 1",
+                         "irradiance of the plane z = 1 divided by π: the radiance of a white surface there"),
+        {"scale", real, "1", at_least(0), "factor of the irradiance"},
         {"fov", real, "40", inside(0, 180), "field of view in degrees along fov_axis"},
         {"fov_axis", string, "x", any(), "x, y, smaller or larger"},
         weight(),
@@ -622,9 +635,9 @@ std::vector<Plugin> delta_light_rows() {
        {}},
       {"emitter",
        "directional",
-       "Light from infinitely far away, all of one direction: along `direction`, or +z of to_world.",
-       {{"direction", vector, "0 0 1", any(), "where it shines"},
-        color_or_texture("irradiance", "1 1 1", "of a surface that faces it"),
+       "Parallel light from infinitely far away, along `direction` or the +z of to_world.",
+       {{"direction", vector, "0 0 1", any(), "direction in which the light travels"},
+        color_or_texture("irradiance", "1 1 1", "irradiance of a surface that faces it"),
         weight(),
         to_world()},
        {}},
@@ -635,30 +648,30 @@ std::vector<Plugin> delta_light_rows() {
 std::vector<Plugin> daylight_rows() {
   const std::vector<Parameter> parameters = {
       {"turbidity", real, "3", between(1, 10), "how hazy the air is"},
-      {"sun_direction", vector, "", any(), "toward the sun, before to_world; without it:"},
+      {"sun_direction", vector, "", any(), "toward the sun, before to_world; the default follows from place and time:"},
       {"latitude", real, "35.6894", between(-90, 90), "degrees north"},
       {"longitude", real, "139.6917", between(-180, 180), "degrees east"},
-      {"timezone", real, "9", between(-14, 14), "hours that clocks are ahead of universal time"},
-      no_effect("year", integer, "has no effect: the sun's place is that of any year, to half a degree"),
-      {"month", integer, "7", between(1, 12), ""},
+      {"timezone", real, "9", between(-14, 14), "hours ahead of universal time"},
+      no_effect("year", integer, "has no effect: the sun's position changes by less than half a degree between years"),
+      {"month", integer, "7", between(1, 12), "of the year"},
       {"day", integer, "10", between(1, 31), "of the month"},
-      {"hour", real, "15", between(0, 24), "of the clock"},
-      {"minute", real, "0", between(0, 60), ""},
-      {"second", real, "0", between(0, 60), ""},
-      {"scale", real, "1", at_least(0), "factor of all of it"},
+      {"hour", real, "15", between(0, 24), "local time"},
+      {"minute", real, "0", between(0, 60), "local time"},
+      {"second", real, "0", between(0, 60), "local time"},
+      {"scale", real, "1", at_least(0), "factor of sky and sun"},
       {"sky_scale", real, "1", at_least(0), "factor of the sky's radiance"},
-      {"sun_scale", real, "1", at_least(0), "factor of the sun's"},
-      {"sun_aperture", real, "", between(0, 60), "angle that the sun fills, degrees"},
-      {"sun_radius_scale", real, "1", between(0, 60), "the same in those of the real sun"},
-      {"albedo", color, "", at_least(0), "has no effect: Preetham's sky knows no ground", "texture"},
-      no_effect("complex_sun", boolean, "has no effect: the sun's disk is even"),
+      {"sun_scale", real, "1", at_least(0), "factor of the sun's radiance"},
+      {"sun_aperture", real, "", between(0, 60), "apparent diameter of the sun in degrees"},
+      {"sun_radius_scale", real, "1", between(0, 60), "apparent diameter relative to the real sun's"},
+      {"albedo", color, "", at_least(0), "has no effect: Preetham's sky has no ground", "texture"},
+      no_effect("complex_sun", boolean, "has no effect: the sun's disk is uniform"),
       no_effect("stretch", real, "has no effect"),
-      no_effect("resolution", integer, "has no effect: the picture that is made is 1024 wide"),
+      no_effect("resolution", integer, "has no effect: the sky picture is always 1024 pixels wide"),
       no_effect("sampling_weight", real, "has no effect"),
       to_world()};
   const char* doc =
-      "Daylight. Mitsuba's models are tables of coefficients that are not here: the scene is refused, or with "
-      "--approximate gets Preetham's sky of the same sun and turbidity.";
+      "Daylight. Mitsuba's models need tables of coefficients that Etendue does not have: the scene is refused, or "
+      "with --approximate gets Preetham's sky with the same sun and turbidity.";
   std::vector<Plugin> rows;
   for (const char* type : {"sky", "sun", "sunsky"}) rows.push_back({"emitter", type, doc, parameters, {}});
   return rows;

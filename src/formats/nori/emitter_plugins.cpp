@@ -11,49 +11,48 @@ constexpr Range kLight{0.0, kMaxRadiance, false, false};
 constexpr Range kAngle{0.0, 180.0, true, false};
 
 Parameter power_parameter() {
-  return {"power", color, "", kLight, "power, W; it or intensity is needed"};
+  return {"power", color, "", kLight, "power in W; either power or intensity is required"};
 }
 Parameter light_scale() {
-  return {"scale", real, "1", {0.0, kMaxRadiance, false, false}, "factor of it"};
+  return {"scale", real, "1", {0.0, kMaxRadiance, false, false}, "a factor"};
 }
 Parameter place(const char* what) {
   return {"toWorld", transform, "", {}, what};
 }
 
 std::vector<Parameter> directions() {
-  return {{"direction", vector, "", kAnywhere, "where it shines"},
-          {"target", point, "", kAnywhere, "or a point that it shines at"}};
+  return {{"direction", vector, "", kAnywhere, "direction in which the light travels"},
+          {"target", point, "", kAnywhere, "a point to aim at, instead of direction"}};
 }
 
 Plugin spot_plugin() {
-  Plugin row{
-      "emitter",
-      "spot",
-      "A point that shines into a cone; a child of <scene>. It stands at position and shines in a direction or at "
-      "a target, or both follow from toWorld, which takes the origin and +z there. Found like point.",
-      {{"position", point, "", kAnywhere, "where it stands"}},
-      {}};
+  Plugin row{"emitter",
+             "spot",
+             "A point that emits into a cone; a child of <scene>. Give position and either direction or target, or "
+             "toWorld, which transforms the origin and +z. Reached only by sampling lights, like point.",
+             {{"position", point, "", kAnywhere, "position"}},
+             {}};
   for (Parameter& parameter : directions()) row.parameters.push_back(parameter);
   const std::vector<Parameter> rest = {
-      {"intensity", color, "", kLight, "power per solid angle along its axis, W/sr; a texture lies across the cone",
-       "texture"},
+      {"intensity", color, "", kLight,
+       "power per solid angle along the axis, W/sr; a texture is projected across the cone", "texture"},
       power_parameter(),
-      {"cutoffAngle", real, "20", kAngle, "half angle of the cone, degrees; with a texture at most 89"},
+      {"cutoffAngle", real, "20", kAngle, "half angle of the cone in degrees; with a texture at most 89"},
       {"beamWidth",
        real,
        "",
        {0.0, 180.0, false, false},
-       "half angle of what shines in full, degrees; three quarters of the cone unless given"},
-      {"totalWidth", real, "20", kAngle, "cutoffAngle in the words of other courses"},
-      {"falloffStart", real, "", {0.0, 180.0, false, false}, "and beamWidth"},
+       "half angle of full intensity in degrees; by default three quarters of cutoffAngle"},
+      {"totalWidth", real, "20", kAngle, "another name for cutoffAngle"},
+      {"falloffStart", real, "", {0.0, 180.0, false, false}, "another name for beamWidth"},
       {"falloff",
        string,
        "",
        {},
-       "how it fades between the two: linear in the angle; smooth, a cubic, or quartic, the fourth power, of the "
-       "cosine. linear unless given, with totalWidth or falloffStart quartic"},
+       "how the light fades between the two: linear in the angle; or smooth (a cubic) or quartic (the fourth power) in "
+       "the cosine. The default is linear, or quartic with totalWidth or falloffStart"},
       light_scale(),
-      place("its own space to world space: rotations, reflections and translations")};
+      place("object space to world space: rotations, reflections and translations")};
   row.parameters.insert(row.parameters.end(), rest.begin(), rest.end());
   return row;
 }
@@ -62,10 +61,11 @@ Plugin directional_plugin(const char* type, const char* doc) {
   Plugin row{"emitter", type, doc, directions(), {}};
   row.parameters.erase(row.parameters.begin() + 1);
   const std::vector<Parameter> rest = {
-      {"irradiance", color, "", kLight, "of a surface that faces it, W/m²; it or radiance is needed"},
-      {"radiance", color, "", kLight, "another word for irradiance"},
+      {"irradiance", color, "", kLight,
+       "irradiance of a surface that faces the light, W/m²; either irradiance or radiance is required"},
+      {"radiance", color, "", kLight, "another name for irradiance"},
       light_scale(),
-      place("instead of a direction: it shines along +z of this")};
+      place("instead of direction: the light travels along its +z")};
   row.parameters.insert(row.parameters.end(), rest.begin(), rest.end());
   return row;
 }
@@ -73,39 +73,41 @@ Plugin directional_plugin(const char* type, const char* doc) {
 Plugin daylight_plugin(const char* type, const char* doc, bool sky, bool sun) {
   Plugin row{"emitter", type, doc, {}, {}};
   row.parameters = {
-      {"turbidity", real, "3", {1.9, 10.0, false, false}, "how hazy the air is: 2 very clear, 6 hazy"},
-      {"sunDirection", vector, "", kAnywhere, "toward the sun, which stands above the horizon; without it:"},
+      {"turbidity", real, "3", {1.9, 10.0, false, false}, "how hazy the air is: 2 is very clear, 6 is hazy"},
+      {"sunDirection", vector, "", kAnywhere,
+       "toward the sun, above the horizon; the default follows from place and time:"},
       {"latitude",
        real,
        "35.6894",
        {-90.0, 90.0, false, false},
-       "degrees north; the defaults are a summer's afternoon in Tokyo"},
+       "degrees north; the defaults are a summer afternoon in Tokyo"},
       {"longitude", real, "139.6917", {-180.0, 180.0, false, false}, "degrees east"},
-      {"timezone", real, "9", {-14.0, 14.0, false, false}, "hours that clocks are ahead of universal time"},
-      {"month", integer, "7", {1.0, 12.0, false, false}, ""},
+      {"timezone", real, "9", {-14.0, 14.0, false, false}, "hours ahead of universal time"},
+      {"month", integer, "7", {1.0, 12.0, false, false}, "of the year"},
       {"day", integer, "10", {1.0, 31.0, false, false}, "of the month"},
-      {"hour", real, "15", {0.0, 24.0, false, false}, "of the clock, with fractions"}};
+      {"hour", real, "15", {0.0, 24.0, false, false}, "local time, with fractions"}};
   const Range factor{0.0, 1e6, false, false};
   if (sky) row.parameters.push_back({"skyScale", real, "1", factor, "factor of the sky's radiance"});
   if (sun) {
-    row.parameters.push_back({"sunScale", real, "1", factor, "factor of the sun's"});
-    row.parameters.push_back({"sunRadiusScale",
-                              real,
-                              "1",
-                              {0.0, 60.0, false, false},
-                              "radius of its disk in those of the real sun, 0.2665 degrees; its irradiance stays"});
+    row.parameters.push_back({"sunScale", real, "1", factor, "factor of the sun's radiance"});
+    row.parameters.push_back(
+        {"sunRadiusScale",
+         real,
+         "1",
+         {0.0, 60.0, false, false},
+         "radius of the sun's disk relative to the real one, 0.2665 degrees; its irradiance does not change"});
   }
   row.parameters.push_back({"groundAlbedo",
                             real,
                             "0",
                             {0.0, 1.0, false, false},
-                            "of a matt ground below the horizon, lit by what is above it"});
+                            "albedo of a matt ground below the horizon, lit by sky and sun"});
   row.parameters.push_back({"resolution",
                             integer,
                             "1024",
                             {16.0, 8192.0, false, false},
-                            "width of the picture that is made, a power of two; it is half as high"});
-  row.parameters.push_back(place("turns it all; its own axes are +y up, +x east, -z north"));
+                            "width of the sky picture, a power of two; it is half as high"});
+  row.parameters.push_back(place("rotates sky and sun; without it +y is up, +x east, -z north"));
   return row;
 }
 
@@ -113,46 +115,46 @@ Plugin daylight_plugin(const char* type, const char* doc, bool sky, bool sun) {
 
 std::vector<Plugin> daylight_plugins() {
   const char* sky =
-      "A clear sky after [Preetham1999], without its sun. A child of <scene>, in place of its sky. Radiance is W/(m² "
-      "sr "
-      "nm), averaged as in Mitsuba, so that 1 is 73 000 cd/m²; the sky is of the order of 0.1.";
+      "A clear sky after [Preetham1999], without the sun. A child of <scene>, instead of sky_top and sky_horizon. "
+      "Radiance is in W/(m² sr nm), averaged as in Mitsuba, so that 1 is 73 000 cd/m²; the sky is of the order of 0.1.";
   return {daylight_plugin("sky", sky, true, false),
           daylight_plugin("sun",
-                          "The sun of sky alone, as bright as the air lets it be. It is a disk in a picture: with less "
-                          "resolution it becomes larger, and sends as much.",
+                          "The sun alone, attenuated by the air. It is a disk in a picture: at a lower resolution it "
+                          "becomes larger, with the same power.",
                           false, true),
-          daylight_plugin("sunsky", "sky and sun together.", true, true)};
+          daylight_plugin("sunsky", "Sky and sun together.", true, true)};
 }
 
 std::vector<Plugin> delta_light_plugins() {
   return {
       {"emitter",
        "point",
-       "A point that shines alike to all sides; a child of <scene>. Light of points is found by sampling lights alone: "
-       "integrators that do not are dark.",
-       {{"position", point, "", kAnywhere, "where it stands; the origin of toWorld unless given"},
+       "A point that emits equally in all directions; a child of <scene>. Points are reached only by sampling lights: "
+       "integrators that do not sample lights show none of their light.",
+       {{"position", point, "", kAnywhere, "position; by default the origin of toWorld"},
         {"intensity", color, "", kLight, "power per solid angle, W/sr"},
         power_parameter(),
         light_scale(),
-        place("instead of a position")},
+        place("instead of position")},
        {}},
       spot_plugin(),
       {"emitter",
        "projector",
-       "A perspective camera turned around: a picture, sent from the origin of toWorld along +z, its upper edge toward "
-       "+y. A child of <scene>. Found like point.",
+       "A perspective camera in reverse: projects a picture from the origin of toWorld along +z, its upper edge toward "
+       "+y. A child of <scene>. Reached only by sampling lights, like point.",
        {{"irradiance", color, nullptr, kLight,
-         "of a plane at distance 1, W/m², or a texture: the picture; textures count from its lower left corner",
+         "irradiance of a plane at distance 1, W/m²; a texture is the picture, with uv = (0, 0) at its lower left "
+         "corner",
          "texture"},
-        {"scale", real, "1", {0.0, kMaxRadiance, false, false}, "factor of it"},
-        {"fov", real, "30", {0.0, 180.0, true, true}, "angle of the picture's width, degrees"},
-        {"aspect", real, "1", {0.0, 1000.0, true, false}, "width of the picture over its height"},
-        place("its own space to world space: rotations, reflections and translations")},
+        {"scale", real, "1", {0.0, kMaxRadiance, false, false}, "a factor"},
+        {"fov", real, "30", {0.0, 180.0, true, true}, "horizontal field of view in degrees"},
+        {"aspect", real, "1", {0.0, 1000.0, true, false}, "width of the picture divided by its height"},
+        place("object space to world space: rotations, reflections and translations")},
        {}},
       directional_plugin("directional",
-                         "Light from infinitely far away, all of one direction, like that of the sun. A child of "
-                         "<scene>. Found like point."),
-      directional_plugin("distant", "Another word for directional."),
+                         "Parallel light from infinitely far away, like that of the sun. A child of <scene>. Reached "
+                         "only by sampling lights, like point."),
+      directional_plugin("distant", "Another name for directional."),
   };
 }
 

@@ -21,19 +21,18 @@ Parameter world_transform() {
 }
 
 Parameter light_sampler() {
-  return {
-      "lightSampler", string, "auto", any(),
-      "how next-event estimation chooses a light: power, by its power alone; tree, by what it can contribute to the "
-      "point; auto, tree for 10 or more emitting primitives, else power"};
+  return {"lightSampler", string, "auto", any(),
+          "how next-event estimation chooses a light: power, by power alone; tree, by its possible contribution to the "
+          "point; auto, tree for 10 or more emitting primitives, otherwise power"};
 }
 
 Parameter hide_emitters() {
   return {"hideEmitters", boolean, "false", any(),
-          "camera rays pass through what emits, and find no sky; light that it sends elsewhere stays"};
+          "camera rays pass through emitters and see no sky; the light they send elsewhere stays"};
 }
 
 std::vector<Parameter> alias_parameters() {
-  return {{"maxDepth", integer, "1073741824", between(1, kMaxDepth), "path segments; the default is without limit"},
+  return {{"maxDepth", integer, "1073741824", between(1, kMaxDepth), "path segments; by default unlimited"},
           {"rrDepth", integer, "5", between(1, kMaxDepth), "Russian roulette from this segment on"},
           light_sampler(),
           hide_emitters()};
@@ -46,11 +45,10 @@ std::vector<Plugin> scene_plugins() {
        "The root of a rendered file.",
        {{"sky_top", color, "0 0 0", between(0, kMaxRadiance), "radiance from straight above"},
         {"sky_horizon", color, "0 0 0", between(0, kMaxRadiance), "radiance from the horizon and below"},
-        {"nee", boolean, "true", any(), "next-event estimation, unless the integrator says"},
+        {"nee", boolean, "true", any(), "next-event estimation, unless the integrator sets it"},
         {"instancing", string, "auto", any(),
-         "how meshes that several shapes show are laid out: auto, once, where the copies would be large; never; "
-         "always, "
-         "also those that are shown once"}},
+         "whether a mesh that several shapes share is stored once: auto, if the copies would be large; never; always, "
+         "even if it is used once"}},
        {{"integrator", 1, 1, ChildUse::element},
         {"camera", 1, 1, ChildUse::element},
         {"sampler", 0, 1, ChildUse::element},
@@ -60,7 +58,7 @@ std::vector<Plugin> scene_plugins() {
   };
 }
 
-/// Path tracing under the names of Nori's courses and of renderers with media, without which they are the same.
+/// Path tracing under the names used by Nori's courses and by renderers with media.
 std::vector<Plugin> path_aliases() {
   std::vector<Plugin> rows;
   const auto add = [&](const char* type, const char* doc) {
@@ -70,15 +68,15 @@ std::vector<Plugin> path_aliases() {
   add("path_ems",
       "Path tracing with light sampling only at diffuse vertices: path with nee on and mis off, and no depth limit.");
   add("path_mis", "Path tracing with multiple importance sampling: path with nee and mis on, and no depth limit.");
-  add("path_simple", "Another name of path_mats.");
-  add("path_vol", "Where there is no medium the same as path_mis.");
-  add("volpath", "Where there is no medium the same as path_mis.");
-  add("vol_path", "Where there is no medium the same as path_mis.");
-  add("vol_path_mats", "Where there is no medium the same as path_mats.");
-  add("vol_path_mis", "Where there is no medium the same as path_mis.");
-  add("photonmapper", "Taken as path_mis, which computes the same light without the blur of photon maps.");
-  add("bdpt", "Taken as path_mis, which computes the same light.");
-  add("mlt", "Taken as path_mis, which computes the same light.");
+  add("path_simple", "Another name for path_mats.");
+  add("path_vol", "The same as path_mis, since there are no media.");
+  add("volpath", "The same as path_mis, since there are no media.");
+  add("vol_path", "The same as path_mis, since there are no media.");
+  add("vol_path_mats", "The same as path_mats, since there are no media.");
+  add("vol_path_mis", "The same as path_mis, since there are no media.");
+  add("photonmapper", "Read as path_mis, which computes the same light without the blur of photon maps.");
+  add("bdpt", "Read as path_mis, which computes the same light.");
+  add("mlt", "Read as path_mis, which computes the same light.");
   return rows;
 }
 
@@ -90,11 +88,11 @@ std::vector<Plugin> direct_plugins() {
   return {
       {"integrator",
        "direct",
-       "Light that the first surface reflects straight from emitters and sky, and what emits toward the camera. "
-       "Mirrors and glass show emitters by their material samples.",
-       {{"emitterSamples", integer, "1", between(0, kMaxDirectSamples), "light samples of a camera ray"},
+       "Direct light only: emitters and sky seen by the camera, and their light reflected by the first surface. "
+       "Mirrors and glass show emitters through material samples.",
+       {{"emitterSamples", integer, "1", between(0, kMaxDirectSamples), "light samples per camera ray"},
         {"bsdfSamples", integer, "1", between(0, kMaxDirectSamples),
-         "material samples; with both kinds they are weighted against each other"},
+         "material samples per camera ray; both kinds are combined by multiple importance sampling"},
         light_sampler(),
         hide_emitters()},
        {}},
@@ -107,9 +105,8 @@ std::vector<Plugin> direct_plugins() {
       {"integrator", "direct_mis", "direct with one sample of each kind.", direct_parameters(), {}},
       {"integrator",
        "whitted",
-       "Direct light, by one light sample, at the first surface that is no mirror and no glass. Behind each of those "
-       "the "
-       "path goes on with probability 0.95.",
+       "Direct light, from one light sample, at the first surface that is neither mirror nor glass. At each mirror or "
+       "glass surface the path continues with probability 0.95.",
        direct_parameters(),
        {}},
   };
@@ -120,31 +117,30 @@ std::vector<Plugin> first_hit_plugins() {
       {"integrator",
        "normals",
        "The shading normal of the first hit as a colour: |n| of each component.",
-       {{"signed", boolean, "false", any(), "(n + 1)/2 instead"}},
+       {{"signed", boolean, "false", any(), "show (n + 1)/2 instead"}},
        {}},
       {"integrator",
        "simple",
-       "What is hit, lit by a single point that shines alike in all directions; emitters and materials play no part: "
-       "energy/(4π²) · max(0, cos θ)/d², or 0 in shadow.",
-       {{"position", point, nullptr, between(-kMaxCoordinate, kMaxCoordinate), "of the light, world space"},
+       "Lights the first hit with a single point light, ignoring emitters and materials: energy/(4π²) · max(0, cos "
+       "θ)/d², or 0 in shadow.",
+       {{"position", point, nullptr, between(-kMaxCoordinate, kMaxCoordinate), "position of the light in world space"},
         {"energy", color, nullptr, between(0, kMaxRadiance), "power of the light"}},
        {}},
       {"integrator",
        "ao",
-       "Ambient occlusion: 1 where a cosine-distributed ray from the first hit meets nothing, else 0.",
-       {{"length", real, "0", between(0, kMaxCoordinate), "of that ray; 0: without end"}},
+       "Ambient occlusion: 1 if a cosine-distributed ray from the first hit is not blocked, otherwise 0.",
+       {{"length", real, "0", between(0, kMaxCoordinate), "length of that ray; 0: infinite"}},
        {}},
       {"integrator",
        "av",
-       "Average visibility: 1 where a ray from the first hit, evenly distributed over the hemisphere, meets nothing, "
-       "and "
-       "where nothing is hit; else 0.",
-       {{"length", real, nullptr, above_up_to(0, kMaxCoordinate), "of that ray"}},
+       "Average visibility: 1 if a ray from the first hit, uniformly distributed over the hemisphere, is not blocked "
+       "or there is no hit, otherwise 0.",
+       {{"length", real, nullptr, above_up_to(0, kMaxCoordinate), "length of that ray"}},
        {}},
-      {"integrator", "depth", "1 over the distance between camera and first hit; 0 where there is none.", {}, {}},
+      {"integrator", "depth", "1 divided by the distance between camera and first hit; 0 if there is none.", {}, {}},
       {"integrator",
        "distance",
-       "How far the first hit lies beyond the near clipping distance, along the ray; 0 where there is none.",
+       "Distance along the ray from the near clipping plane to the first hit; 0 if there is none.",
        {},
        {}},
   };
@@ -160,7 +156,8 @@ std::vector<Plugin> integrator_plugins() {
         {"nee", boolean, "true", any(), "next-event estimation: one shadow ray to a light at every diffuse vertex"},
         {"mis", boolean, "true", any(), "multiple importance sampling of lights and materials; no effect without nee"},
         {"rrDepth", integer, "5", between(0, kMaxDepth), "Russian roulette from this segment on; 0 is off"},
-        {"countPasses", boolean, "true", any(), "whether a segment ends where it passes a mask or null"},
+        {"countPasses", boolean, "true", any(),
+         "whether passing through a mask or null counts as the end of a segment"},
         light_sampler(),
         hide_emitters()},
        {}}};
@@ -171,39 +168,39 @@ std::vector<Plugin> integrator_plugins() {
         std::ranges::find(row.parameters, std::string_view("hideEmitters"), &Parameter::name) != row.parameters.end();
     if (light)
       row.parameters.push_back({"hideBackground", boolean, "false", any(),
-                                "camera rays that meet nothing find no sky; `render --alpha` sets it"});
+                                "camera rays that hit nothing see no sky; `render --alpha` sets it"});
     row.parameters.push_back(
-        {"aovs", string, "", any(), "channels beside the picture: depth, normal, albedo …, with commas between them"});
+        {"aovs", string, "", any(), "additional channels, separated by commas: depth, normal, albedo …"});
   }
   return rows;
 }
 
-/// What every camera has; those that take pictures also render a part of the film.
+/// Parameters that every camera has.
 std::vector<Parameter> film_parameters(const char* width, const char* height) {
   return {{"width", integer, width, between(1, 65536), "pixels; width · height is at most 67108864"},
           {"height", integer, height, between(1, 65536), "pixels"},
           {"cropWidth", integer, "0", between(0, 65536),
-           "width of the part of the film that is rendered, pixels; 0: up to the right edge"},
-          {"cropHeight", integer, "0", between(0, 65536), "its height; 0: down to the lower edge"},
-          {"cropOffsetX", integer, "0", between(0, 65535), "pixels left of it"},
-          {"cropOffsetY", integer, "0", between(0, 65535), "pixels above it"},
+           "width of the rendered part of the film in pixels; 0: up to the right edge"},
+          {"cropHeight", integer, "0", between(0, 65536), "height of the rendered part; 0: down to the lower edge"},
+          {"cropOffsetX", integer, "0", between(0, 65535), "pixels to the left of the rendered part"},
+          {"cropOffsetY", integer, "0", between(0, 65535), "pixels above the rendered part"},
           {"nearClip", real, "1e-4", between(0, kMaxCoordinate), "nearest visible distance along the camera's +Z"},
           {"farClip", real, "1e4", above(0), "farthest visible distance along the camera's +Z; more than nearClip"},
-          {"path", string, "spline", any(),
-           "how the place of a camera with keyframes goes from one to the next: spline or linear"},
+          {"path", string, "spline", any(), "how positions between keyframes are interpolated: spline or linear"},
           world_transform()};
 }
 
-/// What widens with distance.
+/// Cameras with a field of view.
 std::vector<Parameter> perspective_parameters() {
   std::vector<Parameter> parameters = {
-      {"fov", real, "30", inside(0, 180), "field of view in degrees, horizontal unless fovAxis says"},
-      {"fovAxis", string, "x", any(), "what fov measures: x, y, diagonal, or the smaller or larger side of the film"},
+      {"fov", real, "30", inside(0, 180), "field of view in degrees, along fovAxis"},
+      {"fovAxis", string, "x", any(),
+       "direction in which fov is measured: x, y, diagonal, or the smaller or larger side of the film"},
       {"focalLength", real, "0", between(0, 1e6),
-       "millimetres on film of 36 by 24 mm, instead of fov: the field of view of the diagonal; 0: fov counts"},
+       "focal length in millimetres for 36 × 24 mm film, which sets the diagonal field of view; 0: use fov"},
       {"principalPointOffsetX", real, "0", between(-100, 100),
-       "moves the picture to the left against the camera's axis, in widths of the film"},
-      {"principalPointOffsetY", real, "0", between(-100, 100), "and up, in heights of the film"}};
+       "moves the picture to the left relative to the camera's axis, in widths of the film"},
+      {"principalPointOffsetY", real, "0", between(-100, 100), "moves the picture up, in heights of the film"}};
   const std::vector<Parameter> film = film_parameters("1280", "720");
   parameters.insert(parameters.begin(), film.begin(), film.begin() + 2);
   parameters.insert(parameters.end(), film.begin() + 2, film.end());
@@ -213,35 +210,34 @@ std::vector<Parameter> perspective_parameters() {
 std::vector<Plugin> camera_plugins() {
   std::vector<Parameter> pinhole = perspective_parameters(), lens = pinhole;
   const Range radius = between(0, kMaxCoordinate);
-  pinhole.insert(pinhole.end() - 1,
-                 {{"apertureRadius", real, "0", radius, "above 0: a lens, as of thinlens"},
-                  {"focusDistance", real, "", above(0), "of that lens: of the plane in focus along the camera's +Z"}});
+  pinhole.insert(pinhole.end() - 1, {{"apertureRadius", real, "0", radius, "above 0: a lens as in thinlens"},
+                                     {"focusDistance", real, "", above(0),
+                                      "distance of that lens's plane of focus along the camera's +Z"}});
   lens.insert(lens.end() - 1,
               {{"apertureRadius", real, nullptr, radius, "radius of the lens, in camera units"},
-               {"focusDistance", real, nullptr, above(0), "of the plane in focus along the camera's +Z"},
+               {"focusDistance", real, nullptr, above(0), "distance of the plane of focus along the camera's +Z"},
                {"blades", integer, "0", between(0, 1000), "corners of a polygonal aperture; 0: a disk"},
                {"bladeRotation", real, "0", between(-360, 360),
-                "turns the first corner from the camera's +X toward +Y, degrees"}});
+                "rotates the first corner from the camera's +X toward +Y, in degrees"}});
   const std::vector<ChildRule> filter = {{"rfilter", 0, 1}, {"keyframe", 0, kAnyNumber, ChildUse::element}};
   return {
       {"camera", "perspective", "A pinhole camera: +Z forward, +Y up, +X to the left of the image.", pinhole, filter},
       {"camera", "thinlens",
-       "perspective with a lens of finite size: what is not at the focus distance is blurred. A point at depth z "
-       "becomes "
-       "a spot of radius apertureRadius · |1 − z/focusDistance|, measured at that depth.",
+       "A perspective camera with a lens of finite size: everything off the focus distance is blurred. A point at "
+       "depth z becomes a spot of radius apertureRadius · |1 − z/focusDistance|, measured at that depth.",
        lens, filter},
       {"camera", "orthographic",
-       "All rays run along the camera's +Z. The film is two camera units wide: scale in toWorld widens it.",
+       "All rays are parallel to the camera's +Z. The film is two camera units wide; a scale in toWorld widens it.",
        film_parameters("1280", "720"), filter},
       {"camera", "spherical",
-       "A panorama of all directions: longitude across, +Z in the middle and +X left of it; +Y at the upper edge. "
-       "Clipping "
-       "distances run along the rays.",
+       "A panorama of all directions: longitude runs across, with +Z in the middle and +X to the left of it; +Y is at "
+       "the upper edge. Clipping distances are measured along the rays.",
        film_parameters("1280", "640"), filter},
-      {"camera", "radiancemeter", "One ray, along +Z from the camera's place: every pixel measures the same.",
+      {"camera", "radiancemeter", "A single ray along +Z from the camera's position: every pixel measures the same.",
        film_parameters("1", "1"), filter},
       {"camera", "irradiancemeter",
-       "Irradiance of the square from −1 to 1 in the camera's x and y, on the side of +Z: the film lies on it.",
+       "The irradiance of the square from −1 to 1 in the camera's x and y, on the side of +Z; the film covers the "
+       "square.",
        film_parameters("1", "1"), filter},
   };
 }
@@ -250,10 +246,9 @@ std::vector<Plugin> view_plugins() {
   return {
       {"keyframe",
        "",
-       "Where a camera stands at a time; a child of <camera>, in place of its toWorld. --at and render --frames play "
-       "them; "
-       "without either the time is 0.",
-       {{"time", real, nullptr, between(-1e6, 1e6), "seconds; later than the keyframe before"},
+       "The position of a camera at a given time; a child of <camera>, instead of its toWorld. --at and render "
+       "--frames set the time; otherwise it is 0.",
+       {{"time", real, nullptr, between(-1e6, 1e6), "seconds; later than the previous keyframe"},
         {"toWorld", transform, "", any(), "camera space to world space at that time"}},
        {}},
       {"sampler",
@@ -282,15 +277,15 @@ std::vector<Plugin> view_plugins() {
        {}},
       {"rfilter",
        "mitchell",
-       "The filter of Mitchell and Netravali; its lobes are negative.",
+       "The filter of Mitchell and Netravali, which has negative lobes.",
        {{"radius", real, "2", above_up_to(0, 32), "pixels"},
         {"B", real, "0.3333333333333333", between(-8, 8), "blur"},
         {"C", real, "0.3333333333333333", between(-8, 8), "ringing"}},
        {}},
       {"rfilter",
        "lanczos",
-       "A sinc function that ends after some lobes; every second one is negative.",
-       {{"lobes", integer, "3", between(1, kMaxFilterLobes), "its radius in pixels"}},
+       "A windowed sinc function; every second lobe is negative.",
+       {{"lobes", integer, "3", between(1, kMaxFilterLobes), "radius in pixels"}},
        {}},
   };
 }
@@ -300,10 +295,10 @@ std::vector<ChildRule> surface() {
 }
 
 Parameter flip_normals() {
-  return {"flipNormals", boolean, "false", any(), "turns the normals to the other side"};
+  return {"flipNormals", boolean, "false", any(), "reverses the normals"};
 }
 
-/// A row for each kind of mesh file that the program reads.
+/// One row for each type of mesh file.
 std::vector<Plugin> mesh_file_plugins() {
   std::vector<Plugin> rows;
   for (const MeshFormat& format : mesh_formats()) {
@@ -322,7 +317,7 @@ std::vector<Plugin> object_plugins() {
   return {
       {"mesh",
        "sphere",
-       "An exact sphere. Its transform may rotate, move and scale it evenly.",
+       "An exact sphere. Its transform may rotate, move and scale it uniformly.",
        {{"center", point, "0 0 0", between(-kMaxCoordinate, kMaxCoordinate), "object space"},
         {"radius", real, "1", above_up_to(0, kMaxCoordinate), "scene units"},
         world_transform(),
@@ -330,104 +325,99 @@ std::vector<Plugin> object_plugins() {
        surface()},
       {"emitter",
        "area",
-       "Makes its mesh a light that shines on the side of the geometric normal.",
+       "Makes its mesh a light that emits on the side of the geometric normal.",
        {{"radiance", color, nullptr, between(0, kMaxRadiance), "emitted radiance, the same in all directions",
          "texture"},
-        {"scale", real, "1", between(0, kMaxRadiance), "factor of it"},
-        {"two_sided", boolean, "false", {}, "it shines on both sides; of meshes and disks"}},
+        {"scale", real, "1", between(0, kMaxRadiance), "factor of the radiance"},
+        {"two_sided", boolean, "false", {}, "emit on both sides; for meshes and disks"}},
        {}},
       {"emitter",
        "constant",
-       "The same light from all directions around the scene; a child of <scene>, in place of its sky.",
+       "Uniform light from all directions; a child of <scene>, instead of sky_top and sky_horizon.",
        {{"radiance", color, "1 1 1", between(0, kMaxRadiance), "radiance from every direction"}},
        {}},
       {"emitter",
        "envmap",
-       "Light from all directions around the scene by a picture of latitude and longitude, +Y up; a child of <scene>, "
-       "in "
-       "place of its sky. The left and the right edge of the picture are toward -Z, its middle toward +Z, and +X lies "
-       "a "
-       "quarter of its width from the left. PNG and JPEG are taken as sRGB, OpenEXR and Radiance HDR as linear.",
+       "Light from all directions, given by a latitude-longitude picture, +Y up; a child of <scene>, instead of "
+       "sky_top and sky_horizon. The left and right edges of the picture are toward -Z, the middle is toward +Z, and "
+       "+X is a quarter of the width from the left. PNG and JPEG are read as sRGB, OpenEXR and Radiance HDR as linear.",
        {{"filename", string, nullptr, any(), "the picture, relative to the folder of the scene file"},
         {"scale", real, "1", above(0), "factor of the picture's radiance"},
         {"rows", string, "bands", any(),
-         "bands: each row of the picture is the middle of a band of equal height; circles: the first and the last row "
-         "are "
-         "the poles, as in Mitsuba"},
+         "bands: each row of the picture is the middle of a band, all of equal height; circles: the first and last "
+         "rows are the poles, as in Mitsuba"},
         {"toWorld", transform, "", any(),
-         "turns the picture, whose own axes are above; rotations and reflections, as scale and translation are of no "
-         "account"}},
+         "rotates or reflects the picture, whose axes are described above; scale and translation have no effect"}},
        {}},
       {"test",
        "ttest",
-       "Do mean values agree with references? Run by `etendue ttest`. With scenes: one reference for each. With bsdfs: "
-       "one for each bsdf and angle.",
+       "Do mean values agree with references? Run with `etendue ttest`. There is one reference for each scene, or for "
+       "each bsdf and angle.",
        {{"references", number_list, nullptr, any(), "expected mean luminance, in the order of the children"},
         {"angles", number_list, "", between(0, 180),
-         "angles of incidence in degrees from the normal, beyond 90 from behind, but not 90; with bsdfs only"},
-        {"significanceLevel", real, "0.01", inside(0, 1), "probability of a false alarm of the whole test"},
+         "angles of incidence in degrees from the normal, above 90 from behind, not 90 itself; only with bsdfs"},
+        {"significanceLevel", real, "0.01", inside(0, 1), "probability of a false alarm for the whole test"},
         {"sampleCount", integer, "100000", between(2, 1e12), "samples per scene, or per bsdf and angle"}},
        {{"scene", 0, kAnyNumber, ChildUse::element}, {"bsdf", 0, kAnyNumber}}},
       {"test",
        "chi2test",
-       "Does sampling follow its density? Run by `etendue chi2`.",
-       {{"significanceLevel", real, "0.01", inside(0, 1), "probability of a false alarm of the whole test"},
-        {"resolution", integer, "10", between(2, 1000), "cells in the cosine of the polar angle; twice as many around"},
-        {"minExpFrequency", real, "5", between(1, 1e6), "cells that expect fewer samples are pooled"},
-        {"sampleCount", integer, "0", between(0, 1e12), "samples per test; 0 is 5000 for each cell"},
-        {"testCount", integer, "5", between(1, 1e6), "directions of incidence for each bsdf, and for each angle"},
+       "Does sampling match its density? Run with `etendue chi2`.",
+       {{"significanceLevel", real, "0.01", inside(0, 1), "probability of a false alarm for the whole test"},
+        {"resolution", integer, "10", between(2, 1000),
+         "cells in the cosine of the polar angle; twice as many in azimuth"},
+        {"minExpFrequency", real, "5", between(1, 1e6), "cells with fewer expected samples are pooled"},
+        {"sampleCount", integer, "0", between(0, 1e12), "samples per test; 0 is 5000 per cell"},
+        {"testCount", integer, "5", between(1, 1e6), "directions of incidence per bsdf, or per angle"},
         {"angles", number_list, "", between(0, 180),
-         "angles of incidence in degrees from the normal, beyond 90 from behind, but not 90; none: at random on the "
-         "sides that a bsdf is lit from"}},
+         "angles of incidence in degrees from the normal, above 90 from behind, not 90 itself; none: random, on the "
+         "sides from which a bsdf reflects light"}},
        {{"bsdf", 1, kAnyNumber}}},
   };
 }
 
 std::vector<Plugin> shape_plugins() {
   const Range anywhere = between(-kMaxCoordinate, kMaxCoordinate);
-  return {
-      {"mesh",
-       "rectangle",
-       "The square from (−1, −1, 0) to (1, 1, 0), its normal +z: a mesh of two triangles with texture coordinates.",
-       {world_transform(), flip_normals()},
-       surface()},
-      {"mesh",
-       "cube",
-       "The cube from (−1, −1, −1) to (1, 1, 1), its normals outward: a mesh of twelve triangles with texture "
-       "coordinates.",
-       {world_transform(), flip_normals()},
-       surface()},
-      {"mesh",
-       "disk",
-       "An exact disk: that of radius 1 around the origin in the plane z = 0, its normal +z. Any transform makes an "
-       "ellipse of it.",
-       {world_transform(), flip_normals()},
-       surface()},
-      {"mesh",
-       "cylinder",
-       "The exact side of a cylinder, open at both ends, its normal outward. Its transform may rotate, move and scale "
-       "it evenly.",
-       {{"p0", point, "0 0 0", anywhere, "one end of the axis, in object space"},
-        {"p1", point, "0 0 1", anywhere, "the other end"},
-        {"radius", real, "1", above_up_to(0, kMaxCoordinate), "scene units"},
-        world_transform(),
-        flip_normals()},
-       surface()}};
+  return {{"mesh",
+           "rectangle",
+           "The square from (−1, −1, 0) to (1, 1, 0) with normal +z: a mesh of two triangles with texture coordinates.",
+           {world_transform(), flip_normals()},
+           surface()},
+          {"mesh",
+           "cube",
+           "The cube from (−1, −1, −1) to (1, 1, 1) with outward normals: a mesh of twelve triangles with texture "
+           "coordinates.",
+           {world_transform(), flip_normals()},
+           surface()},
+          {"mesh",
+           "disk",
+           "An exact disk of radius 1 around the origin in the plane z = 0, with normal +z. Any transform is allowed "
+           "and may make it an ellipse.",
+           {world_transform(), flip_normals()},
+           surface()},
+          {"mesh",
+           "cylinder",
+           "The exact side of a cylinder, open at both ends, with outward normals. Its transform may rotate, move and "
+           "scale it uniformly.",
+           {{"p0", point, "0 0 0", anywhere, "one end of the axis, in object space"},
+            {"p1", point, "0 0 1", anywhere, "the other end"},
+            {"radius", real, "1", above_up_to(0, kMaxCoordinate), "scene units"},
+            world_transform(),
+            flip_normals()},
+           surface()}};
 }
 
 std::vector<Plugin> instance_plugins() {
   return {
       {"mesh",
        "shapegroup",
-       "Shapes that are seen only where an instance shows them; the group needs an id. Its meshes are kept once, "
-       "however "
-       "many instances there are.",
+       "Shapes that are visible only where an instance shows them; the group needs an id. Its meshes are stored once, "
+       "for any number of instances.",
        {},
        {{"mesh", 1, kAnyNumber, ChildUse::element}}},
       {"mesh",
        "instance",
-       "Shows a shape group, by a <ref> to it: all of its shapes, with their materials and emitters. Light that an "
-       "emitter of the group sends comes from every instance.",
+       "A copy of a shape group, given by a <ref>: all of its shapes, with their materials and emitters. An emitter in "
+       "the group emits from every instance.",
        {world_transform()},
        {{"mesh", 1, 1}}},
   };
@@ -461,7 +451,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
   };
 }
 
-/// Words of courses and other renderers for the same things; their other spellings are understood, too.
+/// Names that courses and other renderers use for the same things; other spellings of them are read, too.
 std::vector<TypeAlias> type_aliases() {
   return {
       {"integrator", "ambient_occlusion", "ao"},
@@ -632,11 +622,11 @@ std::vector<ParameterAlias> parameter_aliases() {
 }
 
 std::vector<IgnoredTag> ignored_tags() {
-  const char* faster = "how rays find what they meet changes no picture";
+  const char* faster = "acceleration structures do not change the picture";
   return {{"acceleration", faster, false},
           {"accel", faster, false},
           {"bvh", faster, false},
-          {"denoiser", "pictures are left as they are rendered; `etendue denoise` takes the noise out", true}};
+          {"denoiser", "rendering does not denoise; use `etendue denoise` afterwards", true}};
 }
 
 }  // namespace
