@@ -12,6 +12,7 @@ import string
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NUMBER = re.compile(r"\{\{([a-z_0-9]+(?:\.[a-zA-Z_0-9]+)+)(?::([^{}]*))?\}\}")
+INLINE = re.compile(r"\$[^$]*\$|`[^`]*`")
 ROWS = re.compile(r"^\{\{#([a-z_0-9.]+)\}\}(.*)$")
 
 
@@ -69,6 +70,40 @@ def load(folder):
     return {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("*.json"))}
 
 
+def wrapped(text, longest=120):
+    """Paragraphs and list items in lines of at most `longest` characters. Tables, pictures, code and display math stay as they are; formulas
+    and code spans are not broken."""
+    out, paragraph, verbatim = [], [], ""
+
+    def flush():
+        words = INLINE.sub(lambda m: m[0].replace(" ", "\0"), " ".join(paragraph)).split(" ")
+        indent = "  " if words[0] == "-" else ""
+        line = ""
+        for word in words:
+            if line and len(line) + 1 + len(word) > longest and not re.fullmatch(r"[-+*|#>].*|\d+\.", word):
+                out.append(line.replace("\0", " "))
+                line = indent + word
+            else:
+                line += (" " if line else "") + word
+        if paragraph:
+            out.append(line.replace("\0", " "))
+        paragraph.clear()
+
+    for line in text.split("\n"):
+        fence = next((mark for mark in ("```", "$$") if line.startswith(mark)), "")
+        if verbatim or fence or not line or line[0] in "|!#":
+            flush()
+            out.append(line)
+            if fence and verbatim in ("", fence):
+                verbatim = "" if verbatim else fence
+        else:
+            if line.startswith("- "):
+                flush()
+            paragraph.append(line.strip())
+    flush()
+    return "\n".join(out)
+
+
 def fill(text, data):
     """The report. Raises KeyError for a number that does not exist."""
     lines = []
@@ -78,4 +113,4 @@ def fill(text, data):
             lines += [RowFormatter().format(rows[2], **row) for row in look_up(data, rows[1])]
         else:
             lines.append(NUMBER.sub(lambda m: show(look_up(data, m[1]), m[2]), line))
-    return "\n".join(lines)
+    return wrapped("\n".join(lines))
