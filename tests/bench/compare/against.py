@@ -246,7 +246,7 @@ def options_from_command_line():
     parser.add_argument('--device', default='0', help="Etendue's device, as for its own commands")
     parser.add_argument('--variant', default='llvm_ad_rgb', help="Mitsuba's variant; one whose colours are RGB")
     parser.add_argument('--with', dest='wanted', default='mitsuba,cycles', help='which renderers, if they are there')
-    parser.add_argument('--spp', type=int, default=256, help='samples a pixel, of each renderer')
+    parser.add_argument('--spp', type=int, default=256, help='samples per pixel, of each renderer')
     parser.add_argument('--pictures', type=int, default=64, help="of Mitsuba: standard errors follow from their spread")
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--threads', type=int, default=len(os.sched_getaffinity(0)), help='of Cycles')

@@ -93,7 +93,7 @@ def numbers(row):
         for name, family in block_families(row)
     )
     ours, theirs = row['samples']
-    return f'z of means {scores_text(row)}{brighter}<small>{families}<br>{ours} and {theirs} samples a pixel</small>'
+    return f'z of means {scores_text(row)}{brighter}<small>{families}<br>{ours} and {theirs} samples per pixel</small>'
 
 
 def row_html(row):

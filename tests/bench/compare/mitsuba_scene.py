@@ -2,9 +2,9 @@
 
     python3 mitsuba_scene.py VARIANT SCENE.xml OUT.npy SPP PICTURES SEED
 
-SPP samples a pixel are spread over the pictures. OUT.npy has shape [2, height, width, 3]: their mean, and its standard
+SPP samples per pixel are spread over the pictures. OUT.npy has shape [2, height, width, 3]: their mean, and its standard
 error as it follows from how the pictures differ. The last line on stdout says the version, the reconstruction filter
-and the samples a pixel, as JSON. Only the box filter leaves pixels independent of each other. Films without colours are
+and the samples per pixel, as JSON. Only the box filter leaves pixels independent of each other. Films without colours are
 not rendered, and have the filter "grey".
 """
 

@@ -60,7 +60,7 @@ RAY_HEADS = (
     'program',
     'Mrays/s',
     'per CPU second',
-    "Etendue's rate over it",
+    "Etendue's rate relative to it",
     'per CPU second',
     'hits that differ',
 )
@@ -69,7 +69,7 @@ SAMPLE_HEADS = (
     'renderer',
     'Msamples/s',
     'per CPU second',
-    "Etendue's rate over it",
+    "Etendue's rate relative to it",
     'per CPU second',
     'brighter in R, G, B',
     'z of blocks: deviation, largest (1 in 100)',
@@ -159,7 +159,7 @@ def markdown(report):
     at = report['machine']
     facts = [
         f"{report['date']}; {report['repetitions']} repetitions in turns, {report['size']}, "
-        f"{report['spp']} samples a pixel, {report['threads']} threads on {at['processors']} processors: "
+        f"{report['spp']} samples per pixel, {report['threads']} threads on {at['processors']} processors: "
         f"{at['processor']}, widest instruction set {at['instruction_set']}.",
         f"Etendue's device: {report['device']}; driver: {report['driver']}; commit {report['sources']}. "
         f"Load average at the start {report['load']:.1f}: {load_remark(report)}",
@@ -176,7 +176,7 @@ def markdown(report):
 
 def load_remark(report):
     if report['load'] > 0.5:
-        return 'others used the machine as well; only the ratios, and best those per CPU second, mean something.'
+        return 'others used the machine as well; only ratios are meaningful, preferably those per CPU second.'
     return 'the machine was otherwise idle.'
 
 

@@ -130,10 +130,10 @@ void measure(const std::string& file, const Options& options) {
   for (std::uint64_t paths = options.set_size; paths <= options.paths; paths *= 2) {
     for (Way& way : ways) render_more(way, paths);
   }
-  fmt::print("\n{}, {}x{}, reference of {} paths a pixel\n\n", scene.name, options.width, options.height,
+  fmt::print("\n{}, {}x{}, reference of {} paths per pixel\n\n", scene.name, options.width, options.height,
              reference.paths());
   fmt::print(
-      "| way | paths a pixel | CPU seconds | Msamples per CPU second | relative error | CPU seconds to {:g} % |\n",
+      "| configuration | paths per pixel | CPU seconds | Msamples per CPU second | relative error | CPU seconds to {:g} % |\n",
       100.0 * options.error);
   fmt::print("|---|---|---|---|---|---|\n");
   const double pixels = static_cast<double>(options.width) * options.height;
@@ -153,8 +153,8 @@ int run(int argc, char** argv) {
   app.add_option("SCENE", options.scenes, "scene files")->required();
   app.add_option("--width", options.width)->capture_default_str();
   app.add_option("--height", options.height)->capture_default_str();
-  app.add_option("--paths", options.paths, "paths a pixel of each way")->capture_default_str();
-  app.add_option("--reference", options.reference_paths, "paths a pixel of the reference")->capture_default_str();
+  app.add_option("--paths", options.paths, "paths per pixel of each way")->capture_default_str();
+  app.add_option("--reference", options.reference_paths, "paths per pixel of the reference")->capture_default_str();
   app.add_option("--set-size", options.set_size, "of the sobol sampler")->capture_default_str();
   app.add_option("--error", options.error, "relative error to reach")->capture_default_str();
   if (const std::optional<bool> end = app.parse(argc, argv)) return *end ? 0 : 2;
