@@ -77,8 +77,8 @@ const uint kConstantEnvironmentTexelRows = 34u;
 const uint kConstantEnvironmentCellRows = 35u;
 const uint kConstantEnvironmentRowsAt = 36u;
 const uint kConstantEnvironmentTexelsAt = 37u;
-const uint kConstantEnvironmentRowRounds = 38u;
-const uint kConstantEnvironmentColumnRounds = 39u;
+const uint kConstantEnvironmentRowLevels = 38u;  // of the search for a row, see kSearchFan
+const uint kConstantEnvironmentColumnLevels = 39u;
 const uint kConstantCamera = 40u;
 const uint kConstantHideEmitters = 41u;
 const uint kConstantCameraWindow = 42u;
@@ -92,7 +92,7 @@ const uint kConstantMaterialTexturesAt = 48u;
 const uint kConstantTextureFeatures = 49u;  // kTextures…
 const uint kConstantTexturesAt = 50u;
 const uint kConstantInstanceAttributesAt = 51u;
-const uint kConstantSrgbAt = 52u;
+const uint kConstantEnvironmentSearchAt = 52u;
 const uint kConstantAttributesAt = 53u;
 const uint kConstantTexelsAt = 54u;
 const uint kConstantHasDisks = 55u;
@@ -436,7 +436,6 @@ const uint kAttributesDisk = 0x800u;
 const uint kAttributesTurned = 0x1000u;  // of a disk: its half axes are stored the other way round
 const uint kAttributesCylinder = 0x2000u;
 const uint kAttributesTangents = 0x4000u;
-const uint kSrgbCodes = 256u;  // light of each, four a texel
 
 // An instance that emits: chosen when `threshold <= word`, the last one that satisfies it.
 struct LightInstance {
@@ -517,23 +516,23 @@ const uint kDeltaTextured = 0x40u; // has a picture
 
 // A row of cells of the environment. Its edges are sin²(θ/2), θ being the angle from the pole of its half of the rows: no digits are lost near poles.
 struct EnvironmentRow {
-  uint threshold;  // chosen when `threshold <= word`, the last row that satisfies it
   float density;   // w.r.t. solid angle if all of its cells were chosen alike; the choice of the row is in it
   float upper_edge;
   float lower_edge;
   uint column_count;  // cells behind that have no weight
-  uint pad0;
-  uint pad1;
-  uint pad2;
 };
-const uint kEnvironmentRowTexels = 2u;
+const uint kEnvironmentRowTexels = 1u;
 
-// A texel of the environment's picture, and of the cell of the same row and column its threshold among those of the row.
+// A texel of the environment's picture, and how many of 2^32 words choose the cell of the same row and column among those of the row; 0 where all do.
 struct EnvironmentTexel {
   vec3 radiance;
-  uint threshold;
+  uint words;
 };
 const uint kEnvironmentTexelTexels = 1u;
+
+// A choice by thresholds of `count` entries, as a tree whose nodes tell kSearchFan ranges of entries apart: a node is the uvec4 of the thresholds at which the
+// second to the last of its ranges begin. Nodes of a level stand in a row, the root's level first; where there are no more entries, thresholds are the largest.
+const uint kSearchFan = 5u;
 
 // Everything that is constant during a render. Directions and positions are in normalised scene coordinates.
 struct Frame {

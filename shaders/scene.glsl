@@ -31,7 +31,6 @@ layout(constant_id = kConstantMaterialTexturesAt) const uint kMaterialTexturesAt
 layout(constant_id = kConstantTextureUsesAt) const uint kTextureUsesAt = 0u;
 layout(constant_id = kConstantTexturesAt) const uint kTexturesAt = 0u;
 layout(constant_id = kConstantInstanceAttributesAt) const uint kInstanceAttributesAt = 0u;
-layout(constant_id = kConstantSrgbAt) const uint kSrgbAt = 0u;
 layout(constant_id = kConstantAttributesAt) const uint kAttributesAt = 0u;
 layout(constant_id = kConstantTexelsAt) const uint kTexelsAt = 0u;
 layout(constant_id = kConstantTransmittancesAt) const uint kTransmittancesAt = 0u;
@@ -44,6 +43,7 @@ layout(constant_id = kConstantPlacesAt) const uint kPlacesAt = 0u;
 FEATURE(bool, kInstanced, kConstantInstanced, false)  // some meshes are shared, see kRecordInstance
 layout(constant_id = kConstantEnvironmentRowsAt) const uint kEnvironmentRowsAt = 0u;
 layout(constant_id = kConstantEnvironmentTexelsAt) const uint kEnvironmentTexelsAt = 0u;
+layout(constant_id = kConstantEnvironmentSearchAt) const uint kEnvironmentSearchAt = 0u;
 layout(set = kSetKernel, binding = kBindingFilter) uniform textureBuffer filter_knots;
 
 // A primitive, or the first three texels of a node.
@@ -98,8 +98,6 @@ InstanceAttributes fetch_instance_attributes(uint i) {
   const uvec4 a = load_table(kInstanceAttributesAt + kInstanceAttributesTexels * i);
   return InstanceAttributes(a.x, a.y, a.z, a.w);
 }
-// Light of an 8-bit code of sRGB.
-float fetch_srgb(uint code) { return uintBitsToFloat(load_table(kSrgbAt + code / 4u)[code & 3u]); }
 vec4 fetch_attribute(uint i) { return uintBitsToFloat(load_geometry(kAttributesAt + i)); }
 // 16 bytes of the pictures.
 uvec4 fetch_picture(uint i) { return load_geometry(kTexelsAt + i); }
@@ -141,12 +139,10 @@ DeltaLight fetch_delta_light(uint i) {
 }
 uint fetch_delta_light_threshold(uint i) { return load_table(kDeltaLightsAt + kDeltaLightTexels * i + 5u).x; }
 EnvironmentRow fetch_environment_row(uint i) {
-  const uint first = kEnvironmentRowsAt + kEnvironmentRowTexels * i;
-  const uvec4 a = load_table(first);
-  const uvec4 b = load_table(first + 1u);
-  return EnvironmentRow(a.x, uintBitsToFloat(a.y), uintBitsToFloat(a.z), uintBitsToFloat(a.w), b.x, b.y, b.z, b.w);
+  const uvec4 a = load_table(kEnvironmentRowsAt + kEnvironmentRowTexels * i);
+  return EnvironmentRow(uintBitsToFloat(a.x), uintBitsToFloat(a.y), uintBitsToFloat(a.z), a.w);
 }
-uint fetch_environment_row_threshold(uint i) { return load_table(kEnvironmentRowsAt + kEnvironmentRowTexels * i).x; }
+uvec4 fetch_environment_search(uint i) { return load_table(kEnvironmentSearchAt + i); }
 EnvironmentTexel fetch_environment_texel(uint i) {
   const uvec4 a = load_table(kEnvironmentTexelsAt + kEnvironmentTexelTexels * i);
   return EnvironmentTexel(uintBitsToFloat(a.xyz), a.w);

@@ -6,9 +6,8 @@ layout(constant_id = kConstantEnvironmentAlone) const bool kEnvironmentAlone = f
 layout(constant_id = kConstantEnvironmentColumns) const uint kEnvironmentColumns = 1u;
 layout(constant_id = kConstantEnvironmentTexelRows) const uint kEnvironmentTexelRows = 1u;
 layout(constant_id = kConstantEnvironmentCellRows) const uint kEnvironmentCellRows = 1u;
-// Rounds of the bisections: ceil(log2) of the numbers of rows and columns.
-layout(constant_id = kConstantEnvironmentRowRounds) const uint kEnvironmentRowRounds = 32u;
-layout(constant_id = kConstantEnvironmentColumnRounds) const uint kEnvironmentColumnRounds = 32u;
+layout(constant_id = kConstantEnvironmentRowLevels) const uint kEnvironmentRowLevels = 0u;
+layout(constant_id = kConstantEnvironmentColumnLevels) const uint kEnvironmentColumnLevels = 0u;
 const bool kHasEnvironment = kEnvironment != kEnvironmentNone;
 const bool kHasOutside = kHasEnvironment || kDistantLights > 0u;
 #ifdef ETENDUE_PLAIN
@@ -113,11 +112,8 @@ vec3 gradient_radiance(vec3 d) {
 float cell_prob(EnvironmentRow row, uint r, uint column) {
   if (!kEnvironmentPictured) return 1.0;
   if (column >= row.column_count) return 0.0;
-  const bool last = column + 1u == row.column_count;
-  const uint first = r * kEnvironmentColumns + column;
-  // 2^32 is 0 here.
-  const uint units = (last ? 0u : fetch_environment_texel(first + 1u).threshold) - fetch_environment_texel(first).threshold;
-  return units == 0u ? (last ? 1.0 : 0.0) : float(units) * (1.0 / 4294967296.0);
+  const uint words = fetch_environment_texel(r * kEnvironmentColumns + column).words;
+  return words == 0u ? (column + 1u == row.column_count ? 1.0 : 0.0) : float(words) * (1.0 / 4294967296.0);
 }
 
 // Density of sampling some direction of the cell, w.r.t. solid angle and with the choice of the environment.
@@ -128,28 +124,41 @@ float environment_cell_pdf(EnvironmentRow row, uint r, uint column) {
   return pdf_w;
 }
 
-// Last row whose threshold is <= word.
-uint choose_environment_row(uint word) {
-  uint first = 0u, count = frame.environment_row_count;
-  for (uint i = 0u; i < kEnvironmentRowRounds; ++i) {
-    const uint half_count = count >> 1u;
-    const bool upper = fetch_environment_row_threshold(first + half_count) <= word;
-    first = upper ? first + half_count : first;
-    count = upper ? count - half_count : half_count;
+// Nodes of a level, each of which stands for `span` entries, and of all levels.
+uint search_nodes(uint count, uint span) { return (count + span - 1u) / span; }
+uint search_size(uint count, uint levels) {
+  uint size = 0u, span = kSearchFan;
+  for (uint i = 0u; i < levels; ++i) {
+    size += search_nodes(count, span);
+    span *= kSearchFan;
   }
-  return first;
+  return size;
+}
+
+// Last of `count` entries whose threshold is <= word: integers, so every device chooses alike. `count` and `levels` are constants, so that loops are unrolled;
+// `first` is the root.
+uint search_entry(uint first, uint count, uint levels, uint word) {
+  uint span = 1u;
+  for (uint i = 0u; i < levels; ++i) span *= kSearchFan;
+  uint found = 0u;
+  for (uint i = 0u; i < levels; ++i) {
+    const uvec4 node = fetch_environment_search(first + found);
+    first += search_nodes(count, span);
+    span /= kSearchFan;
+    found = kSearchFan * found + uint(node.x <= word) + uint(node.y <= word) + uint(node.z <= word) + uint(node.w <= word);
+    found = min(found, (count - 1u) / span);  // the largest word is not less than the thresholds where there is no entry
+  }
+  return found;
+}
+
+uint choose_environment_row(uint word) {
+  return min(search_entry(0u, kEnvironmentCellRows, kEnvironmentRowLevels, word), frame.environment_row_count - 1u);
 }
 
 uint choose_environment_column(uint row, uint column_count, uint word) {
   if (!kEnvironmentPictured) return 0u;
-  uint first = 0u, count = column_count;
-  for (uint i = 0u; i < kEnvironmentColumnRounds; ++i) {
-    const uint half_count = count >> 1u;
-    const bool upper = fetch_environment_texel(row * kEnvironmentColumns + first + half_count).threshold <= word;
-    first = upper ? first + half_count : first;
-    count = upper ? count - half_count : half_count;
-  }
-  return first;
+  const uint first = search_size(kEnvironmentCellRows, kEnvironmentRowLevels) + row * search_size(kEnvironmentColumns, kEnvironmentColumnLevels);
+  return min(search_entry(first, kEnvironmentColumns, kEnvironmentColumnLevels, word), column_count - 1u);
 }
 
 vec3 world_from_sky(vec3 d) { return frame.sky_x * d.x + frame.sky_y * d.y + frame.sky_z * d.z; }

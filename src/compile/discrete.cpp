@@ -26,4 +26,27 @@ std::vector<std::uint64_t> integer_thresholds(std::span<const double> weights) {
   return thresholds;
 }
 
+SearchTree::SearchTree(std::uint32_t count) {
+  for (std::uint64_t span = 1; span < count; ++levels) {
+    span *= gpu::kSearchFan;
+    nodes += static_cast<std::uint32_t>((count + span - 1) / span);
+  }
+}
+
+void write_search_tree(std::span<const std::uint64_t> thresholds, std::span<gpu::uvec4> nodes) {
+  constexpr std::uint64_t kLargest = 0xffffffff;
+  const std::size_t count = thresholds.size();
+  std::size_t range = 1, node = 0;  // entries that one branch stands for
+  while (range * gpu::kSearchFan < count) range *= gpu::kSearchFan;
+  for (; range > 0 && count > 1; range /= gpu::kSearchFan) {
+    for (std::size_t first = 0; first < count; first += range * gpu::kSearchFan, ++node) {
+      for (gpu::uint branch = 1; branch < gpu::kSearchFan; ++branch) {
+        const std::size_t entry = first + branch * range;
+        const std::uint64_t threshold = entry < count ? std::min(thresholds[entry], kLargest) : kLargest;
+        nodes[node][static_cast<int>(branch - 1)] = static_cast<gpu::uint>(threshold);
+      }
+    }
+  }
+}
+
 }  // namespace etendue

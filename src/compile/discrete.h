@@ -5,9 +5,21 @@
 #include <span>
 #include <vector>
 
+#include "gpu_types.h"
+
 namespace etendue {
 
 /// T(0), …, T(n) of the conventions for non-negative `weights`; empty when they are all zero. T(n) = 2^32.
 std::vector<std::uint64_t> integer_thresholds(std::span<const double> weights);
+
+/// The choice of one of `count` entries as a tree of gpu::kSearchFan branches a node.
+struct SearchTree {
+  std::uint32_t levels = 0;  ///< least with kSearchFan^levels >= count
+  std::uint32_t nodes = 0;   ///< of all levels
+  explicit SearchTree(std::uint32_t count);
+};
+
+/// Writes the nodes for T(0), …, T(count − 1).
+void write_search_tree(std::span<const std::uint64_t> thresholds, std::span<gpu::uvec4> nodes);
 
 }  // namespace etendue

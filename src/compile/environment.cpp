@@ -92,6 +92,7 @@ class Tabulator {
     }
     out_.rows.resize(facts.cell_rows);
     weights_.resize(facts.cell_rows);
+    out_.search.resize(search_of_row(facts.cell_rows));
     out_.texels.resize(std::size_t{width} * std::max(height, facts.cell_rows));
     parallel_for(height, 8, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t y = begin; y < end; ++y) {
@@ -103,6 +104,12 @@ class Tabulator {
       std::vector<double> weights(width);
       for (std::uint64_t r = begin; r < end; ++r) tabulate_cells(static_cast<std::uint32_t>(r), bands, weights);
     });
+  }
+
+  // The first node of the search for a row's column: behind that for the row.
+  std::size_t search_of_row(std::uint32_t r) const {
+    const EnvironmentFacts& facts = out_.facts;
+    return SearchTree(facts.cell_rows).nodes + std::size_t{r} * SearchTree(facts.columns).nodes;
   }
 
   // Thresholds of a row's cells; `weights` is room for them.
@@ -126,8 +133,11 @@ class Tabulator {
     std::uint32_t count = facts.columns;
     while (!(weights[count - 1] > 0.0)) --count;
     out_.rows[r].column_count = count;
-    for (std::uint32_t c = 0; c < count; ++c)
-      out_.texels[std::size_t{r} * facts.columns + c].threshold = static_cast<gpu::uint>(thresholds[c]);
+    for (std::uint32_t c = 0; c < count; ++c) {
+      const std::uint64_t words = thresholds[c + 1] - thresholds[c];  // 2^32 becomes 0
+      out_.texels[std::size_t{r} * facts.columns + c].words = static_cast<gpu::uint>(words);
+    }
+    write_search_tree(std::span(thresholds).first(facts.columns), std::span(out_.search).subspan(search_of_row(r)));
   }
 
   // The environment's share of the light.
@@ -155,6 +165,8 @@ class Tabulator {
     const std::vector<std::uint64_t> thresholds = integer_thresholds(entries);
     facts.row_count = static_cast<std::uint32_t>(rows);
     while (facts.row_count > 0 && !(weights_[facts.row_count - 1] > 0.0)) --facts.row_count;
+    out_.search.resize(std::max(out_.search.size(), search_of_row(0)));
+    write_search_tree(std::span(thresholds).first(rows), out_.search);
     const std::uint64_t lights_from = thresholds[rows + distant_.size()];
     if (!facts.alone) facts.threshold = static_cast<std::uint32_t>(thresholds[rows]);
     facts.distant_threshold = static_cast<std::uint32_t>(lights_from);
@@ -164,7 +176,6 @@ class Tabulator {
     for (std::uint32_t r = 0; r < rows; ++r) {
       gpu::EnvironmentRow& row = out_.rows[r];
       const bool north = 2 * r < facts.cell_rows;
-      row.threshold = static_cast<gpu::uint>(thresholds[r]);
       const double prob = static_cast<double>(thresholds[r + 1] - thresholds[r]) * 0x1p-32;
       row.density = static_cast<float>(prob * facts.columns / edges_[r].solid_angle());
       row.upper_edge = static_cast<float>(north ? edges_[r].upper_north : edges_[r].upper_south);

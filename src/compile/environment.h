@@ -28,6 +28,7 @@ struct EnvironmentTables {
   std::vector<gpu::EnvironmentRow> rows;
   std::vector<gpu::EnvironmentTexel>
       texels;  ///< of a picture, row by row: as many rows as the larger of its two numbers
+  std::vector<gpu::uvec4> search;  ///< of the rows, then of a picture's columns for each of them: see SearchTree
 };
 
 /// Without rows for a black sky. `lights_power` is the sum of luminance · area of everything that emits and stands

@@ -65,7 +65,6 @@ class TextureCompiler {
     if (!textured_) return {};
     for (const Texture& texture : scene_.textures) out_.textures.push_back(flatten(texture));
     for (const Instance& instance : scene_.instances) out_.instances.push_back(flatten(instance));
-    if ((out_.features & gpu::kTexturesSrgb) != 0) add_srgb();
     return std::move(out_);
   }
 
@@ -294,14 +293,6 @@ class TextureCompiler {
     const glm::dmat3 linear(instance.world_from_object);
     const double size = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
     return {glm::vec3(linear * (glm::dvec3(tangent) / size)), turns_winding(instance) ? -tangent.w : tangent.w};
-  }
-
-  void add_srgb() {
-    for (gpu::uint code = 0; code < gpu::kSrgbCodes; code += 4) {
-      gpu::vec4& four = out_.srgb.emplace_back();
-      for (gpu::uint k = 0; k < 4; ++k)
-        four[static_cast<int>(k)] = static_cast<float>(linear_from_srgb(static_cast<double>(code + k) / 255.0));
-    }
   }
 
   using BitmapUse = std::pair<std::uint32_t, bool>;  // index, and whether its floats were decoded

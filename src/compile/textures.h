@@ -16,7 +16,6 @@ struct CompiledTextures {
   std::vector<gpu::TextureRecord> textures;
   std::vector<gpu::InstanceAttributes> instances;
   std::vector<gpu::vec4> attributes;
-  std::vector<gpu::vec4> srgb;  ///< light of the 8-bit codes, four a texel
   /// Their texels lie one behind the other, each from a multiple of 16 bytes on, as they are: no copies are made.
   std::vector<std::shared_ptr<const Bitmap>> bitmaps;
 };

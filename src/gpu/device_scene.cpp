@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "compile/discrete.h"
 #include "compile/node_layout.h"
 #include "core/errors.h"
 #include "scene/sharing.h"
@@ -69,9 +70,9 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
          table("trails of the light tree", gpu::kConstantLightTrailsAt, s.light_trails),
          table("rows of the environment", gpu::kConstantEnvironmentRowsAt, s.environment.rows),
          table("picture of the environment", gpu::kConstantEnvironmentTexelsAt, s.environment.texels),
+         table("search in the environment", gpu::kConstantEnvironmentSearchAt, s.environment.search),
          table("textures", gpu::kConstantTexturesAt, t.textures),
-         table("attributes of instances", gpu::kConstantInstanceAttributesAt, t.instances),
-         table("sRGB", gpu::kConstantSrgbAt, t.srgb)}}}};
+         table("attributes of instances", gpu::kConstantInstanceAttributesAt, t.instances)}}}};
   for (const auto& bitmap : t.bitmaps)
     groups[1].tables.push_back({"pictures", bitmap == t.bitmaps.front() ? gpu::kConstantTexelsAt : kFirst,
                                 std::as_bytes(std::span(bitmap->texels))});
@@ -150,8 +151,8 @@ LoopRounds::LoopRounds(const CompiledScene& scene) {
   // ends.
   materials = (adapters > 0 ? 3 * (adapters + 2) : 0) + (textures > 0 ? textures + 1 : 0);
   if (scene.environment.facts.kind == gpu::kEnvironmentNone) return;
-  environment_rows = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.row_count - 1));
-  environment_columns = static_cast<std::uint32_t>(std::bit_width(scene.environment.facts.columns - 1));
+  environment_rows = SearchTree(scene.environment.facts.cell_rows).levels;
+  environment_columns = SearchTree(scene.environment.facts.columns).levels;
 }
 
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
@@ -236,8 +237,8 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantEnvironmentColumns, sky.columns},
                                      {gpu::kConstantEnvironmentTexelRows, sky.texel_rows},
                                      {gpu::kConstantEnvironmentCellRows, sky.cell_rows},
-                                     {gpu::kConstantEnvironmentRowRounds, loop_rounds.environment_rows},
-                                     {gpu::kConstantEnvironmentColumnRounds, loop_rounds.environment_columns}});
+                                     {gpu::kConstantEnvironmentRowLevels, loop_rounds.environment_rows},
+                                     {gpu::kConstantEnvironmentColumnLevels, loop_rounds.environment_columns}});
   constants.insert(constants.end(),
                    {{gpu::kConstantHasDisks, scene.has_disks ? 1u : 0u},
                     {gpu::kConstantHasCylinders, scene.has_cylinders ? 1u : 0u},

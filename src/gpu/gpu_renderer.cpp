@@ -29,8 +29,8 @@ constexpr std::uint32_t kGpuIterations = 1u << 22;
 constexpr std::uint32_t kCpuIterationsDivergent = kCpuIterations / 8;
 // Turns of traversal steps between two rounds of shading, and steps in a turn: with light sampling, where every other
 // ray is a shadow ray, and without. Measured on lavapipe: fewer steps shade for fewer lanes at a time, more let more
-// lanes wait.
-constexpr std::uint32_t kTurnsNee = 2, kStepsNee = 6;
+// lanes wait. Where shading is dear, as with all that the plain kernel knows nothing of, it waits a little longer.
+constexpr std::uint32_t kTurnsNee = 2, kStepsNee = 6, kStepsNeeDear = 8;
 constexpr std::uint32_t kTurnsNaive = 1, kStepsNaive = 8;
 constexpr double kCpuPassSeconds = 1.0;  // no watchdog there, and fewer dispatches waste less
 // Paths that a lane has in a dispatch, one after the other, where that is up to us: at its end lanes wait for those
@@ -327,7 +327,8 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
   const bool nee = samples_lights(view.integrator) && lit;
   const bool shadow_rays = nee || traces_occlusion(view.integrator.type);
   const std::uint32_t turns = shadow_rays ? kTurnsNee : kTurnsNaive;
-  const std::uint32_t steps = !scene_->has_tree() ? 1 : shadow_rays ? kStepsNee : kStepsNaive;
+  const std::uint32_t steps_nee = is_plain(scene_->constants()) ? kStepsNee : kStepsNeeDear;
+  const std::uint32_t steps = !scene_->has_tree() ? 1 : shadow_rays ? steps_nee : kStepsNaive;
   const std::uint32_t tree_depth = samples_lights(view.integrator) ? scene_->light_tree_depth() : 0;
   const LoopRounds& rounds = scene_->loop_rounds();
   const bool light = gathers_light(view.integrator);

@@ -51,7 +51,6 @@ CompiledScene numbered_scene() {
   scene.texture_uses = numbered<gpu::TextureUse>(20);
   scene.textures.textures = numbered<gpu::TextureRecord>(11);
   scene.textures.instances = numbered<gpu::InstanceAttributes>(12);
-  scene.textures.srgb = numbered<gpu::vec4>(13);
   scene.textures.attributes = numbered<gpu::vec4>(14);
   auto picture = std::make_shared<Bitmap>();
   const auto texels = numbered<gpu::uvec4>(15);
@@ -60,6 +59,7 @@ CompiledScene numbered_scene() {
   scene.transmittances = numbered<gpu::vec4>(16);
   scene.environment.rows = numbered<gpu::EnvironmentRow>(17);
   scene.environment.texels = numbered<gpu::EnvironmentTexel>(18);
+  scene.environment.search = numbered<gpu::uvec4>(13);
   scene.delta_lights = numbered<gpu::DeltaLight>(19);
   scene.triangles = numbered<gpu::uvec4>(7);
   scene.normals = numbered<gpu::vec4>(8);
@@ -88,13 +88,12 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   a.place_again = gpu::vec4(scene.places[i].origin, std::bit_cast<float>(scene.instances[i].place));
   a.texture_record = scene.textures.textures[i];
   a.instance_attributes = scene.textures.instances[i];
-  a.srgb.x = scene.textures.srgb[i / 4][static_cast<int>(i % 4)];
   a.attributes = scene.textures.attributes[i];
   std::memcpy(static_cast<void*>(&a.picture), &scene.textures.bitmaps[0]->texels[16 * std::size_t{i}],
               sizeof a.picture);
   a.transmittances = scene.transmittances[i];
   a.environment_row = scene.environment.rows[i];
-  a.environment_row_threshold.x = scene.environment.rows[i].threshold;
+  a.environment_search = scene.environment.search[i];
   a.environment_texel = scene.environment.texels[i];
   a.delta_light = scene.delta_lights[i];
   a.delta_light_threshold.x = scene.delta_lights[i].threshold;

@@ -189,6 +189,31 @@ TEST_F(DeviceTextures, LookupsAreThoseOfTheReference) {
   }
 }
 
+// Dark codes too, whose light is small, to what single precision says of a number.
+TEST_F(DeviceTextures, EveryCodeOfSrgbIsItsLight) {
+  Random random(8);
+  Scene scene = bodies(random, 1.0f);
+  auto& mesh = std::get<TriangleMesh>(scene.shapes[0]);
+  mesh.uv_sets[0] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  Bitmap codes{.width = 256, .height = 1, .channels = 1, .format = BitmapFormat::u8, .color_space = ColorSpace::srgb};
+  for (int code = 0; code < 256; ++code) codes.texels.push_back(static_cast<std::byte>(code));
+  scene.bitmaps.push_back(std::make_shared<Bitmap>(codes));
+  scene.textures.push_back({.source = BitmapTexture{.bitmap = 0, .filter = TextureFilter::nearest, .color_space = {}}});
+  use(scene);
+  const CompiledScene compiled = compile_scene(scene);
+  std::vector<gpu::TextureCase> cases(256);
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const float u = (static_cast<float>(i) + 0.5f) / 256.0f;
+    cases[i].weights = {1.0f - u, u, 0.0f};
+  }
+  const auto answers = run<gpu::TextureAnswer>({kernels::textures, "textures", &compiled}, cases);
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const double code = static_cast<double>(i) / 255.0;
+    const double light = code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+    EXPECT_NEAR(static_cast<double>(answers[i].value.x), light, 6e-7 * light) << "code " << i;
+  }
+}
+
 // Pictures times colours of vertices, cut by their alpha or multiplied with it.
 TEST_F(DeviceTextures, DerivedOnesAreThoseOfTheReference) {
   Random random(7);

@@ -65,6 +65,46 @@ TEST(CompileDiscrete, ProbabilitiesAreTheWeightsToOneUnit) {
   }
 }
 
+// The walk down a search tree, with what it does not know about thresholds it has not looked at.
+std::uint32_t found_in(const std::vector<gpu::uvec4>& nodes, std::uint32_t count, std::uint32_t word) {
+  std::uint32_t span = 1, found = 0, first = 0;
+  while (span < count) span *= gpu::kSearchFan;
+  while (span > 1) {
+    const gpu::uvec4 node = nodes.at(first + found);
+    first += (count + span - 1) / span;
+    span /= gpu::kSearchFan;
+    found *= gpu::kSearchFan;
+    for (int i = 0; i < 4; ++i) found += node[i] <= word ? 1 : 0;
+    found = std::min(found, (count - 1) / span);
+  }
+  return found;
+}
+
+TEST(CompileDiscrete, SearchTreesFindWhatTheThresholdsSay) {
+  std::mt19937_64 random(11);
+  for (const std::uint32_t count : {1u, 2u, 4u, 5u, 6u, 24u, 25u, 26u, 125u, 130u, 777u}) {
+    std::vector<double> weights(count);
+    for (double& w : weights) w = random() % 3 == 0 ? 0.0 : std::exp2(static_cast<double>(random() % 24));
+    weights[count / 2] = 1e12;
+    if (count > 6) weights.back() = 1e-20;
+    const auto thresholds = integer_thresholds(weights);
+    std::vector<gpu::uvec4> nodes(SearchTree(count).nodes);
+    write_search_tree(std::span(thresholds).first(count), nodes);
+    std::vector<std::uint64_t> words = {0, 1, kOne - 2, kOne - 1};
+    for (const std::uint64_t t : thresholds) words.insert(words.end(), {t - (t > 0 ? 1 : 0), t});
+    for (int i = 0; i < 1000; ++i) words.push_back(random() % kOne);
+    for (const std::uint64_t word : words) {
+      if (word == kOne) continue;
+      const auto entry = std::ranges::upper_bound(thresholds, word) - thresholds.begin() - 1;
+      // Entries without weight at the end cannot be told from what is not there: whoever asks knows the last that has.
+      std::uint32_t last = count - 1;
+      while (!(weights[last] > 0.0)) --last;
+      ASSERT_EQ(std::min(found_in(nodes, count, static_cast<std::uint32_t>(word)), last), entry)
+          << count << " " << word;
+    }
+  }
+}
+
 // ∫ of |f| or f over [a, b] by Simpson's rule on the published formulas.
 double filter_value(const ReconstructionFilter& f, double x) {
   x = std::abs(x);

@@ -96,12 +96,11 @@ std::set<std::uint32_t> constants_of(std::span<const std::uint32_t> kernel) {
 TEST(GpuLayout, ThePlainKernelLacksWhatTheHostKnowsThatItLacks) {
   const std::set<std::uint32_t> details = {gpu::kConstantEnvironmentTexelRows,
                                            gpu::kConstantEnvironmentTexelsAt,
-                                           gpu::kConstantEnvironmentColumnRounds,
+                                           gpu::kConstantEnvironmentColumnLevels,
                                            gpu::kConstantDeltaLightsAt,
                                            gpu::kConstantPlacesAt,
                                            gpu::kConstantMaterialTexturesAt,
                                            gpu::kConstantTextureUsesAt,
-                                           gpu::kConstantSrgbAt,
                                            gpu::kConstantTexelsAt,
                                            gpu::kConstantTransmittancesAt,
                                            gpu::kConstantCountPasses,

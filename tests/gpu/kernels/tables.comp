@@ -15,7 +15,7 @@ void main() {
                                  fetch_light_trail(i, inputs[lane()].y), uvec4(fetch_triangle(i), 0u), vec4(fetch_normal(i), 0.0),
                                  vec4(fetch_filter_knot(i), 0.0, 0.0, 0.0), fetch_place(i), vec4(fetch_place_origin(i), uintBitsToFloat(fetch_instance_place(i))),
                                  fetch_texture(i), fetch_instance_attributes(i),
-                                 vec4(fetch_srgb(i), 0.0, 0.0, 0.0), fetch_attribute(i), fetch_picture(i), fetch_transmittances(i),
-                                 fetch_environment_row(i), uvec4(fetch_environment_row_threshold(i), 0u, 0u, 0u), fetch_environment_texel(i),
+                                 fetch_attribute(i), fetch_picture(i), fetch_transmittances(i),
+                                 fetch_environment_row(i), fetch_environment_search(i), fetch_environment_texel(i),
                                  fetch_delta_light(i), uvec4(fetch_delta_light_threshold(i), 0u, 0u, 0u));
 }

@@ -247,19 +247,18 @@ struct TablesAnswer {
   vec4 place_again;  // xyz: its origin, w: that of the instance, each fetched alone
   TextureRecord texture_record;
   InstanceAttributes instance_attributes;
-  vec4 srgb;  // x
   vec4 attributes;
   uvec4 picture;
   vec4 transmittances;
   EnvironmentRow environment_row;
-  uvec4 environment_row_threshold;  // x
+  uvec4 environment_search;
   EnvironmentTexel environment_texel;
   DeltaLight delta_light;
   uvec4 delta_light_threshold;  // x
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 976);
+static_assert(sizeof(TablesAnswer) == 944);
 static_assert(sizeof(TextureCase) == 48 && sizeof(TextureAnswer) == 16);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);

@@ -61,5 +61,5 @@ void main() {
   light_trails[0].turns = 0u;
   delta_lights[0].threshold = 0u;
   environment_rows[0].density = 0.0;
-  environment_texels[0].threshold = 0u;
+  environment_texels[0].words = 0u;
 }
