@@ -74,7 +74,7 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a render. ``film`` keeps the samples that were done, None if there were none."""
 
     def __init__(self, film: Optional[Film]):
-        done = f"{film.spp} samples a pixel are kept in .film" if film is not None else "no sample was finished"
+        done = f"{film.spp} samples per pixel are kept in .film" if film is not None else "no sample was finished"
         super().__init__(f"interrupted; {done}")
         self.film = film
 

@@ -31,7 +31,7 @@ class LiveView:
         self._started = time.monotonic()
 
     def show(self, film: Film, total: int) -> None:
-        """The film of a step, of `total` samples a pixel."""
+        """The film of a step, of `total` samples per pixel."""
         data = base64.b64encode(film.png()).decode("ascii")
         self._picture = f'<img alt="render" src="data:image/png;base64,{data}" style="max-width: 100%"/>'
         error = film.relative_error

@@ -105,7 +105,7 @@ def render(
 ) -> Film:
     """Renders a scene, or a scene file. The film has ``mean``, ``standard_error`` and ``aovs``.
 
-    spp          samples a pixel; as many as the scene says by default. The sobol sampler takes whole sets of them.
+    spp          samples per pixel; as many as the scene says by default. The sobol sampler takes whole sets of them.
     device       "auto"; the number of a device or a part of its name; "0,1" or "all": several that share the work;
                  "reference": the double-precision renderer on the CPU
     samples      (begin, end): this range of samples alone, for films that are merged
@@ -148,7 +148,7 @@ def progressive(
             if film.relative_error < 0.01:
                 break
 
-    Films have 1, 2, 4, 8 … samples a pixel, or ``step``, 2 ``step``, 3 ``step`` …. ``show``: a live picture, in
+    Films have 1, 2, 4, 8 … samples per pixel, or ``step``, 2 ``step``, 3 ``step`` …. ``show``: a live picture, in
     notebooks by default. Everything else is as for render().
     """
     if step is not None and step < 1:
@@ -181,7 +181,7 @@ def _open(
             raise UsageError(f"samples end at {end}, beyond the {spp} of spp.")
         count = end - first
     if count is not None and not 0 < count < 2**32:
-        raise UsageError(f"{count} samples a pixel; there may be 1 to 2^32 - 1.")
+        raise UsageError(f"{count} samples per pixel; there may be 1 to 2^32 - 1.")
     if not 0 <= seed < 2**32:
         raise UsageError(f"seed is {seed}; it may be 0 to 2^32 - 1.")
     return _core.Render(

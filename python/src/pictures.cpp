@@ -89,7 +89,7 @@ void write_picture(const Picture& picture, const std::string& path, bool film, c
                    double exposure) {
   const bool exr = path.ends_with(".exr");
   if (!exr && !path.ends_with(".png"))
-    throw Error(ErrorKind::usage, "'" + path + "' ends neither in .exr nor in .png, the two formats that are written.");
+    throw Error(ErrorKind::usage, "'" + path + "' ends neither in .exr nor in .png, the only formats for pictures.");
   const Display display = display_of(tonemap, exposure);
   if (film && !exr) throw Error(ErrorKind::usage, "'" + path + "': films are .exr files.");
   if (film) film_of(picture);

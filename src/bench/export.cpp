@@ -83,8 +83,9 @@ Json bsdf_json(const Bsdf& bsdf) {
   if (const auto* glass = std::get_if<DielectricBsdf>(&bsdf); glass != nullptr && !is_tinted(*glass))
     return {{"type", "dielectric"}, {"int_ior", glass->int_ior}, {"ext_ior", glass->ext_ior}};
   if (std::holds_alternative<MirrorBsdf>(bsdf)) return {{"type", "mirror"}};
-  throw Error(ErrorKind::scene,
-              "the comparison scenes know diffuse, mirror and clear dielectric materials only; this scene has another");
+  throw Error(
+      ErrorKind::scene,
+      "the comparison scenes support only diffuse, mirror and clear dielectric materials; this scene has another");
 }
 
 bool is_mirrored(const Camera& camera) {
@@ -127,7 +128,7 @@ Json camera_json(const Scene& scene) {
 
 Json instance_json(const Scene& scene, const Instance& instance, bool mirror, const std::string& ply) {
   if (scene.materials[instance.material].adapter)
-    throw Error(ErrorKind::scene, "the comparison scenes know no adapters around materials; this scene has one");
+    throw Error(ErrorKind::scene, "the comparison scenes do not support adapters around materials; this scene has one");
   Json out = {{"name", instance.name}, {"bsdf", bsdf_json(scene.bsdf_of(instance))}, {"radiance", nullptr}};
   if (const AreaEmitter* emitter = scene.emitter_of(instance)) out["radiance"] = json(emitter->radiance.value);
   if (const auto* sphere = std::get_if<Sphere>(&scene.shape_of(instance))) {
@@ -146,7 +147,7 @@ Json instance_json(const Scene& scene, const Instance& instance, bool mirror, co
 void refuse_textures(const Scene& scene) {
   const auto refuse = [&](const std::string& what) {
     throw Error(ErrorKind::scene,
-                fmt::format("{}: {} has a texture, which the comparison scenes do not know; write the "
+                fmt::format("{}: {} has a texture, which the comparison scenes do not support; write the "
                             "scene with etendue convert --to mitsuba",
                             scene.file, what));
   };

@@ -40,10 +40,9 @@ std::vector<std::string> default_scenes() {
   for (const char* name : {"cbox-sphere", "cbox-bumpy", "bubble"}) {
     const std::filesystem::path path = std::filesystem::path("scenes") / (std::string(name) + ".xml");
     if (!std::filesystem::exists(path))
-      throw Error(ErrorKind::usage,
-                  fmt::format("There is no {} here to measure; name scenes, or start in the folder of the "
-                              "sources.",
-                              path.string()));
+      throw Error(
+          ErrorKind::usage,
+          fmt::format("There is no {} here to measure; name scenes, or run this in the source folder.", path.string()));
     files.push_back(path.string());
   }
   return files;
@@ -119,7 +118,7 @@ Ending run_bench(const BenchArguments& options) {
   if (options.results.wants_text()) print_text(bench_table(report));
   files.finish();
   if (report.passed()) return Ending::ok;
-  log::error("Rays hit something else than in the reference; the rates are worth nothing.");
+  log::error("Rays hit something else than in the reference; the rates are meaningless.");
   return Ending::failed;
 }
 
@@ -128,20 +127,20 @@ Ending run_bench(const BenchArguments& options) {
 void add_bench_command(Command& app, Action& action) {
   auto* command = app.add_subcommand("bench", "measure rays and samples per second, start-up and memory");
   const auto options = std::make_shared<BenchArguments>();
-  command->add_option("SCENE", options->files, "scene files (default: three of the folder scenes)")
+  command->add_option("SCENE", options->files, "scene files (default: three from the folder scenes)")
       ->file(kSceneEndings);
   command
       ->add_option("--repetitions", options->repetitions,
-                   "measurements of everything, of which the median is told; 0: only check")
+                   "number of measurements, of which the median is reported; 0: only check")
       ->check(in_range(0, 1000))
       ->capture_default_str();
-  command->add_option("--time", options->time, "time of the samples in one repetition, about")
+  command->add_option("--time", options->time, "approximate time for samples in each repetition")
       ->type_name("TIME")
       ->capture_default_str();
-  command->add_option("--rays", options->rays, "primary rays; 0: as many as suit the device")
+  command->add_option("--rays", options->rays, "number of primary rays; 0: chosen to suit the device")
       ->check(in_range(0, 1 << 22))
       ->capture_default_str();
-  command->add_option("--part", options->parts, "measure this only: start, rays or samples; may be repeated")
+  command->add_option("--part", options->parts, "measure only this part: start, rays or samples; may be repeated")
       ->type_name("PART")
       ->check(one_of({"start", "rays", "samples"}))
       ->allow_extra_args(false);
@@ -154,10 +153,10 @@ void add_bench_command(Command& app, Action& action) {
   options->device.add_to(*command);
   command
       ->add_option("--loads", options->loads,
-                   "how kernels read the scene's tables (default: as suits device and scene)")
+                   "how kernels read the scene's tables (default: chosen to suit device and scene)")
       ->type_name("BUFFER")
       ->check(one_of({"texel", "storage"}));
-  command->add_flag("--quick", options->quick, "few rays, short repetitions, two of them: does everything work?");
+  command->add_flag("--quick", options->quick, "two short repetitions with few rays, to check that everything works");
   options->results.add_to(*command);
   command->callback([&action, options] { action = [options] { return run_bench(*options); }; });
 }

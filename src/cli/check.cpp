@@ -73,7 +73,7 @@ Result check_files(const CheckArguments& options) {
 
 void add_check_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
-      "check", "read scenes strictly and list everything that is wrong or probably not meant; nothing is rendered");
+      "check", "read scenes strictly and list everything that is wrong or probably not intended, without rendering");
   const auto options = std::make_shared<CheckArguments>();
   command->add_option("SCENE", options->files, "scene files")->required()->file(kSceneEndings);
   options->sampling.add_size_and_spp(*command);

@@ -56,7 +56,7 @@ Ending run_files(const Chi2Arguments& options) {
 }  // namespace
 
 void add_chi2_command(Command& app, Action& action) {
-  auto* command = app.add_subcommand("chi2", "test whether the sampling of bsdfs follows their density");
+  auto* command = app.add_subcommand("chi2", "test whether the sampling of bsdfs matches their density");
   const auto options = std::make_shared<Chi2Arguments>();
   command->add_option("FILE", options->files, "files with a <test type=\"chi2test\">")->required()->file({".xml"});
   options->scene.add_to(*command);
@@ -66,7 +66,7 @@ void add_chi2_command(Command& app, Action& action) {
   command->add_option("--samples", options->test.sample_count, "samples per test instead of the file's sampleCount")
       ->check(positive());
   command->add_flag("--allow-untested", options->test.allow_untested,
-                    "exit 0 even if a test could not be made for want of samples");
+                    "exit with 0 even if there were too few samples for a test");
   options->results.add_to(*command);
   options->results.add_junit(*command);
   command->callback([&action, options] { action = [options] { return run_files(*options); }; });

@@ -23,26 +23,23 @@ void SceneOptions::add_to(Command& command) {
       ->group(kScene);
   command.add_flag("--strict", strict, "unknown properties and rejected samples are errors")->group(kScene);
   command
-      .add_option("--environment", environment,
-                  "a picture of latitude and longitude that lights the scene in place of its sky")
+      .add_option("--environment", environment, "latitude-longitude picture that lights the scene instead of its sky")
       ->file({".exr", ".hdr", ".png", ".jpg"})
       ->group(kScene);
   command
-      .add_option(
-          "--camera", camera,
-          "where the scene is seen from: the eye and what it looks at, perhaps a field of view; of a glTF asset "
-          "also the name or number of one of its cameras")
+      .add_option("--camera", camera,
+                  "position and target of the camera, optionally with a field of view; for a glTF asset also the name "
+                  "or number of one of its cameras")
       ->type_name("X,Y,Z,X,Y,Z[,FOV]")
       ->group(kScene);
   command
-      .add_option("--at", at,
-                  "the time at which what moves is shown: a camera with keyframes, the animations of a glTF asset; for "
-                  "example 1.5s")
+      .add_option(
+          "--at", at,
+          "the time at which to show a camera with keyframes or the animations of a glTF asset, for example 1.5s")
       ->type_name("TIME")
       ->group(kScene);
   command
-      .add_option("--animation", animation,
-                  "name or number of the animation of a glTF asset that is played (default: all of them)")
+      .add_option("--animation", animation, "name or number of the animation of a glTF asset to play (default: all)")
       ->type_name("NAME")
       ->group(kScene);
   command.add_option("--scene", scene, "name or number of the scene of a glTF asset")->type_name("NAME")->group(kScene);
@@ -51,15 +48,15 @@ void SceneOptions::add_to(Command& command) {
       ->group(kScene);
   command
       .add_option("--lamps", lamps,
-                  "brightness of a glTF asset's lamps: 'standard', as it is written, 'blender', one 683rd of it, or "
-                  "'auto', by what wrote the file")
+                  "brightness of a glTF asset's lamps: 'standard', as in the file; 'blender', divided by 683; or "
+                  "'auto', depending on the program that wrote the file")
       ->type_name("RULE")
       ->check(one_of({"auto", "blender", "standard"}))
       ->capture_default_str()
       ->group(kScene);
   command
       .add_flag("--approximate", approximate,
-                "what a scene asks for and there is not here is replaced, with a warning for each")
+                "replace whatever the scene asks for but Etendue does not have, with a warning for each")
       ->group(kScene);
 }
 
@@ -120,11 +117,11 @@ void SampleOptions::set_size_and_spp(Scene& scene) const {
 
 void DeviceOption::add_to(Command& command, bool several) {
   const std::string one =
-      "which device renders: auto (the fastest kind there is), a number or a part of the name as 'etendue devices' "
-      "lists them, or reference, the double-precision CPU renderer";
+      "the device to render with: auto (the fastest kind available), a number or part of a name from 'etendue "
+      "devices', or reference, the double-precision CPU renderer";
   command
       .add_option("--device", selector,
-                  several ? one + "; several numbers with commas (0,1), or all, share the work" : one)
+                  several ? one + "; several numbers separated by commas (0,1), or all, share the work" : one)
       ->type_name("DEVICE")
       ->suggest(several ? std::vector<std::string>{"auto", "all", "reference"}
                         : std::vector<std::string>{"auto", "reference"})
@@ -132,11 +129,11 @@ void DeviceOption::add_to(Command& command, bool several) {
       ->group(kDevice);
   command
       .add_option("--device-timeout", timeout,
-                  "a dispatch that takes longer means that the device hangs (default and at most 5m)")
+                  "a device whose dispatch takes longer counts as hanging (default and maximum: 5m)")
       ->type_name("TIME")
       ->group(kDevice);
   command.add_option("--pass-samples", pass_samples, "samples of each lane per dispatch; for tests")->group("");
-  command.add_option("--threads", threads, "host threads; 0: as many as there are cores")
+  command.add_option("--threads", threads, "number of host threads; 0: one per core")
       ->check(in_range(0, 1024))
       ->capture_default_str()
       ->group(kDevice);
@@ -163,7 +160,7 @@ BsdfProbeFactory DeviceOption::probe_factory() const {
 GpuOptions DeviceOption::gpu_options() const {
   const DeviceSelection device = selection();
   if (selector == "reference")
-    throw Error(ErrorKind::usage, "--device reference is no Vulkan device; name one that 'etendue devices' lists.");
+    throw Error(ErrorKind::usage, "--device reference is not a Vulkan device; name one that 'etendue devices' lists.");
   return etendue::gpu_options(device);
 }
 

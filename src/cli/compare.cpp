@@ -78,22 +78,22 @@ Ending run_compare(const CompareArguments& options) {
 }  // namespace
 
 void add_compare_command(Command& app, Action& action) {
-  auto* command = app.add_subcommand("compare", "say how far apart two pictures are and whether chance explains it");
+  auto* command = app.add_subcommand("compare", "report how far apart two pictures are and whether chance explains it");
   const auto options = std::make_shared<CompareArguments>();
-  command->add_option("A", options->test, "the picture in question (EXR or PNG)")->required()->file({".exr", ".png"});
-  command->add_option("B", options->reference, "the picture it is held against")->required()->file({".exr", ".png"});
+  command->add_option("A", options->test, "the picture to test (EXR or PNG)")->required()->file({".exr", ".png"});
+  command->add_option("B", options->reference, "the reference picture")->required()->file({".exr", ".png"});
   command
       ->add_option("--fail-above", options->above,
-                   "exit 1 beyond that value of mse, rmse, relmse, mae, flip, hdrflip, bias, relbias or nonfinite")
+                   "exit with 1 above this value of mse, rmse, relmse, mae, flip, hdrflip, bias, relbias or nonfinite")
       ->type_name("METRIC=VALUE");
-  command->add_option("--fail-below", options->below, "exit 1 below that value of psnr or ssim")
+  command->add_option("--fail-below", options->below, "exit with 1 below this value of psnr or ssim")
       ->type_name("METRIC=VALUE");
   command->add_option("--significance", options->significance, "false-alarm rate of the statistical tests")
       ->check(in_range(1e-12, 0.5))
       ->capture_default_str();
   command->add_flag("--no-flip", options->no_flip, "leave out FLIP and HDR-FLIP, which take most of the time");
   command->add_flag("--allow-untested", options->allow_untested,
-                    "exit 0 even if the pictures differ where no test of the difference could be made");
+                    "exit with 0 even if the pictures differ where the difference could not be tested");
   options->results.add_to(*command);
   options->results.add_junit(*command);
   options->results.add_html(*command);

@@ -60,13 +60,13 @@ Ending convert(const ConvertArguments& options) {
 
 void add_convert_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
-      "convert", "write a scene, of whatever format, as an XML file with its meshes and pictures beside it");
+      "convert", "write a scene of any format as an XML file, with its meshes and pictures in a folder next to it");
   const auto options = std::make_shared<ConvertArguments>();
   command->add_option("IN", options->input, "scene file")->required()->file(kSceneEndings);
-  command->add_option("OUT", options->output, "name of the new scene file; the others go into NAME-files")
+  command->add_option("OUT", options->output, "the new scene file; meshes and pictures go into NAME-files")
       ->file({".xml"});
   command->add_option("-o,--output,--out", options->named_output, "the same as OUT")->file({".xml"});
-  command->add_option("--to", options->dialect, "whose XML: etendue, which renders to the same film, or mitsuba")
+  command->add_option("--to", options->dialect, "XML dialect: etendue, which renders to the same film, or mitsuba")
       ->type_name("DIALECT")
       ->check(one_of({"etendue", "mitsuba"}))
       ->capture_default_str();

@@ -78,11 +78,11 @@ Ending run_denoise(const DenoiseArguments& options) {
 }  // namespace
 
 void add_denoise_command(Command& app, Action& action) {
-  auto* command = app.add_subcommand("denoise", "take the noise out of a picture, with Open Image Denoise");
+  auto* command = app.add_subcommand("denoise", "denoise a picture with Open Image Denoise");
   const auto options = std::make_shared<DenoiseArguments>();
   command
       ->add_option("IN", options->picture,
-                   "picture or film (EXR); its channels albedo and normal guide, if it has them")
+                   "picture or film (EXR); its channels albedo and normal guide the denoiser, if present")
       ->required()
       ->file({".exr"});
   command->add_option("-o,--output,--out", options->outputs, "picture to write, .exr or .png; may be repeated")

@@ -44,8 +44,7 @@ Ending list(const ResultOptions& results) {
 }  // namespace
 
 void add_devices_command(Command& app, Action& action) {
-  auto* command =
-      app.add_subcommand("devices", "list the Vulkan devices and what is missing from those that cannot be used");
+  auto* command = app.add_subcommand("devices", "list the Vulkan devices and what the unusable ones lack");
   const auto results = std::make_shared<ResultOptions>();
   results->add_to(*command);
   command->callback([&action, results] { action = [results] { return list(*results); }; });

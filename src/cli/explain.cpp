@@ -140,8 +140,9 @@ void tell_lights(Renderer& renderer, const Scene& scene, const ExplainArguments&
 Ending explain(const ExplainArguments& options) {
   options.results.begin();
   if (options.sampling.spp > 0 && options.sample >= options.sampling.spp)
-    throw Error(ErrorKind::usage, fmt::format("'--sample {}' is none of the {} samples of '--spp'; they begin at 0.",
-                                              options.sample, options.sampling.spp));
+    throw Error(ErrorKind::usage,
+                fmt::format("'--sample {}' is not one of the {} samples given by '--spp'; they are numbered from 0.",
+                            options.sample, options.sampling.spp));
   Scene scene = read_scene(options.scene_file, options.scene.read_options());
   options.sampling.set_size(scene);
   const SampleId id{parse_pixel(options.pixel, scene.camera), options.sample};
@@ -158,16 +159,16 @@ Ending explain(const ExplainArguments& options) {
 
 void add_explain_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
-      "explain", "tell the path of one sample, vertex by vertex, or count which lights the samples of a scene choose");
+      "explain", "show the path of one sample, vertex by vertex, or count which lights the samples of a scene choose");
   const auto options = std::make_shared<ExplainArguments>();
   options->device.selector = "reference";
   command->add_option("SCENE", options->scene_file, "scene file")->required()->file(kSceneEndings);
-  command->add_option("--pixel", options->pixel, "pixel of the sample, 0,0 at the top left (default: the middle)")
+  command->add_option("--pixel", options->pixel, "pixel of the sample; 0,0 is at the top left (default: the middle)")
       ->type_name("X,Y");
   command->add_option("--sample", options->sample, "index of the sample")->capture_default_str();
   command
       ->add_option("--lights", options->lights,
-                   "follow so many paths, spread evenly over the picture, and count the lights they choose")
+                   "trace this many paths, spread evenly over the picture, and count the lights they choose")
       ->check(in_range(1u, 100'000'000u));
   options->sampling.add_to(*command);
   options->scene.add_to(*command);

@@ -42,14 +42,12 @@ bool is_finished_file(const FrameFile& file, const FilmHeader& wanted) {
 void FrameOptions::add_to(Command& command) {
   constexpr const char* kSection = "Frames";
   command
-      .add_option(
-          "--frames", range,
-          "render the frames A to B - 1 of what moves, a camera with keyframes or an animated glTF asset; names of "
-          "outputs have #### for the number. Frames that are there already are left alone, one that was "
-          "interrupted goes on")
+      .add_option("--frames", range,
+                  "render the frames A to B - 1 of a camera with keyframes or an animated glTF asset; #### in output "
+                  "names stands for the frame number. Finished frames are kept, an interrupted one continues")
       ->type_name("A:B")
       ->group(kSection);
-  command.add_option("--fps", fps, "frames a second: frame N is at the time N over this")
+  command.add_option("--fps", fps, "frames per second: frame N shows the time N / FPS")
       ->check(positive())
       ->capture_default_str()
       ->group(kSection);

@@ -27,7 +27,7 @@ std::string samples_text(const FilmFile& film, std::uint64_t count) {
   const auto sampler = film.metadata.find("sampler");
   return sampler == film.metadata.end()
              ? fmt::format("{} spp", count)
-             : fmt::format("{} sets of paths a pixel ({})", count, text::printable(sampler->second, 60));
+             : fmt::format("{} sets of paths per pixel ({})", count, text::printable(sampler->second, 60));
 }
 
 // Outputs are different files, and none of them is a picture in place of a film that is read: its sums would be lost.
@@ -84,7 +84,7 @@ Ending merge(const MergeArguments& options) {
 
 void add_merge_command(Command& app, Action& action) {
   auto* command = app.add_subcommand(
-      "merge", "add up films of one render: shards of 'render --samples', checkpoints, merged films");
+      "merge", "merge films of one render: shards from 'render --samples', checkpoints, merged films");
   const auto options = std::make_shared<MergeArguments>();
   command->add_option("FILM", options->films, "films with different samples, in any order")->required()->file({".exr"});
   command->add_option("-o,--output,--out", options->outputs, "film (.exr) or picture (.png) to write; may be repeated")

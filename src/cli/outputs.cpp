@@ -15,7 +15,7 @@ namespace etendue::cli {
 void check_output_name(const std::string& path) {
   if (path.ends_with(".exr") || path.ends_with(".png")) return;
   throw Error(ErrorKind::usage,
-              fmt::format("'-o {}' ends neither in .exr nor in .png, the two formats that are written.", path));
+              fmt::format("'-o {}' ends neither in .exr nor in .png, the only formats for pictures.", path));
 }
 
 void check_writable(const std::string& path) {
@@ -28,7 +28,7 @@ void check_distinct(const std::vector<NamedFile>& files) {
       const auto& [a_option, a] = files[k];
       const auto& [b_option, b] = files[i];
       if (a.empty() || b.empty() || !is_same_place(a, b)) continue;
-      throw Error(ErrorKind::usage, fmt::format("'{} {}' and '{} {}' are one file; give one of them another name.",
+      throw Error(ErrorKind::usage, fmt::format("'{} {}' and '{} {}' are the same file; give one of them another name.",
                                                 a_option, a, b_option, b));
     }
   }
@@ -36,16 +36,13 @@ void check_distinct(const std::vector<NamedFile>& files) {
 
 void DisplayOptions::add_to(Command& command) {
   command
-      .add_option(
-          "--tonemap", tone_map,
-          "how PNG files show what is brighter than white: none cuts it off, reinhard compresses the luminance, "
-          "aces is a filmic curve; EXR files keep the radiance")
+      .add_option("--tonemap", tone_map,
+                  "how PNG files show values brighter than white: none clips them, reinhard compresses the luminance, "
+                  "aces is a filmic curve; EXR files keep the radiance")
       ->type_name("OPERATOR")
       ->check(one_of(tone_map_names()))
       ->capture_default_str();
-  command
-      .add_option("--exposure", exposure,
-                  "how much brighter PNG files show the picture, in stops: 1 doubles it, -1 halves it")
+  command.add_option("--exposure", exposure, "brightness of PNG files in stops: 1 doubles it, -1 halves it")
       ->type_name("STOPS")
       ->check(in_range(-60.0, 60.0))
       ->capture_default_str();
@@ -65,15 +62,13 @@ void DisplayOptions::check(const std::vector<std::string>& outputs) const {
 void DenoiseOptions::add_to(Command& command) {
   command
       .add_option("--oidn", library,
-                  "the library Open Image Denoise to denoise with, where it is not the system's "
-                  "libOpenImageDenoise.so.2")
+                  "the Open Image Denoise library to use instead of the system's libOpenImageDenoise.so.2")
       ->file({".so", ".so.2"});
 }
 
 void DenoiseOptions::add_with_flag(Command& command) {
   command.add_flag("--denoise", wanted,
-                   "write every output once more without its noise, as NAME.denoised.exr beside NAME.exr; needs Open "
-                   "Image Denoise");
+                   "also write every output denoised, as NAME.denoised.exr next to NAME.exr; needs Open Image Denoise");
   add_to(command);
 }
 
@@ -115,7 +110,7 @@ void OutputWriter::write_somewhere(const std::string& path, const std::function<
     if (error.kind() != ErrorKind::file) throw;
     reasons_.emplace_back(error.what());
   } catch (const std::bad_alloc&) {
-    reasons_.push_back(fmt::format("{}: the memory of this machine does not suffice to write it", path));
+    reasons_.push_back(fmt::format("{}: this machine has too little memory to write it", path));
   }
   failed_.push_back(path);
 }

@@ -73,7 +73,7 @@ std::string reason_to_keep(const std::string& path, const NewPicture& picture) {
   try {
     old = read_picture_header(path);
   } catch (const Error&) {
-    return "exists and is no picture that can be read";
+    return "exists and is not a readable picture";
   }
   if (value_of(old.metadata, "software") != "Etendue") return "exists and is a picture that Etendue did not make";
   const FilmHeader& wanted = picture.header;
@@ -110,9 +110,9 @@ bool begins_like_report(const std::string& option, std::string_view beginning) {
 }  // namespace
 
 void OverwriteOptions::add_to(Command& command) {
-  command.add_flag("--force", force, "replace existing outputs, whatever they are");
+  command.add_flag("--force", force, "replace existing outputs of any kind");
   command.add_flag("--no-clobber", no_clobber,
-                   "replace no existing output; without either, only pictures with no more samples are replaced");
+                   "replace no existing output; with neither option, only pictures with no more samples are replaced");
 }
 
 std::string check_replaceable(const std::string& path, const NewPicture& picture, const OverwriteOptions& options) {
@@ -142,10 +142,10 @@ std::string place_of(const std::string& path, const NewPicture& picture, const O
     beside.replace_filename(fmt::format("{}.partial{}{}", name.stem().string(), number, name.extension().string()));
     if (holds_something(beside) && !reason_to_keep(beside, picture).empty()) continue;
     log::warning(
-        fmt::format("{}: {}; it is kept, and what this run has done goes to {}.", path, reason, beside.string()));
+        fmt::format("{}: {}; it is kept, and the result of this run goes to {}.", path, reason, beside.string()));
     return beside;
   }
-  throw Error(ErrorKind::file, fmt::format("{}: {}, and so are {} files beside it; nothing was written there", path,
+  throw Error(ErrorKind::file, fmt::format("{}: {}, and so are {} files next to it; nothing was written there", path,
                                            reason, kMostNames));
 }
 
@@ -157,7 +157,7 @@ void check_report_replaceable(const std::string& option, const std::string& path
   const std::string_view beginning(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (bytes.empty() || begins_like_report(option, beginning)) return;
   throw Error(ErrorKind::file,
-              fmt::format("{}: exists and is no report, which '{}' would replace; give another name.", path, option));
+              fmt::format("{}: exists and is not a report; '{}' would replace it: give another name.", path, option));
 }
 
 }  // namespace etendue::cli

@@ -30,10 +30,9 @@ int run(const std::string& description, const std::string& name, const CommandSe
   etendue::Command app(description, name);
   app.set_version_flag(name + " " + etendue::version());
   app.footer(
-      "Exit codes: 0 all is well, 1 a comparison or a test failed, 2 the command line is wrong, 3 the scene or a mesh "
-      "is "
-      "wrong, 4 no suitable device, 5 device lost or out of memory, 6 a file cannot be read or written, 70 an error in "
-      "the program itself, 77 skipped, 130 interrupted after saving what was done.");
+      "Exit codes: 0 success, 1 a comparison or a test failed, 2 the command line is wrong, 3 the scene or a mesh is "
+      "wrong, 4 no suitable device, 5 device lost or out of memory, 6 a file cannot be read or written, 70 a bug in "
+      "the program, 77 skipped, 130 interrupted after saving what was done.");
   etendue::cli::Action action;
   set_up(app, action);
   if (const std::optional<bool> end = app.parse(argc, argv, etendue::cli::print_text))

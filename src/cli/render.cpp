@@ -33,7 +33,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kPieces = "Render in pieces, stop and go on";  // a heading of --help
+constexpr const char* kPieces = "Render in pieces, stop and resume";  // a heading of --help
 
 struct RenderArguments {
   std::string scene_file;
@@ -77,7 +77,7 @@ SampleRange all_samples(std::uint32_t paths, const Sampler& sampler) {
   const SampleRange sets = etendue::whole_sets(paths, sampler);
   const std::uint64_t rounded = std::uint64_t{sets.end} * sampler.set_size();
   if (rounded != paths)
-    log::info(fmt::format("{} samples a pixel become {}: the sobol sampler takes whole sets of {}.", paths, rounded,
+    log::info(fmt::format("{} samples per pixel become {}: the sobol sampler takes whole sets of {}.", paths, rounded,
                           sampler.set_size()));
   return sets;
 }
@@ -90,8 +90,9 @@ SampleRange wanted_samples(const RenderArguments& options, const Scene& scene) {
   if (options.sampling.spp > 0 && range.end > options.sampling.spp) {
     throw Error(
         ErrorKind::usage,
-        fmt::format("'--samples {}' ends beyond the {} samples of '--spp'; a range of an N spp render lies inside 0:N.",
-                    options.samples, options.sampling.spp));
+        fmt::format(
+            "'--samples {}' ends beyond the {} samples of '--spp'; a range of an N spp render must be inside 0:N.",
+            options.samples, options.sampling.spp));
   }
   return whole_sets(range, scene.sampler);
 }
@@ -119,7 +120,7 @@ Plan make_plan(const RenderArguments& options, Clock::time_point start) {
     throw Error(ErrorKind::usage, "'--checkpoint-every' needs the file to write: add --checkpoint FILE.");
   }
   if (!options.denoise.library.empty() && !options.denoise.wanted)
-    throw Error(ErrorKind::usage, "--oidn names a library for --denoise, which is not there.");
+    throw Error(ErrorKind::usage, "--oidn gives the library for --denoise, which is missing; add it.");
   for (const std::string& path : options.outputs) check_output_name(path);
   for (const std::string& path : options.heat_maps) check_output_name(path);
   if ((options.stats || !options.heat_maps.empty()) && !uses_gpu(options))
@@ -140,7 +141,7 @@ void plan_denoising(Plan& plan) {
   if (!plan.denoiser) return;
   if (std::ranges::none_of(plan.outputs, [](const std::string& path) { return path.ends_with(".exr"); }))
     throw Error(ErrorKind::usage,
-                "--denoise keeps the picture with its noise and its error, which only an EXR file holds; add -o "
+                "--denoise also keeps the noisy picture and its error, which only an EXR file holds; add -o "
                 "NAME.exr.");
   for (const std::string& path : plan.outputs) plan.denoised.push_back(denoised_name(path));
 }
@@ -316,7 +317,7 @@ SessionEnd run_session(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team,
     if (!signals.take_image_request()) return;
     OutputWriter files;
     write_outputs(files, job, options, plan);
-    if (!files.failed().empty()) log::warning(files.complaint() + ". The render goes on.");
+    if (!files.failed().empty()) log::warning(files.complaint() + ". The render continues.");
   };
   Session session(job, checkpoint, plan.session,
                   {.stop_asked = [&] { return signals.stop_asked(); },
@@ -333,7 +334,7 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const R
   if (const std::string ahead = checkpoint.samples_ahead(); !ahead.empty()) {
     log::warning(
         fmt::format("{} holds the samples {} of this render already and is kept until this run has them as "
-                    "well; '--resume {}' goes on from there.",
+                    "well; '--resume {}' continues from there.",
                     options.checkpoint, ahead, options.checkpoint));
   }
   const std::uint64_t before = job.done();
@@ -452,7 +453,7 @@ bool frame_is_there(const RenderArguments& options, const Plan& plan, const Film
     return std::filesystem::exists(path, error);
   };
   if (!std::ranges::all_of(options.heat_maps, exists) || !is_finished(files, wanted)) return false;
-  log::info(fmt::format("Frame {} is there already; --force renders it again.", *plan.frame));
+  log::info(fmt::format("Frame {} exists already; --force renders it again.", *plan.frame));
   return true;
 }
 
@@ -462,9 +463,10 @@ void resume(RenderJob& job, const RenderArguments& options, const Plan& plan) {
     job.resume(read_film(options.resume), options.resume);
   } catch (const Error& error) {
     if (!plan.frame) throw;
-    throw Error(error.kind(), fmt::format("Frame {} was interrupted and cannot go on: {}; delete that file, or begin "
-                                          "anew with --force.",
-                                          *plan.frame, error.what()));
+    throw Error(
+        error.kind(),
+        fmt::format("Frame {} was interrupted and cannot continue: {}; delete that file, or start again with --force.",
+                    *plan.frame, error.what()));
   }
 }
 
@@ -492,10 +494,11 @@ void check_frame_options(const RenderArguments& options) {
   const auto refuse = [](const char* option, const char* why) {
     throw Error(ErrorKind::usage, fmt::format("{} does not go with --frames: {}.", option, why));
   };
-  if (!options.time.empty()) refuse("--time", "every frame gets all of its samples; stop with Ctrl-C and go on later");
-  if (!options.until_error.empty()) refuse("--until-error", "frames that are there are known by their samples");
-  if (!options.resume.empty()) refuse("--resume", "frames that were interrupted go on by themselves");
-  if (!options.scene.at.empty()) refuse("--at", "each frame has its own time, by --fps");
+  if (!options.time.empty())
+    refuse("--time", "every frame gets all of its samples; stop with Ctrl-C and continue later");
+  if (!options.until_error.empty()) refuse("--until-error", "existing frames are recognised by their samples");
+  if (!options.resume.empty()) refuse("--resume", "interrupted frames continue by themselves");
+  if (!options.scene.at.empty()) refuse("--at", "each frame has its own time, given by --fps");
   // Before a scene is read: every name has its place for the number.
   for (const std::string& path : options.outputs) frame_name("-o", path, 0);
   for (const std::string& path : options.heat_maps) frame_name("--heat-map", path, 0);
@@ -586,25 +589,24 @@ void add_job_options(Command& command, RenderArguments& options) {
       ->group(kPieces);
   command
       .add_option("--checkpoint", options.checkpoint,
-                  "film file that keeps what is done, written from time to time and at the end")
+                  "film file with everything rendered so far, written from time to time and at the end")
       ->file({".exr"})
       ->group(kPieces);
   command.add_option("--checkpoint-every", options.checkpoint_every, "time between checkpoints (default: 60s)")
       ->type_name("TIME")
       ->group(kPieces);
-  command.add_option("--resume", options.resume, "go on from a checkpoint or another film of the same render")
+  command.add_option("--resume", options.resume, "continue from a checkpoint or another film of the same render")
       ->file({".exr"})
       ->group(kPieces);
   command
       .add_option("--time", options.time,
-                  "stop in time, for example 10m; scene reading counts, writing the picture does not")
+                  "stop after this time, for example 10m, which includes reading the scene but not writing the picture")
       ->type_name("TIME")
       ->group(kPieces);
   command
-      .add_option(
-          "--until-error", options.until_error,
-          "stop when the relative standard error of the picture is at most this, for example 1%; looked at after "
-          "16, 24, 32, 48, 64 … samples (sobol: 4, 6, 8, 12, 16 … sets)")
+      .add_option("--until-error", options.until_error,
+                  "stop when the relative standard error of the picture is at most this, for example 1%; tested after "
+                  "16, 24, 32, 48, 64 … samples (sobol: 4, 6, 8, 12, 16 … sets)")
       ->type_name("FRACTION")
       ->group(kPieces);
 }
@@ -616,43 +618,40 @@ void add_render_command(Command& app, Action& action) {
   const auto options = std::make_shared<RenderArguments>();
   command->add_option("SCENE", options->scene_file, "scene file")->required()->file(kSceneEndings);
   command
-      ->add_option("-o,--output,--out", options->outputs,
-                   "picture to write, .exr or .png; may be repeated (default: <scene name>.exr and .png here)")
+      ->add_option(
+          "-o,--output,--out", options->outputs,
+          "picture to write, .exr or .png; may be repeated (default: <scene name>.exr and .png in the current folder)")
       ->allow_extra_args(false)
       ->file({".exr", ".png"});
   options->sampling.add_to(*command);
   command
       ->add_option("--aov", options->aovs,
-                   "channels beside the picture in .exr files: depth, position, normal, albedo …; several with commas "
-                   "between them")
+                   "additional channels in .exr files, separated by commas: depth, position, normal, albedo …")
       ->type_name("NAMES");
-  command->add_flag("--alpha", options->alpha,
-                    "write coverage as the channel A and leave the background out: pictures are transparent there");
+  command->add_flag(
+      "--alpha", options->alpha,
+      "write coverage as the channel A and leave out the background, so that pictures are transparent there");
   options->frames.add_to(*command);
   add_job_options(*command, *options);
   options->scene.add_to(*command);
   options->device.add_to(*command, true);
   command->add_flag("--stats", options->stats,
-                    "count rays, nodes, primitives and working lanes on some samples afterwards");
+                    "count rays, nodes, primitives and active lanes, using some additional samples");
   command
-      ->add_option("--heat-map", options->heat_maps,
-                   "what the pixels cost: nodes, primitives and rays per sample as .exr, false colours as .png; may be "
-                   "repeated")
+      ->add_option(
+          "--heat-map", options->heat_maps,
+          "cost of each pixel: nodes, primitives and rays per sample as .exr, false colours as .png; may be repeated")
       ->allow_extra_args(false)
       ->file({".exr", ".png"});
   command->add_optional_value("--tev", options->tev, "HOST:PORT",
-                              "show the picture while it renders in the viewer tev, which listens at 127.0.0.1:14158 "
-                              "unless this says otherwise");
+                              "show the picture during the render in the viewer tev, by default at 127.0.0.1:14158");
   options->denoise.add_with_flag(*command);
   options->display.add_to(*command);
   options->overwrite.add_to(*command);
   options->results.add_to(*command);
   command->footer(
-      "SIGINT, SIGTERM, SIGHUP or a signal of a limit or timer (SIGXCPU, SIGALRM …): finish the pass, write picture "
-      "and "
-      "checkpoint, end with code 130; a second SIGINT or "
-      "SIGTERM aborts. "
-      "SIGUSR1: write the current picture.");
+      "SIGINT, SIGTERM, SIGHUP or a limit or timer signal (SIGXCPU, SIGALRM …): finish the pass, write picture and "
+      "checkpoint, end with code 130; a second SIGINT or SIGTERM aborts. SIGUSR1: write the current picture.");
   command->callback([&action, options] { action = [options] { return render(*options); }; });
 }
 

@@ -61,10 +61,10 @@ std::string stats_text(const RenderProfile& p, const GpuTimings& t) {
                        ratio(c.counts.nodes, rays), ratio(c.counts.primitives, rays));
   }
   if (p.walk_utilisation && p.shade_utilisation) {
-    out += fmt::format("lanes at work: {:.1f} % in the tree, {:.1f} % in shading\n", 100.0 * *p.walk_utilisation,
+    out += fmt::format("active lanes: {:.1f} % in the tree, {:.1f} % in shading\n", 100.0 * *p.walk_utilisation,
                        100.0 * *p.shade_utilisation);
   } else {
-    out += "lanes at work: unknown, the device has no subgroup ballots\n";
+    out += "active lanes: unknown, the device has no subgroup ballots\n";
   }
   if (t.dispatches > 0) {
     out += fmt::format("{} passes over the film; {} dispatches after the first, {:.3g} s each, the longest {:.3g} s\n",
@@ -119,7 +119,7 @@ void write_heat_map(const std::string& path, const RenderProfile& profile) {
   if (path.ends_with(".exr")) return write_exr(path, heat_values(profile));
   float white = 0.0f;
   write_png(path, heat_colors(profile, white));
-  log::info(fmt::format("{}: white is {:.4g} nodes and primitives a sample, or more.", path, white));
+  log::info(fmt::format("{}: white is {:.4g} nodes and primitives per sample, or more.", path, white));
 }
 
 }  // namespace etendue::cli

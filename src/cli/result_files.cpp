@@ -18,11 +18,11 @@ constexpr const char* kStdout = "-";
 void ResultOptions::add_to(Command& command) {
   command
       .add_flag("-q,--quiet", quiet,
-                "no notes, no progress and no tables: warnings, errors, files, --json and the exit code remain")
+                "no notes, progress or tables; warnings, errors, files, --json and the exit code remain")
       ->group(kSection);
   command
       .add_optional_value("--json", json, "FILE",
-                          "the results as JSON on stdout, in place of the text, or beside it in this file")
+                          "print the results as JSON instead of text, or write them to this file in addition")
       ->file({".json"})
       ->group(kSection);
 }

@@ -43,11 +43,10 @@ Ending run(const SelftestArguments& options) {
 }  // namespace
 
 void add_selftest_command(Command& app, Action& action) {
-  auto* command =
-      app.add_subcommand("selftest", "test fresh random scenes and materials whose answer is known in closed form");
+  auto* command = app.add_subcommand("selftest", "test new random scenes and materials with known closed-form answers");
   const auto options = std::make_shared<SelftestArguments>();
   options->device.add_to(*command);
-  command->add_option("--seed", options->seed, "seed of the first suite (default: a fresh one, printed)");
+  command->add_option("--seed", options->seed, "seed of the first suite (default: a new one, which is printed)");
   command->add_option("--seeds", options->test.seeds, "number of suites")
       ->check(in_range(1, 1000000))
       ->capture_default_str();
@@ -58,7 +57,7 @@ void add_selftest_command(Command& app, Action& action) {
       ->check(in_range(1e-12, 0.5))
       ->capture_default_str();
   command->add_flag("--allow-untested", options->test.allow_untested,
-                    "exit 0 even if a test could not be made for want of samples");
+                    "exit with 0 even if there were too few samples for a test");
   options->results.add_to(*command);
   options->results.add_junit(*command);
   command->callback([&action, options] { action = [options] { return run(*options); }; });

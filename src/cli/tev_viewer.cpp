@@ -85,9 +85,9 @@ void TevViewer::pause() {
 bool TevViewer::connect(bool last) {
   const std::string error = connection_.open(address_, [&] { return !stopped_; });
   created_ = false;
-  if (!error.empty() && last) tell(fmt::format("has not got the last picture: {}", error));
+  if (!error.empty() && last) tell(fmt::format("did not receive the last picture: {}", error));
   if (!error.empty() && !last)
-    tell(fmt::format("does not answer: {}; the render goes on, and is shown as soon as tev listens there", error));
+    tell(fmt::format("does not answer: {}; the render continues, and appears as soon as tev listens there", error));
   return error.empty();
 }
 
@@ -153,14 +153,14 @@ bool TevViewer::last_waits() const {
 void TevViewer::lose(const std::string& reason, std::shared_ptr<const Image> picture) {
   connection_.close();
   if (impatient_) {
-    tell("has not got the last picture: it takes less than 1 MiB in ten seconds");
+    tell("did not receive the last picture: it accepts less than 1 MiB in ten seconds");
     return;
   }
   if (!sends_last_) {
-    tell(fmt::format("is lost: {}; the render goes on", reason));
+    tell(fmt::format("was lost: {}; the render continues", reason));
     return;
   }
-  if (tried_again_) tell(fmt::format("has not got the last picture: {}", reason));
+  if (tried_again_) tell(fmt::format("did not receive the last picture: {}", reason));
   const std::lock_guard lock(mutex_);
   waiting_ = std::move(picture);
 }

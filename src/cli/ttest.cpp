@@ -86,10 +86,10 @@ void add_ttest_command(Command& app, Action& action) {
   options->sampling.add_to(*command);
   command
       ->add_option("--samples", options->test.sample_count,
-                   "samples per scene, of all pixels together, instead of the file's sampleCount")
+                   "samples per scene, for all pixels together, instead of the file's sampleCount")
       ->check(positive());
   command->add_flag("--allow-untested", options->test.allow_untested,
-                    "exit 0 even if a test could not be made for want of samples");
+                    "exit with 0 even if there were too few samples for a test");
   options->results.add_to(*command);
   options->results.add_junit(*command);
   command->callback([&action, options] { action = [options] { return run_files(*options); }; });

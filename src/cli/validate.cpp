@@ -101,7 +101,7 @@ Ending run_validate(const ValidateArguments& options) {
   const std::vector<LabelledFactory> devices = options.device.compared();
   if (devices.size() > 1 && !options.results.html.empty()) {
     throw Error(ErrorKind::usage,
-                fmt::format("'--html {}' shows one device beside the reference, and '--device {}' names {}; name one.",
+                fmt::format("'--html {}' shows one device next to the reference, and '--device {}' names {}; name one.",
                             options.results.html, options.device.selector, devices.size()));
   }
   std::vector<Scene> scenes = {*scene};
@@ -118,36 +118,35 @@ Ending run_validate(const ValidateArguments& options) {
 }  // namespace
 
 void add_validate_command(Command& app, Action& action) {
-  auto* command = app.add_subcommand("validate", "say whether a device renders the right image, and where not");
+  auto* command =
+      app.add_subcommand("validate", "check whether a device renders the right image, and show where it does not");
   const auto options = std::make_shared<ValidateArguments>();
   command->add_option("SCENE", options->file, "scene file")->required()->file(kSceneEndings);
   options->sampling.add_to(*command);
-  command
-      ->add_option("--aov", options->aovs,
-                   "compare what is rendered beside the picture, too: depth, normal, albedo …; several with commas "
-                   "between them")
+  command->add_option("--aov", options->aovs, "also compare these AOVs: depth, normal, albedo …; separated by commas")
       ->type_name("NAMES");
   options->scene.add_to(*command);
   options->device.add_to(*command);
-  command->add_option("--samples", options->validate.sample_budget, "samples compared one by one")
+  command->add_option("--samples", options->validate.sample_budget, "number of samples compared one by one")
       ->check(positive())
       ->capture_default_str();
   command->add_option("--significance", options->validate.significance, "false-alarm rate of the statistical tests")
       ->check(in_range(1e-12, 0.5))
       ->capture_default_str();
-  command->add_option("--require", options->require, "worst verdict that exits 0: identical, rounding or statistical")
+  command
+      ->add_option("--require", options->require, "worst verdict that exits with 0: identical, rounding or statistical")
       ->type_name("VERDICT")
       ->check(one_of({"identical", "rounding", "statistical"}))
       ->capture_default_str();
   command->add_flag("--allow-untested", options->validate.allow_untested,
-                    "exit 0 even if the pictures differ where no test of the difference could be made");
+                    "exit with 0 even if the pictures differ where the difference could not be tested");
   command->add_flag("--no-flip", options->no_flip, "leave FLIP out of the HTML report");
   options->results.add_to(*command);
   options->results.add_junit(*command);
   options->results.add_html(*command);
   command->footer(
-      "Without --spp, as many samples per pixel as the scene asks for, but at least 16 and at most 64, are taken with "
-      "independent random numbers.");
+      "Without --spp, the pictures with independent random numbers have as many samples per pixel as the scene asks "
+      "for, but at least 16 and at most 64.");
   command->callback([&action, options] { action = [options] { return run_validate(*options); }; });
 }
 

@@ -37,9 +37,9 @@ std::vector<std::string> own_arguments() {
   if (error || access(viewer.c_str(), X_OK) != 0) {
     throw Error(
         ErrorKind::usage,
-        fmt::format("{}: there is no viewer beside this program; it needs the library cpp-httplib (on Debian and "
+        fmt::format("{}: there is no viewer next to this program; it needs the library cpp-httplib (on Debian and "
                     "Ubuntu the package libcpp-httplib-dev) when Etendue is built. './run view' installs it and builds "
-                    "the viewer, 'cmake -DETENDUE_VIEW=ON' asks for it.",
+                    "the viewer, 'cmake -DETENDUE_VIEW=ON' enables it.",
                     viewer));
   }
   std::vector<std::string> arguments = own_arguments();
@@ -53,15 +53,16 @@ std::vector<std::string> own_arguments() {
 }  // namespace
 
 void ViewOptions::add_to(Command& command) {
-  command.add_option("SCENE", scene_file, "scene file; read again whenever it or what it names changes")
+  command.add_option("SCENE", scene_file, "scene file; it is read again whenever it or a file that it names changes")
       ->required()
       ->file(kSceneEndings);
   command
       .add_option("--listen", listen,
-                  "address to listen on; others than this machine's own let in whoever knows the address of the page")
+                  "address to listen on; with any other than this machine's own, anyone who knows the address of the "
+                  "page has access")
       ->type_name("ADDR")
       ->capture_default_str();
-  command.add_option("--port", port, "port to listen on; 0: one that is free")
+  command.add_option("--port", port, "port to listen on; 0: any free one")
       ->check(in_range(0u, 65535u))
       ->capture_default_str();
   sampling.add_to(command);
@@ -72,7 +73,7 @@ void ViewOptions::add_to(Command& command) {
 }
 
 void add_view_command(Command& app, Action& action) {
-  auto* command = app.add_subcommand("view", "show a scene in a web browser while it renders, and steer it");
+  auto* command = app.add_subcommand("view", "show and control a render in a web browser");
   const auto options = std::make_shared<ViewOptions>();
   options->add_to(*command);
   command->callback([&action, options] { action = []() -> Result { become_viewer(); }; });

@@ -59,22 +59,22 @@ ViewerAddress parse_viewer_address(const std::string& text) {
   std::string host = text, port;
   if (text.starts_with("[")) {
     const std::size_t end = text.find(']');
-    if (end == std::string::npos) fail_on_address(text, "has no ']' behind the address");
+    if (end == std::string::npos) fail_on_address(text, "has no ']' after the address");
     host = text.substr(1, end - 1);
     if (host.empty()) fail_on_address(text, "has no address between the brackets");
     const std::string rest = text.substr(end + 1);
-    if (!rest.empty() && rest[0] != ':') fail_on_address(text, "goes on behind the ']' without a colon");
-    if (rest == ":") fail_on_address(text, "has no port behind the colon");
+    if (!rest.empty() && rest[0] != ':') fail_on_address(text, "continues after the ']' without a colon");
+    if (rest == ":") fail_on_address(text, "has no port after the colon");
     port = rest.empty() ? "" : rest.substr(1);
   } else if (std::ranges::count(text, ':') == 1) {  // more of them: an IPv6 address and no port
     const std::size_t colon = text.find(':');
     host = text.substr(0, colon);
     port = text.substr(colon + 1);
-    if (port.empty()) fail_on_address(text, "has no port behind the colon");
+    if (port.empty()) fail_on_address(text, "has no port after the colon");
   }
   if (!port.empty() && !is_port(port)) {
-    fail_on_address(text,
-                    fmt::format("has '{}' for a port, which is no number from 1 to 65535", text::printable(port, 40)));
+    fail_on_address(
+        text, fmt::format("has '{}' as its port, which is not a number from 1 to 65535", text::printable(port, 40)));
   }
   if (!host.empty()) address.host = host;
   if (!port.empty()) address.port = port;

@@ -197,7 +197,7 @@ class WideBuilder {
     if (end + Layout::kTailTexels > Layout::kMaxTexels) {
       throw Error(ErrorKind::scene,
                   fmt::format("The scene has {} primitives; their tree needs more than the {} texels that can be "
-                              "addressed, which suffice for about {:.0f} million. Use coarser meshes.",
+                              "addressed, which is enough for about {:.0f} million. Use coarser meshes.",
                               leaf_count(), Layout::kMaxTexels,
                               static_cast<double>(Layout::kMaxTexels) / Layout::kTexelsPerPrimitive * 1e-6));
     }

@@ -121,7 +121,7 @@ std::string value_complaint(const CommandFacts& known, const CLI::ParseError& er
     if (option.value.empty() ? text.find(name) == std::string::npos : !text.starts_with(name + ":")) continue;
     if (option.value.empty()) return fmt::format("'{}' takes no value", name);
     if (text.find("missing") != std::string::npos) return fmt::format("'{} {}' lacks its value", name, option.value);
-    return fmt::format("'{}' may be given once", name);
+    return fmt::format("'{}' may be given only once", name);
   }
   return "";
 }
@@ -274,8 +274,7 @@ void Command::ask(const std::string& name, const std::string& value, const std::
 void Command::set_version_flag(const std::string& text) {
   version_ = text;
   ask("--version", "", "print the version", {}, [text](const std::string&) { return text + "\n"; });
-  ask("--man", "", "print this manual as a page for man", {},
-      [this](const std::string&) { return manual_page(facts()); });
+  ask("--man", "", "print the manual page for man", {}, [this](const std::string&) { return manual_page(facts()); });
   ask("--completion", "SHELL", "print a script that completes commands and options in bash, zsh or fish",
       {"bash", "zsh", "fish"}, [this](const std::string& shell) {
         return shell == "bash"  ? bash_completion(facts())

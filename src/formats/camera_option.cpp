@@ -29,10 +29,8 @@ void set_camera(const std::string& text, Scene& scene, Diagnostics& diagnostics)
     return refuse(error.message);
   }
   if (n.size() != 6 && n.size() != 7)
-    return refuse(
-        fmt::format("{} numbers; write 3 of the eye, 3 of what it looks at and perhaps a field of view in "
-                    "degrees",
-                    n.size()));
+    return refuse(fmt::format(
+        "{} numbers; write 3 for the eye, 3 for its target and optionally a field of view in degrees", n.size()));
   const glm::dvec3 eye(n[0].value, n[1].value, n[2].value), target(n[3].value, n[4].value, n[5].value);
   const double distance = glm::distance(eye, target);
   if (!(distance > 0.0)) return refuse("the eye looks at itself; move one of the points");

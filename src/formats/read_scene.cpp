@@ -56,7 +56,8 @@ void apply_additions(SceneFile& file, const ReadOptions& options, Diagnostics& d
 /// What only some formats know, and this file is none of them.
 void refuse_options(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics) {
   const auto refuse = [&](const char* option) {
-    diagnostics.error({}, fmt::format("{}: only glTF assets have it, {} is none", option, path), ErrorKind::usage);
+    diagnostics.error({}, fmt::format("{}: only glTF assets have it, and {} is not one", option, path),
+                      ErrorKind::usage);
   };
   if (!options.scene.empty()) refuse("--scene");
   if (!options.animation.empty()) refuse("--animation");

@@ -12,7 +12,7 @@ std::string read_scene_text(const std::string& path) {
   InputFile file(path);
   if (file.size() > XmlDocument::kMaxBytes) {
     throw Error(ErrorKind::scene,
-                fmt::format("{}: the file has {} bytes; a scene file has at most {}, geometry belongs into mesh files",
+                fmt::format("{}: the file has {} bytes; a scene file has at most {}, geometry belongs in mesh files",
                             path, file.size(), XmlDocument::kMaxBytes));
   }
   std::string text(static_cast<std::size_t>(file.size()), '\0');

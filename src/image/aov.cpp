@@ -17,8 +17,8 @@ namespace {
 constexpr float kNoDepth = 1e10f;
 
 constexpr std::array kAll = {
-    AovTraits{Aov::hit, "hit", "", AovMean::all, 0, "share of the rays that meet something"},
-    AovTraits{Aov::alpha, "alpha", "A", AovMean::all, 0, "coverage: 1 where a ray meets something, else 0"},
+    AovTraits{Aov::hit, "hit", "", AovMean::all, 0, "share of the rays that hit something"},
+    AovTraits{Aov::alpha, "alpha", "A", AovMean::all, 0, "coverage: 1 where a ray hits something, otherwise 0"},
     AovTraits{Aov::depth, "depth", "Z", AovMean::hits, kNoDepth, "distance from the camera, scene units"},
     AovTraits{Aov::position, "position", "XYZ", AovMean::hits, 0, "of what is met, world space"},
     AovTraits{Aov::shading_normal, "shading_normal", "XYZ", AovMean::all, 0,
@@ -111,7 +111,7 @@ std::vector<Aov> parse_aovs(std::string_view list) {
     const std::optional<Aov> aov = aov_named(name);
     if (!aov || aov == Aov::hit) {
       constexpr std::size_t kMostShown = 40;
-      throw Error(ErrorKind::usage, fmt::format("'{}' is no AOV; there are {}.",
+      throw Error(ErrorKind::usage, fmt::format("'{}' is not an AOV; known are {}.",
                                                 text::printable(std::string(name), kMostShown), names()));
     }
     aovs.push_back(*aov);

@@ -15,7 +15,7 @@ namespace etendue {
 
 /// Files list them in this order.
 enum class Aov : std::uint32_t {
-  hit,  ///< share of the rays that meet something: others are averaged by it; in no picture
+  hit,  ///< share of the rays that hit something: others are averaged by it; in no picture
   alpha,
   depth,
   position,

@@ -113,7 +113,7 @@ bool is_picture(std::span<const std::byte> head) {
 [[noreturn]] void refuse_kind(const std::string& path) {
   throw Error(
       ErrorKind::file,
-      fmt::format("{}: is no PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR file; convert it to one of these", path));
+      fmt::format("{}: is not a PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR file; convert it to one of these", path));
 }
 
 [[noreturn]] void refuse_size(const std::string& path) {

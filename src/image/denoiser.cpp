@@ -65,7 +65,7 @@ void check_finite(const std::vector<glm::vec3>& values, const char* what, std::u
     first = i;
   }
   if (count == 0) return;
-  throw Error(ErrorKind::file, fmt::format("{}: {} pixels of its {} are no finite numbers, the first at ({}, {}); such "
+  throw Error(ErrorKind::file, fmt::format("{}: {} pixels of its {} are not finite, the first at ({}, {}); such "
                                            "a picture is not denoised",
                                            name, count, what, first % width, first / width));
 }
@@ -126,7 +126,7 @@ void Denoiser::Library::open(const std::string& path) {
     if (handle != nullptr) return find_functions(name);
   }
   throw Error(ErrorKind::file,
-              fmt::format("Denoising needs the library Open Image Denoise 2, which is not here; {}.", kHowToGet));
+              fmt::format("Denoising needs the library Open Image Denoise 2, which was not found; {}.", kHowToGet));
 }
 
 void Denoiser::Library::find_functions(const std::string& path) {
@@ -234,7 +234,7 @@ Image Denoiser::denoise(const Image& picture, const std::string& name) const {
 
 Image read_noisy_picture(const std::string& path) {
   if (!is_exr(read_file(path, 8)))
-    throw Error(ErrorKind::file, fmt::format("{}: is no EXR file; only EXR pictures and films are denoised", path));
+    throw Error(ErrorKind::file, fmt::format("{}: is not an EXR file; only EXR pictures and films are denoised", path));
   std::vector<std::string> beside = {"A"};
   beside.insert(beside.end(), kAlbedo.begin(), kAlbedo.end());
   beside.insert(beside.end(), kNormal.begin(), kNormal.end());

@@ -84,9 +84,9 @@ void add_notes(const Imf::Header& header, const std::vector<std::string>& names,
   const Imf::ChannelList& channels = header.channels();
   if (header.dataWindow() != header.displayWindow())
     notes.push_back(
-        fmt::format("{}: its data window is the picture; the display window, which differs, is not followed", path));
+        fmt::format("{}: its data window is the picture; the display window, which differs, is ignored", path));
   if (names.size() <= 2 && channels.findChannel("RY") != nullptr)
-    notes.push_back(fmt::format("{}: its colour differences RY and BY are not followed; the picture is grey", path));
+    notes.push_back(fmt::format("{}: its colour differences RY and BY are ignored; the picture is grey", path));
   if (std::any_of(names.begin(), names.end(),
                   [&](const std::string& name) { return channels[name].type == Imf::UINT; }))
     notes.push_back(fmt::format("{}: its integers are taken as they are, not as parts of a largest one", path));

@@ -166,7 +166,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path) {
 int AtomicFile::mode_of_existing() const {
   struct stat existing {};
   if (fstatat(folder_, name_.c_str(), &existing, AT_SYMLINK_NOFOLLOW) != 0) {
-    if (errno != ENOENT) fail("cannot look at it", errno);
+    if (errno != ENOENT) fail("cannot examine it", errno);
     return -1;
   }
   if (S_ISDIR(existing.st_mode)) fail("cannot replace it", EISDIR);
@@ -193,7 +193,7 @@ void AtomicFile::create_beside(int mode) {
   if (file_ < 0) {
     const int error = errno;
     temporary_.clear();
-    fail("cannot create a file beside it", error);
+    fail("cannot create a file next to it", error);
   }
   // Keep the permissions of what is replaced. A file system without them is no reason to lose a render.
   if (mode >= 0 && fchmod(file_, static_cast<mode_t>(mode)) != 0) return;
@@ -264,7 +264,7 @@ std::vector<std::byte> read_file(const std::string& path, std::uint64_t limit) {
     ~Closer() { close(descriptor); }
   } closer{descriptor};
   struct stat status;
-  if (fstat(descriptor, &status) != 0) fail("cannot look at it", errno);
+  if (fstat(descriptor, &status) != 0) fail("cannot examine it", errno);
   if (S_ISDIR(status.st_mode)) fail("cannot read it", EISDIR);
   if (!S_ISREG(status.st_mode)) {
     throw Error(ErrorKind::file, fmt::format("{}: is a device, pipe or socket; give the name of a file", path));

@@ -178,7 +178,8 @@ std::optional<std::vector<AovHeader>> parse_aov_headers(const std::string& list)
 }
 
 void refuse_denoised(const Imf::Header& header, const std::string& path) {
-  const std::string why = denoised_complaint(path, exr_metadata(header), "is no film: its samples are in another file");
+  const std::string why =
+      denoised_complaint(path, exr_metadata(header), "is not a film: its samples are in another file");
   if (!why.empty()) throw Error(ErrorKind::file, why);
 }
 
@@ -244,7 +245,7 @@ void check_channels(const Imf::ChannelList& channels, const std::vector<AovHeade
     const auto expected = known.find(channel.name());
     const Imf::Channel& c = channel.channel();
     if (expected == known.end() || c.type != expected->second || c.xSampling != 1 || c.ySampling != 1) {
-      fail_on_file(path, fmt::format("holds no film: channel {} does not belong into one or has the wrong type",
+      fail_on_file(path, fmt::format("holds no film: channel {} does not belong in one or has the wrong type",
                                      text::quoted(channel.name())));
     }
   }

@@ -248,7 +248,7 @@ void add_notes(const HdrHeader& header, const std::string& path, Bitmap& bitmap)
   if (header.correction != glm::dvec3(1))
     bitmap.notes.push_back(fmt::format("{}: pixels are divided by its COLORCORR", path));
   if (header.primaries)
-    bitmap.notes.push_back(fmt::format("{}: its PRIMARIES are not followed; colours are taken as Rec. 709", path));
+    bitmap.notes.push_back(fmt::format("{}: its PRIMARIES are ignored; colours are taken as Rec. 709", path));
 }
 
 }  // namespace

@@ -211,9 +211,8 @@ void add_color_notes(png_structp png, png_infop info, const std::string& path, B
   if (png_get_valid(png, info, PNG_INFO_sRGB) != 0) return;
   if (says_gamma) {
     bitmap.notes.push_back(
-        fmt::format("{}: its gAMA of {:g} is not followed; codes are taken as sRGB or as linear, as "
-                    "the scene says",
-                    path, gamma / 100000.0));
+        fmt::format("{}: its gAMA of {:g} is ignored; values are taken as sRGB or as linear, as the scene says", path,
+                    gamma / 100000.0));
   }
   png_charp name = nullptr;
   int method = 0;
@@ -221,8 +220,7 @@ void add_color_notes(png_structp png, png_infop info, const std::string& path, B
   png_uint_32 length = 0;
   if (png_get_iCCP(png, info, &name, &method, &profile, &length) != 0 &&
       std::string_view(name).find("sRGB") == std::string_view::npos)
-    bitmap.notes.push_back(
-        fmt::format("{}: its colour profile is not followed; primaries are taken as Rec. 709", path));
+    bitmap.notes.push_back(fmt::format("{}: its colour profile is ignored; primaries are taken as Rec. 709", path));
 }
 
 /// 16-bit codes as float32 in [0,1].

@@ -39,20 +39,22 @@ Checkpoint::Checkpoint(std::string path, const RenderJob& job) : path_(std::move
   }();
   if (other_kind) {
     throw Error(ErrorKind::usage,
-                fmt::format("'--checkpoint {}' would replace a file that is no film; give another name.", path_));
+                fmt::format("'--checkpoint {}' would replace a file that is not a film; give another name.", path_));
   }
   try {
     there = film_there(path_, job_);
   } catch (const Error& error) {
-    throw Error(ErrorKind::usage, fmt::format("'--checkpoint {}' would replace what is no checkpoint of this render "
-                                              "({}); give another name.",
-                                              path_, error.what()));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format(
+            "'--checkpoint {}' would replace a file that is not a checkpoint of this render ({}); give another name.",
+            path_, error.what()));
   }
   if (!there) return;
   if (const SampleRanges surplus = difference(there->samples, job_.wanted()); !surplus.empty()) {
     throw Error(ErrorKind::usage,
                 fmt::format("'--checkpoint {}' would replace a film of this render that holds the samples {}, which "
-                            "are not asked for; ask for them as well, or give another name.",
+                            "were not requested; request them as well, or give another name.",
                             path_, to_text(surplus)));
   }
 }
@@ -69,7 +71,7 @@ void Checkpoint::save() {
     if (!samples_ahead().empty()) return;
     write_film(path_, job_.state());
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorKind::file, fmt::format("{}: the memory of this machine does not suffice to write it", path_));
+    throw Error(ErrorKind::file, fmt::format("{}: this machine has too little memory to write it", path_));
   }
   saved_ = job_.done();
 }

@@ -88,7 +88,7 @@ void DeviceTeam::look_at(AovPlan plan) {
 void DeviceTeam::open_afresh(Member& member, std::string reason) {
   member.renderer.reset();
   while (member.failures < kRetries) {
-    log::warning(fmt::format("{} Opening the device afresh, try {} of {}.", reason, member.failures + 1, kRetries));
+    log::warning(fmt::format("{} Reopening the device, attempt {} of {}.", reason, member.failures + 1, kRetries));
     std::this_thread::sleep_for(kFirstPause * (1 << member.failures));
     ++member.failures;
     try {
@@ -100,7 +100,7 @@ void DeviceTeam::open_afresh(Member& member, std::string reason) {
       reason = error.what();  // a device that fell off its bus is not found: that is a loss as well
     }
   }
-  throw DeviceLost(fmt::format("{}; {} fresh devices were lost as well.", without_full_stop(reason), kRetries));
+  throw DeviceLost(fmt::format("{}; {} reopened devices were lost as well.", without_full_stop(reason), kRetries));
 }
 
 std::uint32_t DeviceTeam::chunk_size(const Member& member, const SampleQueue& queue) const {
@@ -172,7 +172,7 @@ void DeviceTeam::work(Member& member, Run& run) {
   } catch (const DeviceLost& error) {
     const std::lock_guard lock(run.mutex);
     run.loss = std::current_exception();
-    if (members_.size() > 1) log::warning(fmt::format("{} The other devices go on without it.", error.what()));
+    if (members_.size() > 1) log::warning(fmt::format("{} The other devices continue without it.", error.what()));
   } catch (...) {
     const std::lock_guard lock(run.mutex);
     if (chunk) run.queue.give_back(*chunk);

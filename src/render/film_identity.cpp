@@ -81,7 +81,7 @@ SampleRange whole_sets(std::uint32_t paths, const Sampler& sampler) {
   const std::uint64_t sets = sampler.sets_of(paths);
   const std::uint64_t rounded = sets * sampler.set_size();
   if (rounded > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(ErrorKind::usage, fmt::format("{} samples a pixel are {} in whole sets of {}; there may be 2^32 - 1.",
+    throw Error(ErrorKind::usage, fmt::format("{} samples per pixel are {} in whole sets of {}; there may be 2^32 - 1.",
                                               paths, rounded, sampler.set_size()));
   }
   return {0, static_cast<std::uint32_t>(sets)};

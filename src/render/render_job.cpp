@@ -19,8 +19,8 @@ RenderJob::RenderJob(const FilmHeader& identity, SampleRanges wanted)
 void RenderJob::resume(FilmFile film, const std::string& name) {
   check_same_render(identity_, "this render", header_of(film), name);
   if (const SampleRanges surplus = difference(film.samples, wanted_); !surplus.empty()) {
-    throw Error(ErrorKind::usage, fmt::format("{}: holds the samples {}, but only {} are asked for; samples cannot be "
-                                              "taken out again, ask for them as well.",
+    throw Error(ErrorKind::usage, fmt::format("{}: holds the samples {}, but only {} were requested; samples cannot be "
+                                              "removed again, so request them as well.",
                                               name, to_text(film.samples), to_text(wanted_)));
   }
   state_ = std::move(film);

@@ -97,7 +97,7 @@ void Session::try_checkpoint() {
     checkpoint_fails_ = false;
   } catch (const Error& error) {
     // Said once, not every minute until there is room again.
-    if (hooks_.warn && !checkpoint_fails_) hooks_.warn(fmt::format("{}. The last checkpoint stays.", error.what()));
+    if (hooks_.warn && !checkpoint_fails_) hooks_.warn(fmt::format("{}. The last checkpoint is kept.", error.what()));
     checkpoint_fails_ = true;
   }
   last_save_ = Clock::now();

@@ -105,7 +105,7 @@ std::string key_complaint(const CameraPath& path, std::size_t i) {
                          i + 1);
   }
   if (is_mirrored(m) != is_mirrored(path.keys.front().world_from_camera))
-    return fmt::format("keyframe {} of the camera is mirrored and the first one is not, or the other way round", i + 1);
+    return fmt::format("keyframe {} of the camera is mirrored and the first one is not, or vice versa", i + 1);
   return "";
 }
 

@@ -33,7 +33,7 @@ void check_light(const Scene& scene, Diagnostics& diagnostics) {
       std::ranges::any_of(scene.delta_lights, [](const DeltaLight& light) { return !is_dark(light.intensity.value); });
   if (delta && !samples_lights(scene.integrator)) {
     diagnostics.warning(scene.delta_lights.front().position,
-                        fmt::format("{} of the scene's lights have no extent: only sampling lights finds them, which "
+                        fmt::format("{} of the scene's lights have no extent: only light sampling reaches them, which "
                                     "this integrator does not do, so they are dark; use path with nee, or path_mis",
                                     scene.delta_lights.size()));
   }
@@ -117,7 +117,7 @@ void check_camera_medium(const Scene& scene, const std::vector<Bounds>& boxes, D
   if (innermost == nullptr || std::get<DielectricBsdf>(scene.bsdf_of(*innermost)).int_ior < kAir) return;
   diagnostics.warning(
       scene.camera.position,
-      fmt::format("the camera stands inside the dielectric {} of line {}; move it out unless that is meant",
+      fmt::format("the camera is inside the dielectric {} of line {}; move it out unless that is intended",
                   text::quoted(innermost->name), innermost->position.line));
 }
 
@@ -152,8 +152,7 @@ void check_normals(const Scene& scene, const Instance& instance, Diagnostics& di
   // Simplified and sculpted meshes have a few such slivers; one in a thousand is an error of export.
   if (against * 1000 < static_cast<std::ptrdiff_t>(mesh->triangles.size()) || against == 0) return;
   diagnostics.warning(instance.position, fmt::format("{} of {} triangles of {} have vertex normals against their "
-                                                     "winding; the normals decide which side shines and "
-                                                     "reflects",
+                                                     "winding; the normals decide which side emits and reflects",
                                                      against, mesh->triangles.size(), text::quoted(instance.name)));
 }
 

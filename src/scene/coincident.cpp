@@ -169,8 +169,8 @@ class Finder {
     if (reported_.size() >= kMaxReports || !reported_.insert(pair).second) return;
     const Instance &first = scene_.instances[pair.first], &second = scene_.instances[pair.second];
     sink_.warning(second.position,
-                  fmt::format("{} lies in a surface of {} of line {}: where both are at the same distance the first in "
-                              "the file is seen, where rounding parts them either; move them apart",
+                  fmt::format("{} coincides with a surface of {} of line {}: where both are at the same distance the "
+                              "first in the file is visible, elsewhere rounding decides; move them apart",
                               text::quoted(second.name), text::quoted(first.name), first.position.line));
   }
 

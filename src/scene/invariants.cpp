@@ -116,8 +116,8 @@ class Checker {
       error(camera.position, "world_from_camera", "the camera's transform is not affine, finite and invertible");
     } else if (!(largest_coordinate(origin) <= kMaxCoordinate)) {
       error(camera.position, "world_from_camera",
-            fmt::format("the camera stands at {} {} {}; coordinates up to {} are supported", origin.x, origin.y,
-                        origin.z, kMaxCoordinate));
+            fmt::format("the camera is at {} {} {}; coordinates up to {} are supported", origin.x, origin.y, origin.z,
+                        kMaxCoordinate));
     }
     check_window_and_aperture(camera);
     const ReconstructionFilter& filter = camera.filter;
@@ -157,7 +157,7 @@ class Checker {
   void check_sampler_and_integrator() {
     constexpr std::uint32_t kMaxSetBits = 12;
     if (scene_.sampler.sample_count < 1)
-      error(scene_.position, "sample_count", "the sampler takes 0 samples a pixel; take at least 1");
+      error(scene_.position, "sample_count", "the sampler takes 0 samples per pixel; take at least 1");
     if (scene_.sampler.set_bits > kMaxSetBits)
       error(scene_.position, "set_bits",
             fmt::format("a set of the sampler has 2^{} paths; at most 2^{} are supported", scene_.sampler.set_bits,
@@ -194,7 +194,7 @@ class Checker {
     const SimpleLight& light = integrator.light;
     if (!(largest_coordinate(light.position) <= kMaxCoordinate))
       error(scene_.position, "position",
-            fmt::format("the light stands at {} {} {}; coordinates up to {} are supported", light.position.x,
+            fmt::format("the light is at {} {} {}; coordinates up to {} are supported", light.position.x,
                         light.position.y, light.position.z, kMaxCoordinate));
     for (const double component : {light.energy.x, light.energy.y, light.energy.z}) {
       if (!(component >= 0.0 && component <= kMaxRadiance))
@@ -222,7 +222,7 @@ class Checker {
                         name));
     if (const glm::dvec3 p = light.origin(); !(largest_coordinate(p) <= kMaxCoordinate))
       error(light.position, "world_from_light",
-            fmt::format("the light {} stands at {} {} {}; coordinates up to {} are supported", name, p.x, p.y, p.z,
+            fmt::format("the light {} is at {} {} {}; coordinates up to {} are supported", name, p.x, p.y, p.z,
                         kMaxCoordinate));
     if (light.type == DeltaLight::Type::spot) check_spot(light);
     if (light.type == DeltaLight::Type::projector &&
@@ -241,7 +241,7 @@ class Checker {
                         text::quoted(light.name), light.cutoff, most));
     if (!(light.beam_width >= 0.0 && light.beam_width <= light.cutoff))
       error(light.position, "beam_width",
-            fmt::format("the beam of the spot {} has a half angle of {} degrees, its cone one of {}; the beam lies "
+            fmt::format("the beam of the spot {} has a half angle of {} degrees, its cone one of {}; the beam must be "
                         "within the cone",
                         text::quoted(light.name), light.beam_width, light.cutoff));
   }
@@ -375,8 +375,8 @@ class Checker {
       const glm::dvec3& part = parameter.value;
       if (!(std::min({part.x, part.y, part.z}) >= 0.0 && std::max({part.x, part.y, part.z}) <= kMaxConductorIndex))
         error(material.position, field,
-              fmt::format("{} {} {} is no complex index of refraction; eta and k are between 0 and {}", part.x, part.y,
-                          part.z, kMaxConductorIndex));
+              fmt::format("{} {} {} is not a complex index of refraction; eta and k are between 0 and {}", part.x,
+                          part.y, part.z, kMaxConductorIndex));
     });
   }
   void check_bsdf(const MicrofacetBsdf& bsdf, const Material& material) {
@@ -461,9 +461,8 @@ class Checker {
         each_choice(*material.adapter, [&](std::uint32_t choice) { depth = std::max(depth, depths[choice] + 1); });
       depths.push_back(depth);
       if (depth == kMaxAdapterDepth + 1)
-        sink_.error(material.position,
-                    fmt::format("around {} there are {} adapters, one in the other; at most {} are supported",
-                                text::quoted(material.name), depth, kMaxAdapterDepth));
+        sink_.error(material.position, fmt::format("{} is inside {} nested adapters; at most {} are supported",
+                                                   text::quoted(material.name), depth, kMaxAdapterDepth));
       if (material.adapter && std::holds_alternative<TwoSidedAdapter>(*material.adapter)) check_two_sided(row);
     }
   }
@@ -481,8 +480,8 @@ class Checker {
            std::holds_alternative<PrincipledThinBsdf>(inner.bsdf) || std::holds_alternative<NullBsdf>(inner.bsdf));
       if (!clear && !(inner.adapter && std::holds_alternative<MaskAdapter>(*inner.adapter))) return;
       error(two_sided.position, "twosided",
-            fmt::format("{} lets light through, so that it has no back of its own; take it out of the twosided "
-                        "material, or put that inside of it",
+            fmt::format("{} transmits light, so it has no back of its own; take it out of the twosided material, or "
+                        "put that inside it",
                         text::quoted(inner.name)));
     });
   }
@@ -518,10 +517,11 @@ class Checker {
       each_choice(*material.adapter, [&](std::uint32_t choice) {
         if (choice < row) return;
         fit = false;
-        sink_.error(material.position,
-                    fmt::format("{}, number {} of the scene's materials, refers to number {}; it can refer to earlier "
-                                "ones only",
-                                text::quoted(material.name), row, choice));
+        sink_.error(
+            material.position,
+            fmt::format(
+                "{}, number {} of the scene's materials, refers to number {}; it can refer only to earlier ones",
+                text::quoted(material.name), row, choice));
       });
     }
     for (const Instance& instance : scene_.instances) {
@@ -667,7 +667,7 @@ class Checker {
       const glm::dvec3 p = placed.position(i);
       if (largest_coordinate(p) <= kMaxCoordinate) continue;
       error(instance.position, "world_from_object",
-            fmt::format("a vertex of {} lies at {} {} {} in world space; coordinates up to {} are supported",
+            fmt::format("a vertex of {} is at {} {} {} in world space; coordinates up to {} are supported",
                         text::quoted(instance.name), p.x, p.y, p.z, kMaxCoordinate));
       return;
     }

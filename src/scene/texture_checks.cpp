@@ -109,7 +109,7 @@ class TextureChecker {
     const auto* bumps = std::get_if<BumpMapAdapter>(&*material.adapter);
     if (normals != nullptr && normals->normals.texture &&
         std::holds_alternative<AttributeTexture>(scene_.textures[*normals->normals.texture].source))
-      error(material.position, "normals", "the colours of a mesh are no normal map; use a bitmap");
+      error(material.position, "normals", "the colours of a mesh are not a normal map; use a bitmap");
     if (bumps != nullptr && bumps->height.texture &&
         (!std::holds_alternative<BitmapTexture>(scene_.textures[*bumps->height.texture].source) ||
          scene_.textures[*bumps->height.texture].is_derived()))
@@ -135,7 +135,8 @@ class TextureChecker {
     const Shape& shape = scene_.shape_of(instance);
     if (emitter->two_sided && !std::holds_alternative<TriangleMesh>(shape) && !std::holds_alternative<Disk>(shape))
       error(emitter->position, "two_sided",
-            fmt::format("{} is no mesh and no disk; only those emit on both sides", text::quoted(instance.name)));
+            fmt::format("{} is neither a mesh nor a disk; only those can emit on both sides",
+                        text::quoted(instance.name)));
   }
 
   /// Whether the shape has what the texture reads.
@@ -177,7 +178,7 @@ class TextureChecker {
   void check_tangents(const Instance& instance) {
     const auto* mesh = std::get_if<TriangleMesh>(&scene_.shape_of(instance));
     if (mesh == nullptr || mesh->tangents.empty())
-      return sink_.error(instance.position, fmt::format("{} has no tangents of vertices, which its normal map lies by",
+      return sink_.error(instance.position, fmt::format("{} has no tangents of vertices, which its normal map needs",
                                                         text::quoted(instance.name)));
     for (const glm::vec4& t : mesh->tangents) {
       if (std::isfinite(t.x + t.y + t.z + t.w)) continue;

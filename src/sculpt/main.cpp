@@ -50,20 +50,21 @@ int run(int argc, char** argv) {
          "texture coordinates; sky: a picture of a day's sky, Radiance HDR, of --height rows")
       ->type_name("KIND")
       ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps", "vase", "bowl", "tile", "sky"}));
-  app.add_option("--picture", picture,
-                 "instead of a mesh, a PNG: wood, porcelain, cloth, or orange, which is for a sphere")
+  app.add_option("--picture", picture, "make a PNG instead of a mesh: wood, porcelain, cloth, or orange (for a sphere)")
       ->type_name("KIND")
       ->check(one_of(sculpt::picture_kinds()));
-  app.add_option("--size", size, "pixels of a picture, each way")->capture_default_str()->check(in_range(1, 8192));
+  app.add_option("--size", size, "width and height of a picture in pixels")
+      ->capture_default_str()
+      ->check(in_range(1, 8192));
   app.add_option("--triangles", triangles,
-                 "at least so many; all but lamps need 100; solids get usually up to 5 per cent more")
+                 "minimum number of triangles, at least 100 except for lamps; solids usually get up to 5 per cent more")
       ->capture_default_str()
       ->check(in_range(1, 50'000'000));
   std::uint32_t height = 512;
-  app.add_option("--height", height, "of the sky's picture in pixels, which is twice as wide")
+  app.add_option("--height", height, "height of the sky's picture in pixels; it is twice as wide")
       ->capture_default_str()
       ->check(in_range(2, 4096));
-  app.add_option("-o,--output,--out", output, "OBJ file to write, PNG file of a picture, or HDR file of a sky")
+  app.add_option("-o,--output,--out", output, "file to write: OBJ for a mesh, PNG for a picture, HDR for a sky")
       ->required()
       ->file({".obj", ".png", ".hdr"});
   app.set_version_flag(std::string("etendue-sculpt ") + version());

@@ -102,7 +102,7 @@ std::string reason_for_no_test(const Image& test, const Image& reference, const 
   for (const auto& [name, image] : {std::pair("A", &test), {"B", &reference}}) {
     if (image->metadata.contains(kDenoisedKey))
       return fmt::format(
-          "{} is denoised: its error is not chance, and no test knows it; --fail-above and --fail-below "
+          "{} is denoised: its error is not random, so it cannot be tested; --fail-above and --fail-below "
           "judge by distances instead",
           name);
   }

@@ -223,11 +223,11 @@ std::string ImageTests::gap() const {
   if (untested > 0) {
     return fmt::format(
         "{} of {} pixels differ where there is no standard error to judge by (fewer than two samples, or an error that "
-        "is infinite, NaN or negative); render more samples a pixel",
+        "is infinite, NaN or negative); render more samples per pixel",
         untested, pixels);
   }
   if (spread.too_small && !shared_noise) return spread_text(spread);
-  return fmt::format("the noise hides everything below {:.3g} % of the image mean; render more samples a pixel",
+  return fmt::format("the noise hides everything below {:.3g} % of the image mean; render more samples per pixel",
                      100.0 * detectable_bias);
 }
 

@@ -65,8 +65,8 @@ struct ImageTests {
 
 /// A score test per mean: the variance is that of all samples around the mean common to both pictures, which keeps its
 /// false-alarm rate where samples are few and discrete (measured in the unit tests). The score of n samples against n
-/// is at most √(2n): with 16 samples a pixel of a large picture can hardly be rejected on its own; blocks and the image
-/// mean carry the power. Differences within kNumericalTolerance are never significant. Throws Error(usage) when a
+/// is at most √(2n): with 16 samples per pixel of a large picture can hardly be rejected on its own; blocks and the
+/// image mean carry the power. Differences within kNumericalTolerance are never significant. Throws Error(usage) when a
 /// picture has no statistics or the sizes differ.
 ImageTests test_images(const Image& test, const Image& reference, double significance = 0.01);
 

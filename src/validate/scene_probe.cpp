@@ -82,10 +82,11 @@ void warn_emitters(const Scene& scene, const Counts& counts, Diagnostics& diagno
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const EmitterCount& count = counts.emitters[i];
     if (count.tried < kOftenTried || count.reached > 0) continue;
-    diagnostics.warning(scene.instances[i].position,
-                        fmt::format("the emitter {} was tried {} times and never reached: something stands before "
-                                    "it, or it shines the other way",
-                                    text::quoted(scene.instances[i].name), count.tried));
+    diagnostics.warning(
+        scene.instances[i].position,
+        fmt::format(
+            "the emitter {} was tried {} times and never reached: something blocks it, or it faces the other way",
+            text::quoted(scene.instances[i].name), count.tried));
   }
 }
 
@@ -125,7 +126,7 @@ std::size_t count_along_camera_rays(const Scene& scene, const Crowding& crowding
 
 void report_crowd(const SourcePosition& position, const std::string& what, bool too_many, Diagnostics& diagnostics) {
   if (too_many) {
-    diagnostics.error(position, what + "more than a device takes; thin them out, or use --device reference");
+    diagnostics.error(position, what + "more than a device can handle; thin them out, or use --device reference");
   } else {
     diagnostics.warning(position, what + "which is slow, and long paths may end in an error; no paths were tried");
   }
@@ -176,10 +177,11 @@ void probe_scene(Scene scene, Diagnostics& diagnostics) {
   const bool path_tracing = gathers_light(scene.integrator);
   const Counts counts = count_paths(scene);
   if (counts.seen == 0) {
-    diagnostics.warning(scene.camera.position,
-                        fmt::format("none of {} camera rays meets a mesh: turn the camera toward the scene, or look at "
-                                    "nearClip and farClip",
-                                    counts.paths));
+    diagnostics.warning(
+        scene.camera.position,
+        fmt::format(
+            "none of {} camera rays meets a mesh: turn the camera toward the scene, or check nearClip and farClip",
+            counts.paths));
     return;
   }
   const bool has_emitter = std::ranges::any_of(scene.instances, [&](const Instance& instance) {

@@ -90,7 +90,8 @@ std::string spread_text(const ScoreSpread& spread) {
   return fmt::format(
       "the differences are far smaller than the standard errors claim{}: their squares are {:.2g} of what is expected "
       "of "
-      "independent pictures, which chance does less than once in {:.0e} comparisons; the errors are too large, or the "
+      "independent pictures, which happens by chance less than once in {:.0e} comparisons; the errors are too large, "
+      "or the "
       "pictures share their noise (render one with another --seed)",
       where, spread.mean_square_there, 1.0 / kSpreadFalseAlarm);
 }

@@ -23,7 +23,7 @@ std::uint32_t sets_per_pixel(const Scene& scene, std::uint64_t count) {
       std::max<std::uint64_t>(scene.sampler.sets_of((count + pixels - 1) / pixels), (2 + pixels - 1) / pixels);
   if (sets * scene.sampler.set_size() > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(ErrorKind::usage,
-                fmt::format("sampleCount {} over {} pixel(s) is more than 2^32 − 1 samples a pixel", count, pixels));
+                fmt::format("sampleCount {} over {} pixel(s) is more than 2^32 − 1 samples per pixel", count, pixels));
   }
   return static_cast<std::uint32_t>(std::max<std::uint64_t>(sets, 1));
 }
@@ -97,7 +97,7 @@ std::string untested_note(const SceneTTest& s, double level) {
 std::string tail_note(const TailReport& tail) {
   return fmt::format(
       "heavy tail: the largest of {} samples ({:.4g}, mean {:.4g}) makes {:.1f} % of the variance, Hill index "
-      "{:.2f} ± {:.2f} (below 2 the variance is infinite); this p-value is not to be relied on",
+      "{:.2f} ± {:.2f} (below 2 the variance is infinite); this p-value is not reliable",
       tail.n, tail.largest, tail.mean, 100.0 * tail.largest_share, tail.hill_index, tail.hill_error);
 }
 

@@ -170,7 +170,7 @@ std::string divergence_text(const Divergence& d, const Validation& v) {
   const std::uint32_t width = v.device_image.width;
   const std::string where = fmt::format("pixel {}, sample {}", pixel_text(d.id.pixel, width), d.id.sample);
   if (d.what.empty())
-    return fmt::format("{}: relative error {:.3g}, no single bounce parts by more than rounding", where,
+    return fmt::format("{}: relative error {:.3g}, no single bounce diverges by more than rounding", where,
                        d.relative_error);
   return fmt::format("{}, bounce {}: {} is {} on {} and {} on {}", where, d.bounce, d.what, d.device,
                      side_name(v.device_label), d.reference, side_name(v.reference_label));
@@ -195,7 +195,7 @@ std::string samples_text(const Validation& v) {
   }
   if (!s.located.empty()) out += "  " + divergence_text(s.located.front(), v) + "\n";
   for (const auto& [what, count] : s.first_differences) {
-    out += fmt::format("  {} of {} retraced samples part at {}\n", count, s.located.size(), what);
+    out += fmt::format("  {} of {} retraced samples diverge at {}\n", count, s.located.size(), what);
   }
   return out;
 }
@@ -312,8 +312,8 @@ std::string validation_text(const Validation& v) {
   out += samples_text(v);
   if (v.rounding) {
     out += fmt::format(
-        "  the reference, shaken by rounding alone: {:.1f} flips and {:.1f} off per million; limits are half as much "
-        "again\n",
+        "  the reference, perturbed by rounding alone: {:.1f} flips and {:.1f} off per million; limits are 1.5 times "
+        "as much\n",
         v.rounding->flips_per_million(), v.rounding->off_per_million());
   }
   out += fmt::format("L3, independent random numbers: {} samples per pixel, seeds {} and {}\n", v.samples_per_pixel,

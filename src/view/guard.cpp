@@ -77,10 +77,11 @@ bool Guard::is_own_host(const std::string& host) const {
 
 Response Guard::admit(const Request& request) const {
   if (!is_own_host(request.host))
-    return text_response(421, "The Host of the request is none of this machine's; use the address that was printed.\n");
+    return text_response(421,
+                         "The Host of the request is not one of this machine's; use the address that was printed.\n");
   if ((!request.origin.empty() && request.origin != "http://" + request.host) || request.site == "cross-site" ||
       request.site == "same-site")
-    return text_response(403, "Only the viewer's own page may ask.\n");
+    return text_response(403, "Only the viewer's own page may send requests.\n");
   const std::string_view path = request.path;
   if (path.size() <= prefix_.size() || !same(path.substr(0, prefix_.size()), prefix_) || path[prefix_.size()] != '/')
     return text_response(404, "There is nothing here; use the address that was printed, with its token.\n");

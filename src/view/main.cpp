@@ -4,6 +4,6 @@
 #include "view/view_command.h"
 
 int main(int argc, char** argv) {
-  return etendue::cli::run_program("show a scene in a web browser while it renders, and steer it", "etendue view",
+  return etendue::cli::run_program("show and control a render in a web browser", "etendue view",
                                    etendue::view::add_options, argc, argv);
 }

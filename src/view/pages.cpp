@@ -250,7 +250,7 @@ Response move_camera(Preview& preview, const Request& request) {
   if (!eye || !target || !up) return wrong("eye, target and up are three numbers each, with commas between them.");
   Move move{.pose = {*eye, *target, *up}};
   if (const std::string complaint = pose_complaint(move.pose); !complaint.empty())
-    return wrong(fmt::format("The camera cannot stand like this: {}.", complaint));
+    return wrong(fmt::format("The camera cannot be placed like this: {}.", complaint));
   if (request.find("fov") != nullptr) {
     const std::optional<double> fov = number_in(request, "fov");
     if (!fov || !(*fov >= 0.1) || *fov > 179.0) return wrong("fov is from 0.1 to 179 degrees.");

@@ -61,7 +61,7 @@ std::string pose_complaint(const Pose& pose) {
   }
   const glm::dvec3 ahead = pose.target - pose.eye;
   const double distance = glm::length(ahead), height = glm::length(pose.up);
-  if (!(distance > 0.0) || !std::isfinite(distance)) return "the camera looks at its own place";
+  if (!(distance > 0.0) || !std::isfinite(distance)) return "the camera looks at its own position";
   if (!(height > 0.0)) return "no direction is up";
   if (!(glm::length(glm::cross(ahead / distance, pose.up / height)) > 1e-6))
     return "the camera looks straight up or down";

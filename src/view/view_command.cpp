@@ -59,7 +59,7 @@ cli::Ending view(const cli::ViewOptions& options) {
   files.finish();
   if (options.results.wants_text()) cli::print_result("{}\n", address);
   cli::finish_results();
-  log::info("Open the address above in a browser; whoever knows it can steer the picture. Ctrl-C ends the viewer.");
+  log::info("Open the address above in a browser; anyone who knows it can control the viewer. Ctrl-C ends the viewer.");
   FileWatch watch;
   while (!signals.stop_asked()) {
     for (int i = 0; i < 3 && !signals.stop_asked(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));

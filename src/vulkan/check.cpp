@@ -49,7 +49,7 @@ void check(VkResult result, std::string_view action) {
   if (result == VK_SUCCESS) return;
   if (result == VK_ERROR_DEVICE_LOST) {
     throw DeviceLost(fmt::format(
-        "Vulkan could not {}: {} ({}); the driver gave the device up (a crash or a watchdog), try again or choose "
+        "Vulkan could not {}: {} ({}); the driver gave up on the device (a crash or a watchdog), try again or choose "
         "another --device.",
         action, result_name(result), static_cast<int>(result)));
   }

@@ -165,7 +165,7 @@ class Frames(unittest.TestCase):
                                 '<string name="path" value="linear"/>')
         self.expect(0, "", "convert", scene, "copy.xml")
         self.assertEqual(self.camera(scene, 1.7), self.camera("copy.xml", 1.7))
-        self.expect(0, "stands still", "convert", scene, "other.xml", "--to", "mitsuba")
+        self.expect(0, "the camera moves", "convert", scene, "other.xml", "--to", "mitsuba")
 
     def test_paths_that_are_wrong(self):
         stand = moved(0, 0, -5)
@@ -306,15 +306,15 @@ class Frames(unittest.TestCase):
         cases = [
             (sampler(input=99), 'number 99 of "accessors"'), (sampler(output=4294967295), "accessors|too large"),
             (sampler(input=-1), "not negative"), (sampler(input="0"), "must be a number"),
-            (sampler(interpolation="BEZIER"), '"BEZIER" is not known'), (sampler(interpolation="CUBICSPLINE"), "18 belong"),
+            (sampler(interpolation="BEZIER"), '"BEZIER" is unknown'), (sampler(interpolation="CUBICSPLINE"), "it needs 18"),
             (lambda a, m: a.channel(0, "scale", [0, 1, 1], [1] * 9), "not later than the one before it"),
             (lambda a, m: a.channel(0, "scale", [1, 0], [1] * 6), "keyframe 1 of an animation is at 0 s"),
-            (lambda a, m: a.channel(0, "scale", [0, nan], [1] * 6), "is at nan s, which is no time"),
-            (lambda a, m: a.channel(0, "scale", [0, inf], [1] * 6), "is at inf s, which is no time"),
+            (lambda a, m: a.channel(0, "scale", [0, nan], [1] * 6), "is at nan s, which is not a time"),
+            (lambda a, m: a.channel(0, "scale", [0, inf], [1] * 6), "is at inf s, which is not a time"),
             (lambda a, m: a.channel(0, "scale", [0, 1], [1, 1, nan, 1, 1, 1]), "the value nan"),
-            (lambda a, m: a.channel(0, "scale", [0, 1], [1] * 9), "2 keyframes and 9 numbers; 6 belong"),
+            (lambda a, m: a.channel(0, "scale", [0, 1], [1] * 9), "2 keyframes and 9 numbers; it needs 6"),
             (lambda a, m: a.channel(0, "rotation", [0, 1], [0] * 8), "a rotation of length 0"),
-            (lambda a, m: a.channel(0, "weights", [0, 1], [1] * 3), "2 keyframes and 3 numbers; 4 belong"),
+            (lambda a, m: a.channel(0, "weights", [0, 1], [1] * 3), "2 keyframes and 3 numbers; it needs 4"),
             (lambda a, m: a.channel(1, "weights", [0, 1], [1] * 4), "a node without a mesh"),
             (lambda a, m: a.channel(77, "scale", [0, 1], [1] * 6), 'number 77 of "nodes"'),
             (lambda a, m: a.channel(0, "translation", [0, 1], [1] * 6), "two channels of an animation move the translation of node 0"),
@@ -333,7 +333,7 @@ class Frames(unittest.TestCase):
         # What the standard leaves to others is not moved, and said.
         asset = breaks(lambda a, m: m["channels"].append({"sampler": 0, "target": {"path": "pointer"}}))
         asset.write(self.path("other.gltf"))
-        self.expect(0, 'moves "pointer", which stands still here', "check", "other.gltf", "--at", "0.5")
+        self.expect(0, 'moves "pointer", which is not supported and stays still', "check", "other.gltf", "--at", "0.5")
 
     # Frames.
 
@@ -399,7 +399,7 @@ class Frames(unittest.TestCase):
         before = re.search(r"at (\d+) spp of 600, interrupted", err)
         self.assertIsNotNone(before, err)
         # Another render's checkpoint is not gone on from.
-        self.expect(6, ["Frame 0 was interrupted and cannot go on", "--force"], *command, "f-#.exr", "--seed", "7")
+        self.expect(6, ["Frame 0 was interrupted and cannot continue", "--force"], *command, "f-#.exr", "--seed", "7")
         self.assertTrue(os.path.exists(self.path("f-0.checkpoint.exr")))
         self.expect(0, "", *command, "f-#.exr")
         self.assertEqual(sorted(glob.glob(self.path("*.checkpoint.exr"))), [])

@@ -42,7 +42,7 @@ reference='--device reference --size 8x6 --spp 2'
   "$etendue" explain "$scene" $reference --seed 3 --sample 1 --json > out
   json out 'explain --json'
   if "$etendue" explain "$scene" $reference --sample 2 > out 2> err; then fault 'sample 2 of 2 is explained'; fi
-  grep -q "'--sample 2' is none of the 2 samples" err || fault 'explain: wrong complaint'
+  grep -q "'--sample 2' is not one of the 2 samples" err || fault 'explain: wrong complaint'
   "$etendue" bench "$scene" $reference --repetitions 1 --rays 64 --json > out
   json out 'bench --json'
   grep -q '"repeated_spp": 2\|"spp": 2' out || fault "bench does not take --spp: $(grep -i spp out)"

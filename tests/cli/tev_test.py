@@ -217,7 +217,7 @@ class Tev(unittest.TestCase):
         self.assertEqual((code, report["tev"]["pictures"], report["tev"]["last"]), (0, 0, False))
         self.assertEqual(err.count("warning:"), 1, err)
         self.assertIn("Connection refused", err)
-        self.assertIn("the render goes on", err)
+        self.assertIn("the render continues", err)
         self.assertTrue(os.path.exists(os.path.join(self.folder.name, "p.exr")))
 
     def test_host_that_is_not_there(self):
@@ -257,7 +257,7 @@ class Tev(unittest.TestCase):
         out, err = process.communicate(timeout=60)
         viewer.finish()
         self.assertEqual(process.returncode, 130, err)
-        self.assertEqual((err.count("warning:"), err.count("the render goes on")), (1, 1), err)
+        self.assertEqual((err.count("warning:"), err.count("the render continues")), (1, 1), err)
         self.assertTrue(json.loads(out)["tev"]["last"])
         self.expect_file(viewer)
 

@@ -83,7 +83,7 @@ TEST(BadCommand, Values) {
       {{"-o", "picture.jpg"}, "neither in .exr nor in .png"},
       {{"-o", ""}, "neither in .exr nor in .png"},
       {{"-o", "/dev/null"}, "neither in .exr nor in .png"},
-      {{"--checkpoint", "scene.xml"}, "would replace a file that is no film"}};
+      {{"--checkpoint", "scene.xml"}, "would replace a file that is not a film"}};
   for (const auto& [arguments, words] : options) {
     std::vector<std::string> all = {"render", "scene.xml", "--device", "reference"};
     all.insert(all.end(), arguments.begin(), arguments.end());

@@ -48,7 +48,7 @@ TEST_F(DeviceFaults, ALostDeviceIsReplacedAndTheBytesAreTheSame) {
                                            "--checkpoint-every", "1ms", "--pass-samples", "2"}),
                                    fault("lost", 20, "2"));
   EXPECT_EQ(result.code, 0) << result.err;
-  EXPECT_EQ(count(result.err, "Opening the device afresh"), 2u) << result.err;
+  EXPECT_EQ(count(result.err, "Reopening the device"), 2u) << result.err;
   expect_same("one.exr", "two.exr");
 }
 
@@ -59,7 +59,7 @@ TEST_F(DeviceFaults, DevicesThatAreLostTogetherAreReplacedTogether) {
       run(render({"--spp", "300", "--film", "-o", "two.exr", "--pass-samples", "2", "--device", "0,0"}),
           fault("lost", 20, "2"));
   EXPECT_EQ(result.code, 0) << result.err;
-  EXPECT_EQ(count(result.err, "Opening the device afresh"), 2u) << result.err;
+  EXPECT_EQ(count(result.err, "Reopening the device"), 2u) << result.err;
   expect_same("one.exr", "two.exr");
 }
 
@@ -69,7 +69,7 @@ TEST_F(DeviceFaults, ADeviceThatIsLostAgainAndAgainEndsTheRender) {
       run(render({"--spp", "300", "--film", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr"}),
           fault("lost", 0));
   expect_error(result, 5, "VK_ERROR_DEVICE_LOST");
-  EXPECT_EQ(count(result.err, "Opening the device afresh"), 3u) << result.err;
+  EXPECT_EQ(count(result.err, "Reopening the device"), 3u) << result.err;
   expect_untouched();
 }
 
@@ -89,7 +89,7 @@ TEST_F(DeviceFaults, ExhaustedMemoryIsNotTriedAgain) {
   const ProcessResult result =
       run(render({"--spp", "300", "-o", "x.exr", "--checkpoint", "ck.exr", "--resume", "ck.exr"}), fault("memory", 3));
   expect_error(result, 5, "VK_ERROR_OUT_OF_DEVICE_MEMORY");
-  EXPECT_EQ(count(result.err, "afresh"), 0u) << result.err;
+  EXPECT_EQ(count(result.err, "Reopening"), 0u) << result.err;
   expect_untouched();
 }
 
@@ -149,7 +149,7 @@ TEST_F(DeviceFaults, ADispatchThatNeverEndsEndsTheProcess) {
                     folder_, fault("hang", 0));
     const ProcessResult result = process.wait(60.0);
     expect_error(result, 5, "did not finish within 2 s");
-    EXPECT_EQ(count(result.err, "afresh"), 0u) << result.err;
+    EXPECT_EQ(count(result.err, "Reopening"), 0u) << result.err;
     expect_untouched();
   }
 }

@@ -133,7 +133,7 @@ TEST_F(LostStreams, ResultFilesDoNotNeedStdout) {
                                  {.out = keep(open(full_device().c_str(), O_WRONLY | O_CLOEXEC))});
   expect_error(full, 6, "cannot be written to stdout: No space left on device");
   EXPECT_TRUE(exists("r.json"));
-  expect_error(run({"compare", "one.exr", "one.exr", "--json=r.json", "--html", "./r.json"}), 2, "are one file");
+  expect_error(run({"compare", "one.exr", "one.exr", "--json=r.json", "--html", "./r.json"}), 2, "are the same file");
 }
 
 TEST_F(LostStreams, ATerminalThatGoesAwaySavesWhatIsDone) {

@@ -47,7 +47,7 @@ TEST_F(Outputs, ACheckpointThatCannotBeWrittenDoesNotEndTheRender) {
   process.signal(SIGTERM);
   const ProcessResult result = process.wait();
   expect_error(result, 6, "gone/ck.exr");
-  EXPECT_THAT(result.err, HasSubstr("The last checkpoint stays."));
+  EXPECT_THAT(result.err, HasSubstr("The last checkpoint is kept."));
   expect_ok(render({"--spp", samples_of("x.exr"), "--film", "-o", "one.exr"}));
   expect_same("x.exr", "one.exr");
 }
@@ -92,10 +92,10 @@ TEST_F(Outputs, TwoNamesOfOneFileAreRefused) {
     SCOPED_TRACE(testing::PrintToString(more));
     std::vector<std::string> arguments = render({"--spp", "4"});
     arguments.insert(arguments.end(), more.begin(), more.end());
-    expect_error(run(arguments), 2, "are one file");
+    expect_error(run(arguments), 2, "are the same file");
     EXPECT_TRUE(read_text(folder_ / "z.exr") == before);
   }
-  expect_error(run({"merge", "z.exr", "-o", "z.exr", "--picture"}), 2, "are one file");
+  expect_error(run({"merge", "z.exr", "-o", "z.exr", "--picture"}), 2, "are the same file");
   EXPECT_TRUE(read_text(folder_ / "z.exr") == before);
   EXPECT_FALSE(exists("new.exr") || exists("later.exr") || exists("cbox-sphere.exr") || exists("y.exr"));
   // A film may take the place of the film that it goes on from.
@@ -126,7 +126,7 @@ TEST_F(Outputs, AForgottenResumeLosesNothing) {
   const ProcessResult result =
       run(render({"--spp", "12", "--pass-samples", "2", "--time", "1ms", "--checkpoint", "ck.exr", "-o", "x.exr"}));
   EXPECT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("'--resume ck.exr' goes on from there"));
+  EXPECT_THAT(result.err, HasSubstr("'--resume ck.exr' continues from there"));
   EXPECT_TRUE(read_text(folder_ / "ck.exr") == before) << "stopped after 2 samples, it replaced 9";
   expect_ok(render({"--spp", "12", "--checkpoint", "ck.exr", "-o", "x.exr"}));
   EXPECT_EQ(samples_of("ck.exr"), "12");

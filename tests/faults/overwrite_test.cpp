@@ -119,7 +119,7 @@ TEST_F(Overwrite, ARunThatEndsEarlyWritesBesideWhatIsWorthMore) {
                                           "0.01s",  "-o",    "a.exr", "-o",        "a.png"};
   const ProcessResult stopped = render(early);
   EXPECT_EQ(stopped.code, 0) << stopped.err;
-  EXPECT_THAT(stopped.err, HasSubstr("it is kept, and what this run has done goes to a.partial.exr"));
+  EXPECT_THAT(stopped.err, HasSubstr("it is kept, and the result of this run goes to a.partial.exr"));
   EXPECT_THAT(stopped.err, HasSubstr("wrote a.partial.exr and a.partial.png"));
   EXPECT_TRUE(read_text(folder_ / "a.exr") == picture);
   EXPECT_TRUE(read_text(folder_ / "a.png") == display);
@@ -143,7 +143,7 @@ TEST_F(Overwrite, NamesThatFollowFromTheSceneAreGuardedToo) {
 
 TEST_F(Overwrite, WhatEtendueDidNotMakeIsKept) {
   write_text(folder_ / "notes.exr", "hello");
-  expect_kept("notes.exr", {"--spp", "4", "-o", "notes.exr"}, "no picture that can be read");
+  expect_kept("notes.exr", {"--spp", "4", "-o", "notes.exr"}, "not a readable picture");
   expect_ok({"--spp", "1", "-o", "whole.exr"});
   const std::string whole = read_text(folder_ / "whole.exr");
   std::string foreign = whole;
@@ -151,7 +151,7 @@ TEST_F(Overwrite, WhatEtendueDidNotMakeIsKept) {
   write_text(folder_ / "foreign.exr", foreign);
   expect_kept("foreign.exr", {"--spp", "4", "-o", "foreign.exr"}, "a picture that Etendue did not make");
   write_text(folder_ / "torn.exr", whole.substr(0, 100));
-  expect_kept("torn.exr", {"--spp", "4", "-o", "torn.exr"}, "no picture that can be read");
+  expect_kept("torn.exr", {"--spp", "4", "-o", "torn.exr"}, "not a readable picture");
   EXPECT_TRUE(changes("notes.exr", {"--spp", "1", "--force", "-o", "notes.exr"}));
   // mktemp leaves an empty file behind, which is no loss.
   write_text(folder_ / "empty.exr", "");
@@ -194,7 +194,7 @@ TEST_F(Overwrite, ReportsReplaceReportsOnly) {
       const std::string before = read_text(folder_ / file);
       const ProcessResult result = run({"compare", "a.exr", "b.exr", "--no-flip", option + "=" + file});
       EXPECT_EQ(result.code, 6) << result.err;
-      EXPECT_THAT(result.err, HasSubstr("is no report"));
+      EXPECT_THAT(result.err, HasSubstr("is not a report"));
       EXPECT_TRUE(read_text(folder_ / file) == before);
     }
     for (int again = 0; again < 2; ++again)

@@ -104,7 +104,7 @@ TEST_F(Pieces, ResumeRefusesForeignTornAndTamperedFiles) {
   expect_error(run(render({"--resume", "empty.exr", "-o", "y.exr"})), 6, "empty.exr");
   expect_error(run(render({"--resume", "ck.exr", "--seed", "1", "-o", "y.exr"})), 6, "seeds");
   expect_error(run(render({"--resume", "x.exr", "-o", "y.exr"})), 6, "holds no film");
-  expect_error(run(render({"--resume", "ck.exr", "--spp", "3", "-o", "y.exr"})), 2, "only 0:3 are asked for");
+  expect_error(run(render({"--resume", "ck.exr", "--spp", "3", "-o", "y.exr"})), 2, "only 0:3 were requested");
   EXPECT_FALSE(exists("y.exr"));
 }
 
@@ -324,7 +324,7 @@ TEST_F(Pieces, SetsOfPathsAreNotCut) {
   expect_ok({"render", "sets.xml", "--film", "-o", "one.exr"});
   const ProcessResult merged = run({"merge", "a.exr", "b.exr", "-o", "all.exr"});
   EXPECT_EQ(merged.code, 0);
-  EXPECT_THAT(merged.err, HasSubstr("3 sets of paths a pixel (sobol setSize=8)"));
+  EXPECT_THAT(merged.err, HasSubstr("3 sets of paths per pixel (sobol setSize=8)"));
   expect_same("one.exr", "all.exr");
 }
 

@@ -98,7 +98,7 @@ TEST(CommandLine, ChecksSayWhatWouldBeRight) {
   EXPECT_THAT(complaint({"--word", "sometimes"}), HasSubstr("'--word sometimes' is none of auto, never."));
   EXPECT_THAT(complaint({"--spp"}), HasSubstr("'--spp NUMBER' lacks its value."));
   EXPECT_THAT(complaint({"--quiet=very"}), HasSubstr("'--quiet' takes no value."));
-  EXPECT_THAT(complaint({"--spp", "1", "--spp", "2"}), HasSubstr("'--spp' may be given once."));
+  EXPECT_THAT(complaint({"--spp", "1", "--spp", "2"}), HasSubstr("'--spp' may be given only once."));
   EXPECT_THAT(complaint({"scene2"}), HasSubstr("'scene2' is one argument too many for 'program go'."));
 }
 

@@ -61,12 +61,12 @@ TEST(FormatsAdapters, MistakesAreNamed) {
   };
   refused(R"(<bsdf type="twosided"/>)", "needs");
   refused(R"(<bsdf type="blend"><bsdf type="diffuse"/></bsdf>)", "2");
-  refused(R"(<bsdf type="twosided"><bsdf type="dielectric"/></bsdf>)", "\"dielectric\" lets light through");
+  refused(R"(<bsdf type="twosided"><bsdf type="dielectric"/></bsdf>)", "\"dielectric\" transmits light");
   refused(R"(<bsdf type="mask"><float name="opacity" value="2"/><bsdf type="diffuse"/></bsdf>)", "opacity");
   refused(
       R"(<bsdf type="mask"><texture name="opacity" type="checkerboard"><string name="channel" value="luma"/></texture>
       <bsdf type="diffuse"/></bsdf>)",
-      "\"luma\" is no channel");
+      "\"luma\" is not a texture channel");
   const Parsed test = parse(R"(<test type="chi2test"><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></test>)");
   EXPECT_FALSE(test.file);
   EXPECT_THAT(all_messages(test.diagnostics), HasSubstr("test what is in it"));

@@ -68,7 +68,7 @@ TEST(Check, ASoundSceneIsQuiet) {
 }
 
 TEST(Check, SurfacesThatLieInOneAnother) {
-  const char* const kSays = "lies in a surface of \"up.obj\" of line";
+  const char* const kSays = "coincides with a surface of \"up.obj\" of line";
   const auto lift = [](const char* y) { return fmt::format("<translate value=\"0 {} 0\"/>", y); };
   // A rug on the floor; turned about the vertical, so that its edges cross the floor's.
   expect_says(check(kLight + mesh("up.obj") + mesh("up.obj", "", "<rotate angle=\"30\" axis=\"0 1 0\"/>")), kSays);
@@ -77,7 +77,7 @@ TEST(Check, SurfacesThatLieInOneAnother) {
   expect_says(check(kLight + mesh("up.obj") + mesh("cube.obj", kGlass)), kSays);
   expect_says(check(mesh("up.obj") + mesh("up.obj", kEmitter, "<scale value=\"0.3 1 0.3\"/>")), kSays);
   const std::string sphere = "<mesh type=\"sphere\"/>";
-  expect_says(check(kLight + sphere + sphere, "0 0 5"), "\"sphere\" lies in a surface of \"sphere\"");
+  expect_says(check(kLight + sphere + sphere, "0 0 5"), "\"sphere\" coincides with a surface of \"sphere\"");
   // Nobody sees what an opaque block and the floor have in common; neighbours touch along an edge only; a gap is a gap.
   EXPECT_EQ(check(kLight + mesh("up.obj") + mesh("cube.obj")), "");
   EXPECT_EQ(check(kLight + mesh("up.obj") + mesh("up.obj", "", "<translate value=\"2 0 0\"/>")), "");
@@ -105,8 +105,7 @@ TEST(Check, EmitterFacingAway) {
 
 TEST(Check, CameraInGlass) {
   const std::string sphere = "<mesh type=\"sphere\"><float name=\"radius\" value=\"2\"/>" + kGlass + "</mesh>\n";
-  expect_says(check(kLight + sphere, "0 0 1"),
-              "s.xml:1:33: the camera stands inside the dielectric \"sphere\" of line 2");
+  expect_says(check(kLight + sphere, "0 0 1"), "s.xml:1:33: the camera is inside the dielectric \"sphere\" of line 2");
   EXPECT_EQ(check(kLight + sphere, "0 0 3"), "");
   expect_says(check(kLight + mesh("cube.obj", kGlass), "0.5 0.5 0.5"), "inside the dielectric \"cube.obj\"");
   EXPECT_EQ(check(kLight + mesh("cube.obj", kGlass), "1.5 0.5 0.5"), "");
@@ -116,7 +115,7 @@ TEST(Check, CameraInGlass) {
       "value=\"1\"/>"
       "<float name=\"extIOR\" value=\"1.5\"/></bsdf></mesh>";
   EXPECT_EQ(check(kLight + sphere + hollow, "0 0 1"), "");
-  expect_says(check(kLight + sphere + hollow, "0 0 1.7"), "the camera stands inside");
+  expect_says(check(kLight + sphere + hollow, "0 0 1.7"), "the camera is inside");
 }
 
 TEST(Check, NormalsAgainstWinding) {

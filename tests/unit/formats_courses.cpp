@@ -128,7 +128,7 @@ TEST(Courses, TheSkyOnASphere) {
          <string name="filename" value="a.hdr"/><float name="strength" value="4"/></emitter></mesh>)" +
       sphere(""));
   ASSERT_TRUE(parsed.file) << all_messages(parsed.diagnostics);
-  EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr("is taken as light from all around the scene"));
+  EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr("is read as light from all around the scene"));
   const Scene& scene = parsed.scene();
   EXPECT_EQ(scene.instances.size(), 1u);
   ASSERT_TRUE(scene.sky.picture);
@@ -162,7 +162,7 @@ TEST(Courses, PropertiesThatAreGivenTwiceAlike) {
   const std::string once = "<float name=\"radius\" value=\"2\"/>";
   const Parsed alike = parse_beside_picture(sphere(once + "<float name=\"radius\" value=\"2.0\"/>"));
   EXPECT_TRUE(alike.file);
-  EXPECT_THAT(all_messages(alike.diagnostics), HasSubstr("is given twice, and alike"));
+  EXPECT_THAT(all_messages(alike.diagnostics), HasSubstr("is given twice with the same value"));
   const Parsed other = parse_beside_picture(sphere(once + "<float name=\"radius\" value=\"3\"/>"));
   EXPECT_FALSE(other.file);
   EXPECT_THAT(all_messages(other.diagnostics), HasSubstr("is given twice; keep one"));
@@ -178,7 +178,7 @@ TEST(Courses, FocalLengthOfALensWhoseViewIsKnown) {
   ASSERT_TRUE(lens.file) << all_messages(lens.diagnostics);
   EXPECT_EQ(lens.scene().camera.aperture.focus_distance, 9.5);
   EXPECT_EQ(lens.scene().camera.fov, 40.0);
-  EXPECT_THAT(all_messages(lens.diagnostics), HasSubstr("is taken for \"focusDistance\""));
+  EXPECT_THAT(all_messages(lens.diagnostics), HasSubstr("is read as \"focusDistance\""));
   EXPECT_THAT(all_messages(camera(view).diagnostics), HasSubstr("both say how wide the view is"));
 }
 
@@ -197,7 +197,8 @@ TEST(Courses, WhatThereIsNotIsReplacedWhereThatIsWanted) {
            <texture type="bitmap"/></mesh></scene>)";
   const Parsed refused = parse(text);
   EXPECT_FALSE(refused.file);
-  EXPECT_THAT(all_messages(refused.diagnostics), HasSubstr("the scene needs what there is not here: bsdf bssrdf (2:"));
+  EXPECT_THAT(all_messages(refused.diagnostics),
+              HasSubstr("the scene needs things that are not supported: bsdf bssrdf (2:"));
   for (const char* feature : {"integrator single_scattering (1:", "medium (1:", "texture perlin (3:"})
     EXPECT_THAT(all_messages(refused.diagnostics), HasSubstr(feature));
   ReadOptions options;

@@ -193,11 +193,11 @@ const BadToy kBad[] = {
     {"HoldsElements", "<coat type='clear' id='a'/><skin type='plain'><ref id='a'><x/></ref></skin>", 59,
      "<ref> cannot hold elements; write it as <ref id=\"…\"/>"},
     {"Circle", "<coat type='clear' id='a'><ref id='b'/></coat><coat type='clear' id='b'><ref id='a'/></coat>", 73,
-     "this reference leads back to where it stands: \"a\" → \"b\" → \"a\"; break the circle"},
+     "this reference leads back to itself: \"a\" → \"b\" → \"a\"; break the cycle"},
     {"CircleOfOne", "<coat type='clear' id='a'><ref id='a'/></coat>", 27,
-     "this reference leads back to where it stands: \"a\" → \"a\"; break the circle"},
+     "this reference leads back to itself: \"a\" → \"a\"; break the cycle"},
     {"CircleThroughAChild", "<coat type='clear' id='a'><coat type='clear'><ref id='a'/></coat></coat>", 46,
-     "this reference leads back to where it stands: \"a\" → \"a\"; break the circle"},
+     "this reference leads back to itself: \"a\" → \"a\"; break the cycle"},
 };
 INSTANTIATE_TEST_SUITE_P(References, BadReference, ::testing::ValuesIn(kBad),
                          [](const auto& bad) { return std::string(bad.param.what); });
@@ -217,8 +217,7 @@ TEST(Dialect, LongChainsAreRefusedAndEndSoon) {
   EXPECT_FALSE(Toy(chain(References::kMaxNesting, 1)).diagnostics.has_errors());
   const Toy one(chain(References::kMaxNesting + 1, 1));
   EXPECT_EQ(one.diagnostics.error_count(), 1u) << one.messages();
-  EXPECT_NE(one.messages().find("t.xml:1:34: references follow one another 32 times from here; at most 31"),
-            std::string::npos)
+  EXPECT_NE(one.messages().find("t.xml:1:34: a chain of 32 references starts here; at most 31"), std::string::npos)
       << one.messages();
   EXPECT_TRUE(Toy(chain(100'000, 1)).diagnostics.has_errors()) << "no stack overflows";
 }

@@ -61,18 +61,19 @@ TEST(SceneEnvironment, SaysWhatIsWrong) {
     const char* message;
   } cases[] = {
       {envmap("<string name=\"filename\" value=\"none.hdr\"/>"), ":2:55: picture "},
-      {envmap("<string name=\"filename\" value=\"bad.hdr\"/>"), "no PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR"},
+      {envmap("<string name=\"filename\" value=\"bad.hdr\"/>"), "not a PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR"},
       {envmap("<string name=\"filename\" value=\"pointer.hdr\"/>"), "Git LFS pointer"},
       {envmap("<string name=\"filename\" value=\" \"/>"), "give the path of a picture"},
       {envmap(""), "filename"},
-      {envmap(file + "<string name=\"rows\" value=\"band\"/>"), "\"band\" is no kind of rows; did you mean \"bands\"?"},
+      {envmap(file + "<string name=\"rows\" value=\"band\"/>"),
+       "\"band\" is not a kind of rows; did you mean \"bands\"?"},
       {envmap(file + "<float name=\"scale\" value=\"0\"/>"), "scale"},
       {envmap(file + "<float name=\"scale\" value=\"1e30\"/>"), "use at most"},
       {envmap(file + "<transform name=\"toWorld\"><scale value=\"1 2 1\"/></transform>"),
        "scales it unevenly or shears it"},
       {envmap(file) + constant, "emitter"},
       {constant + "<color name=\"sky_top\" value=\"1 1 1\"/>", "two skies"},
-      {"<emitter type=\"area\"><color name=\"radiance\" value=\"1 1 1\"/></emitter>", "stands in the mesh that shines"},
+      {"<emitter type=\"area\"><color name=\"radiance\" value=\"1 1 1\"/></emitter>", "belongs in the mesh that emits"},
       {"<mesh type=\"sphere\">" + constant + "</mesh>", "move it into <scene>"},
   };
   for (const auto& [content, message] : cases) {

@@ -139,7 +139,7 @@ const BadInput kGrammar[] = {
      "allowed is 0.001 … 1"},
     {"PointLight", in_mesh("<emitter type=\"point\"><color name=\"power\" value=\"1 1 1\"/></emitter>"), 3, 1,
      "point is a light of its own, not of a mesh"},
-    {"NoIntensity", scene_around("<emitter type=\"point\"/>"), 2, 1, "says neither \"intensity\" nor \"power\""},
+    {"NoIntensity", scene_around("<emitter type=\"point\"/>"), 2, 1, "has neither \"intensity\" nor \"power\""},
     {"IntensityAndPower",
      scene_around(
          "<emitter type=\"point\"><color name=\"intensity\" value=\"1 1 1\"/>\n<color name=\"power\" value=\"1 1 "
@@ -152,11 +152,11 @@ const BadInput kGrammar[] = {
     {"BeamWiderThanCone",
      scene_around("<emitter type=\"spot\"><color name=\"power\" value=\"1 1 1\"/>\n<float name=\"beamWidth\" "
                   "value=\"30\"/></emitter>"),
-     3, 32, "the beam lies within the cone"},
+     3, 32, "the beam must be within the cone"},
     {"TwoLanguagesOfCones",
      scene_around("<emitter type=\"spot\"><color name=\"power\" value=\"1 1 1\"/><float name=\"totalWidth\" "
                   "value=\"30\"/>\n<float name=\"cutoffAngle\" value=\"30\"/></emitter>"),
-     3, 34, "two words for one cone"},
+     3, 34, "two names for one cone"},
     {"Falloff",
      scene_around("<emitter type=\"spot\"><color name=\"power\" value=\"1 1 1\"/>\n<string name=\"falloff\" "
                   "value=\"linaer\"/></emitter>"),
@@ -168,7 +168,7 @@ const BadInput kGrammar[] = {
     {"TargetOfASpot",
      scene_around("<emitter type=\"spot\"><color name=\"power\" value=\"1 1 1\"/><point name=\"position\" value=\"1 1 "
                   "1\"/>\n<point name=\"target\" value=\"1 1 1\"/></emitter>"),
-     3, 29, "is where it stands"},
+     3, 29, "is at its position"},
     {"UnevenLight",
      scene_around("<emitter type=\"point\"><color name=\"power\" value=\"1 1 1\"/>\n<transform name=\"toWorld\"><scale "
                   "value=\"1 2 1\"/></transform></emitter>"),
@@ -180,7 +180,7 @@ const BadInput kGrammar[] = {
     {"FovAxis",
      "<scene><integrator type=\"path\"/>\n<camera type=\"perspective\"><string name=\"fovAxis\" "
      "value=\"z\"/></camera></scene>",
-     2, 58, "\"z\" is no axis of the field of view"},
+     2, 58, "\"z\" is not an axis of the field of view"},
     {"Radiosity", "<scene><camera type=\"perspective\"/>\n<integrator type=\"radiosity\"/></scene>", 2, 19,
      "not supported; supported are: path, path_mats"},
     {"Medium", scene_around("<medium type=\"homogeneous\"/>"), 2, 1, "<medium> is not supported"},
@@ -232,7 +232,7 @@ const BadInput kGrammar[] = {
     {"ElementInProperty", in_mesh("<float name=\"radius\" value=\"1\"><x/></float>"), 3, 32, "cannot hold elements"},
     {"MisplacedMesh", in_mesh("<mesh type=\"sphere\"/>"), 3, 1, "belongs inside <scene>"},
     {"EmitterInScene", scene_around("<emitter type=\"area\"><color name=\"radiance\" value=\"1 1 1\"/></emitter>"), 2,
-     1, "stands in the mesh that shines"},
+     1, "belongs in the mesh that emits"},
     {"FilterInScene", scene_around("<rfilter type=\"box\"/>"), 2, 1, "belongs inside <camera>"},
     {"SceneInScene", scene_around("<scene/>"), 2, 1, "belongs inside <test>"},
     {"TwoBsdfs", in_mesh("<bsdf type=\"mirror\"/><bsdf type=\"mirror\"/>"), 3, 22, "more than one <bsdf>"},
@@ -350,7 +350,7 @@ const BadInput kTransforms[] = {
     {"TextInTransform", in_transform("1 0 0 0"), 4, 1, "stray text"},
     {"ElementInOperation", in_transform("<scale value=\"1 1 1\"><x/></scale>"), 4, 22, "cannot hold elements"},
     {"TransformWithValue", in_camera("<transform name=\"toWorld\" value=\"1\"/>"), 3, 27, "no attribute \"value\""},
-    {"CameraFarAway", in_transform("<translate value=\"0 0 1e12\"/>"), 3, 1, "the camera stands at 0 0 1000000000000"},
+    {"CameraFarAway", in_transform("<translate value=\"0 0 1e12\"/>"), 3, 1, "the camera is at 0 0 1000000000000"},
 };
 INSTANTIATE_TEST_SUITE_P(Transforms, BadScene, ::testing::ValuesIn(kTransforms), name_of);
 

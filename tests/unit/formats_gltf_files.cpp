@@ -55,8 +55,8 @@ TEST(GltfFiles, NothingOutsideTheFolderIsOpened) {
   refuses("c.bin/../../b.bin", "outside the folder");
   refuses("%2e%2e/b.bin", "outside the folder");
   refuses(folder.path("in/c.bin"), "absolute paths are not followed");
-  refuses("file:c.bin", "only files beside the model");
-  refuses("https://example.org/c.bin", "only files beside the model");
+  refuses("file:c.bin", "only files next to the model");
+  refuses("https://example.org/c.bin", "only files next to the model");
   refuses("c%00.bin", "zero byte");
   refuses("none.bin", "cannot open the file");
   refuses("sub", "cannot open the file");
@@ -104,14 +104,14 @@ TEST(GltfFiles, WhatIsNoGltf2) {
     EXPECT_FALSE(read.scene.has_value());
     EXPECT_NE(read.messages().find(part), std::string::npos) << read.messages();
   };
-  says("", "this is no JSON");
-  says("{\n \"asset\": {\"version\": \"2.0\"}, \n  x}", "a.gltf:3:3: this is no JSON from here on");
+  says("", "this is not JSON");
+  says("{\n \"asset\": {\"version\": \"2.0\"}, \n  x}", "a.gltf:3:3: this is not JSON from here on");
   says("[]", "the document is an array");
   says("{}", "has no \"asset\"");
   says(R"({"asset":{"version":"1.0"}})", "this is glTF \"1.0\"");
   says(R"({"asset":{"version":"2.0","minVersion":"2.7"}})", "needs glTF \"2.7\"");
   says(R"({"asset":{"version":2}})", "\"version\" is a number");
-  says(std::string(200, '[') + std::string(200, ']'), "stand one in the other");
+  says(std::string(200, '[') + std::string(200, ']'), "arrays and objects are nested more than");
   says(document(R"("extensionsRequired":["ACME_magic"],"extensionsUsed":["ACME_magic"])"),
        "requires the extension \"ACME_magic\"");
   says(document(R"("scenes":[{"nodes":[]}])"), "no triangles");

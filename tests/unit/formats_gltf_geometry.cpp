@@ -100,18 +100,19 @@ TEST(GltfGeometry, RangesAreHeldAgainstTheirBuffers) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
   };
   const std::string floats = R"(,"componentType":5126,"type":"VEC3")";
-  has(complaint(R"("bufferView":0,"count":4)" + floats), "4 rows of 12 bytes, 12 apart, from byte 0 on reach beyond");
-  has(complaint(R"("bufferView":0,"byteOffset":4,"count":3)" + floats), "reach beyond");
-  has(complaint(R"("bufferView":0,"byteOffset":9007199254740992,"count":3)" + floats), "reach beyond");
+  has(complaint(R"("bufferView":0,"count":4)" + floats),
+      "4 rows of 12 bytes with a stride of 12, starting at byte 0, exceed");
+  has(complaint(R"("bufferView":0,"byteOffset":4,"count":3)" + floats), "exceed their view");
+  has(complaint(R"("bufferView":0,"byteOffset":9007199254740992,"count":3)" + floats), "exceed their view");
   has(complaint(R"("bufferView":0,"count":9007199254740992)" + floats), "rows; at most");
-  has(complaint(R"("bufferView":0,"count":3)" + floats, R"(,"byteStride":4)"), "said to be 4 bytes apart");
+  has(complaint(R"("bufferView":0,"count":3)" + floats, R"(,"byteStride":4)"), "have a stride of 4 bytes");
   has(complaint(R"("bufferView":7,"count":3)" + floats), "number 7 of \"bufferViews\", of which there are 1");
   has(complaint(R"("count":99999999)" + floats), "rows; at most");
   has(complaint(R"("bufferView":0,"count":3,"componentType":5124,"type":"VEC3")"), "component type 5124");
   has(complaint(R"("bufferView":0,"count":3,"componentType":5126,"type":"VEC9")"), "type \"VEC9\"");
   has(complaint(R"("bufferView":0,"count":-3)" + floats), "\"count\" is -3");
   has(complaint(R"("bufferView":"0","count":3)" + floats), "\"bufferView\" is a string");
-  has(complaint(R"("bufferView":0,"count":3)" + floats, R"(,"byteLength":37)"), "beyond its buffer");
+  has(complaint(R"("bufferView":0,"count":3)" + floats, R"(,"byteLength":37)"), "exceeds its buffer");
 }
 
 TEST(GltfGeometry, IndicesThatLeadNowhereAreLeftOut) {
@@ -123,7 +124,7 @@ TEST(GltfGeometry, IndicesThatLeadNowhereAreLeftOut) {
           buffer.bytes()));
   ASSERT_TRUE(read.scene.has_value()) << read.messages();
   EXPECT_EQ(read.mesh().triangles.size(), 1u);
-  EXPECT_NE(read.messages().find("2 of 3 triangles name vertices that there are not"), std::string::npos);
+  EXPECT_NE(read.messages().find("2 of 3 triangles refer to vertices that do not exist"), std::string::npos);
 }
 
 /// An asset of a triangle with those nodes, of which the first is the root.

@@ -133,7 +133,7 @@ TEST(Model, APlyShowsItsColours) {
   EXPECT_EQ(scene.camera.world_from_camera[3], glm::dvec4(0, 0, 9, 1));
   Diagnostics refused;
   EXPECT_FALSE(read_scene_file(path, {.camera = "0,0,9"}, refused).has_value());
-  EXPECT_NE(all_messages(refused).find("3 numbers; write 3 of the eye"), std::string::npos);
+  EXPECT_NE(all_messages(refused).find("3 numbers; write 3 for the eye"), std::string::npos);
   EXPECT_FALSE(read_scene_file(path, {.environment = folder.path("none.exr")}, refused).has_value());
   EXPECT_FALSE(read_scene_file(path, {.overrides = {{"camera.fov", "3"}}}, refused).has_value());
 }

@@ -234,7 +234,7 @@ TEST(Ply, WhatIsOnlyWorthAWarning) {
                        kFaces + "end_header\n" + kThree + "2 0 0\n2 0 1\n3 0 1 2\n3 0 1 3\n");
   ASSERT_TRUE(ply.mesh) << ply.messages();
   EXPECT_EQ(ply.messages(),
-            "m.ply:3:1: header lines that start with \"Created\" are not known and ignored, here and further on\n"
+            "m.ply:3:1: header lines that start with \"Created\" are unknown and ignored, here and below\n"
             "m.ply: 1 faces have fewer than 3 corners; they are left out\n"
             "m.ply: 1 of 2 triangles have no area; no ray hits them\n");
   const Ply points = read(header("ascii", "element vertex 3\n" + kXyz) + kThree);
@@ -272,9 +272,9 @@ const BadPly kBadPly[] = {
      "m.ply:1:1: this is a Git LFS pointer, not the file itself; fetch it with `git lfs pull`"},
     {"EndsInHeader", "ply\nformat ascii 1.0\nelement vertex 3", "m.ply:3:1: the file ends within its header"},
     {"NoFormat", "ply\nend_header\n",
-     "m.ply:2:1: the header does not say its format; it needs a line like \"format ascii 1.0\""},
+     "m.ply:2:1: the header does not give its format; it needs a line like \"format ascii 1.0\""},
     {"OddFormat", "ply\nformat binary 1.0\nend_header\n",
-     "m.ply:2:8: \"binary\" is no format; known are ascii, binary_little_endian and binary_big_endian"},
+     "m.ply:2:8: \"binary\" is not a format; known are ascii, binary_little_endian and binary_big_endian"},
     {"OddVersion", "ply\nformat ascii 2.0\nend_header\n",
      "m.ply:2:14: the format has version \"2.0\"; 1.0 is supported"},
     {"TwoFormats", "ply\nformat ascii 1.0\nformat ascii 1.0\nend_header\n", "m.ply:3:1: the format is given twice"},
@@ -300,9 +300,9 @@ const BadPly kBadPly[] = {
     {"TwoProperties", header("ascii", "element vertex 0\nproperty float x\nproperty int x\n"),
      "m.ply:6:14: the property \"x\" is given twice"},
     {"PropertyOfNothing", header("ascii", "property float x\n"),
-     "m.ply:4:1: this property belongs to no element; a line \"element …\" has to stand before"},
+     "m.ply:4:1: this property belongs to no element; a line \"element …\" must come before it"},
     {"OddType", header("ascii", "element vertex 0\nproperty flaot x\n"),
-     "m.ply:5:10: \"flaot\" is no type; did you mean \"float\"?; known are char, uchar, short, ushort, int, uint, "
+     "m.ply:5:10: \"flaot\" is not a type; did you mean \"float\"?; known are char, uchar, short, ushort, int, uint, "
      "float, "
      "double, int8, uint8, int16, uint16, int32, uint32, float32, float64"},
     {"CountedByFloats", header("ascii", "element face 0\nproperty list float int vertex_index\n"),
@@ -330,23 +330,23 @@ const BadPly kBadPly[] = {
      header("ascii", "element face 1\n" + kFaces + "element vertex 3\n" + kXyz) + "4 0 1 2 3\n" + kThree,
      "m.ply: a face has vertex 3; the file has 3"},
     {"NanUsed", ascii("3\n" + kXyz, "1\n" + kFaces, "0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n"),
-     "m.ply: vertex 0 lies at 0 0 nan; coordinates up to 1000000000 are supported"},
+     "m.ply: vertex 0 is at 0 0 nan; coordinates up to 1000000000 are supported"},
     {"NanInAPolygon", ascii("4\n" + kXyz, "1\n" + kFaces, "0 0 nan\n1 0 0\n0 1 0\n1 1 1\n4 0 1 2 3\n"),
-     "m.ply: vertex 0 lies at 0 0 nan; coordinates up to 1000000000 are supported"},
+     "m.ply: vertex 0 is at 0 0 nan; coordinates up to 1000000000 are supported"},
     {"NanColor",
      ascii("3\n" + kXyz + "property float red\nproperty float green\nproperty float blue\n", "1\n" + kFaces,
            "0 0 0 1 1 1\n1 0 0 1 nan 1\n0 1 0 1 1 1\n3 0 1 2\n"),
      "m.ply: vertex 1 has the colour 1 nan 1; it must be finite"},
     {"TruncatedAscii", ascii("3\n" + kXyz, "1\n" + kFaces, kThree + "3 0 1"),
-     "m.ply: the file ends after 198 bytes, before all that its header announces"},
+     "m.ply: the file ends after 198 bytes, earlier than its header announces"},
     {"TruncatedBinary", binary("element vertex 2\n" + kXyz, std::string(23, '\0')),
-     "m.ply: the file ends after 159 bytes, before all that its header announces"},
+     "m.ply: the file ends after 159 bytes, earlier than its header announces"},
     {"TruncatedUnknown",
      binary("element stuff 9999999999999999\nproperty double d\nelement vertex 0\n" + kXyz, "12345678"),
-     "m.ply: the file ends after 193 bytes, before all that its header announces"},
+     "m.ply: the file ends after 193 bytes, earlier than its header announces"},
     {"HugeList",
      binary("element vertex 0\nproperty list uint double l\n" + kXyz + "element face 1\n" + kFaces, "\xff\xff\xff\xff"),
-     "m.ply: the file ends after 222 bytes, before all that its header announces"},
+     "m.ply: the file ends after 222 bytes, earlier than its header announces"},
     {"HugeFace",
      binary("element vertex 0\n" + kXyz + "element face 1\nproperty list uint int vertex_index\n", "\xff\xff\xff\xff"),
      "m.ply: a face has 4294967295 corners; at most 65536 are supported: triangulate it (byte 187)"},

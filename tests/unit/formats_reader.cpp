@@ -647,7 +647,7 @@ TEST(SceneReader, WordsOfCourses) {
   EXPECT_EQ(scene.camera.aperture.focus_distance, 3.0);
   EXPECT_EQ(scene.sampler.type, Sampler::Type::sobol);
   EXPECT_EQ(std::get<DiffuseBsdf>(scene.materials.at(0).bsdf).albedo.value, glm::dvec3(0.1, 0.2, 0.3));
-  EXPECT_NE(all_messages(parsed.diagnostics).find("the sampler halton is taken as sobol"), std::string::npos);
+  EXPECT_NE(all_messages(parsed.diagnostics).find("the sampler halton is read as sobol"), std::string::npos);
 }
 
 }  // namespace

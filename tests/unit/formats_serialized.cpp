@@ -101,7 +101,7 @@ TEST(Serialized, SaysWhatIsWrong) {
   EXPECT_NE(error_of({}).find("no .serialized file"), std::string::npos);
   EXPECT_NE(error_of(make_file({make_mesh<float>(4, 0, 3)})).find("triangle 0 has the vertex 3, of which there are 3"),
             std::string::npos);
-  EXPECT_NE(error_of(make_file({make_mesh<float>(4, 0, 2, 4)})).find("is the file whole?"), std::string::npos);
+  EXPECT_NE(error_of(make_file({make_mesh<float>(4, 0, 2, 4)})).find("is the file complete?"), std::string::npos);
   EXPECT_NE(error_of(make_file({make_mesh<float>(4, 0, 2, std::uint64_t{1} << 40)})).find("1099511627776 vertices"),
             std::string::npos);
   Bytes damaged = good;

@@ -57,7 +57,7 @@ TEST(Spellings, APerspectiveCameraMayHaveALens) {
   const Parsed parsed = parse(
       "<scene><integrator type=\"path\"/><camera type=\"perspective\"><float name=\"apertureRadius\" "
       "value=\"1\"/></camera></scene>");
-  EXPECT_NE(all_messages(parsed.diagnostics).find("where things are sharp"), std::string::npos);
+  EXPECT_NE(all_messages(parsed.diagnostics).find("needs a focus distance"), std::string::npos);
 }
 
 TEST(Spellings, DisneysMaterialIsPrincipled) {

@@ -147,7 +147,7 @@ TEST(BitmapPng, SaysWhatIsNotFollowed) {
                    [&](png_structp png, png_infop info) { png_set_gAMA(png, info, gamma); });
     return read_bitmap(folder / "a.png").notes;
   };
-  EXPECT_THAT(notes_with_gamma(1.0), testing::ElementsAre(HasSubstr("a.png: its gAMA of 1 is not followed")));
+  EXPECT_THAT(notes_with_gamma(1.0), testing::ElementsAre(HasSubstr("a.png: its gAMA of 1 is ignored")));
   EXPECT_TRUE(notes_with_gamma(0.45455).empty());
 }
 
@@ -292,7 +292,7 @@ TEST(Bitmap, NamesWhatIsNoPicture) {
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "a.png"); }), HasSubstr("Git LFS pointer"));
   spill(folder / "b.png", "GIF89a");
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "b.png"); }),
-              HasSubstr("no PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR"));
+              HasSubstr("not a PNG, JPEG, WebP, BMP, OpenEXR or Radiance HDR"));
   spill(folder / "c.png", "");
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "c.png"); }), HasSubstr("is empty"));
   EXPECT_THAT(error_of([&] { read_bitmap(folder / "none.png"); }), HasSubstr("none.png: cannot open it"));

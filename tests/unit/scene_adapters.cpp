@@ -38,7 +38,7 @@ TEST(SceneAdapters, NestAndReferToEarlierRows) {
                                 {.adapter = TwoSidedAdapter{0, 0}, .name = "sheet"},
                                 {.adapter = MaskAdapter{0.3, 1}, .name = "leaf"},
                                 {.adapter = BlendAdapter{0.5, 0, 2}, .name = "mixture"}}));
-  expect_refused(sphere_of({{.adapter = MaskAdapter{0.3, 0}, .name = "leaf"}}), "it can refer to earlier ones only");
+  expect_refused(sphere_of({{.adapter = MaskAdapter{0.3, 0}, .name = "leaf"}}), "it can refer only to earlier ones");
   expect_refused(sphere_of({kGrey, {.adapter = BlendAdapter{0.3, 0, 7}, .name = "leaf"}}), "number 7");
   expect_refused(sphere_of({kGrey, {.adapter = MaskAdapter{1.5, 0}, .name = "leaf"}}), "opacity 1.5");
   expect_refused(sphere_of({kGrey, {.adapter = BlendAdapter{-0.5, 0, 0}, .name = "leaf"}}), "weight -0.5");
@@ -54,9 +54,10 @@ TEST(SceneAdapters, HaveALimitOfDepth) {
 
 TEST(SceneAdapters, WhatLetsLightThroughHasNoBack) {
   const Material sheet{.adapter = TwoSidedAdapter{0, 1}, .name = "sheet"};
-  expect_refused(sphere_of({kGrey, kGlass, sheet}), "\"glass\" lets light through");
-  expect_refused(sphere_of({kGrey, {.bsdf = NullBsdf{}, .name = "air"}, sheet}), "\"air\" lets light through");
-  expect_refused(sphere_of({kGrey, {.adapter = MaskAdapter{0.5, 0}, .name = "leaf"}, sheet}), "\"leaf\" lets light");
+  expect_refused(sphere_of({kGrey, kGlass, sheet}), "\"glass\" transmits light");
+  expect_refused(sphere_of({kGrey, {.bsdf = NullBsdf{}, .name = "air"}, sheet}), "\"air\" transmits light");
+  expect_refused(sphere_of({kGrey, {.adapter = MaskAdapter{0.5, 0}, .name = "leaf"}, sheet}),
+                 "\"leaf\" transmits light");
   require_invariants(sphere_of({kGrey, kGrey, sheet}));
 }
 

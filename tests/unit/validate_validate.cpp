@@ -137,7 +137,7 @@ TEST(Validate, LimitsFollowTheShakenReference) {
   const Validation v = validate_with(device, options);
   EXPECT_EQ(v.verdict, Verdict::rounding_only) << validation_text(v);
   EXPECT_NEAR(v.rounding->flips_per_million(), 1e4, 1e3);
-  EXPECT_THAT(validation_text(v), HasSubstr("shaken by rounding alone"));
+  EXPECT_THAT(validation_text(v), HasSubstr("perturbed by rounding alone"));
   device.flip_every = 50;
   EXPECT_EQ(validate_with(device, options).verdict, Verdict::statistically_equal);
   device.flip_every = 20000;

@@ -156,7 +156,8 @@ void report_lacking(const ReadContext& context) {
     list += ")";
   }
   const SourcePosition& first = context.lacking.front().second;
-  context.diagnostics.error_first({first.file, 0, 0}, fmt::format("the scene needs what there is not here: {}", list));
+  context.diagnostics.error_first({first.file, 0, 0},
+                                  fmt::format("the scene needs things that are not supported: {}", list));
 }
 
 std::optional<Object> Object::read(const XmlElement& element, ReadContext& context) {
@@ -215,8 +216,7 @@ void Object::report_unknown_tag(const XmlElement& child, ReadContext& context) c
     context.diagnostics.error(position, fmt::format("<{}> is not supported; remove it", child.name));
   } else if (contains(kOperations, child.name)) {
     context.diagnostics.error(
-        position,
-        fmt::format("<{}> stands outside a <transform>; put it into <transform name=\"toWorld\">", child.name));
+        position, fmt::format("<{}> is outside a <transform>; put it into <transform name=\"toWorld\">", child.name));
   } else {
     std::vector<std::string> known = property_tags();
     const std::vector<std::string> objects = context.dialect.object_tags();
@@ -250,7 +250,7 @@ void Object::add_child(const XmlElement& child, const XmlElement& object, ReadCo
   if (rule == nullptr) {
     if (const Parameter* chief = context.dialect.chief_parameter(*plugin_, tag)) {
       context.diagnostics.note(context.document.position(child.offset),
-                               fmt::format("the <{}> without a name is taken for \"{}\"", object.name, chief->name));
+                               fmt::format("the <{}> without a name is read as \"{}\"", object.name, chief->name));
       return set_named_child(*chief, child, object, context);
     }
   }
@@ -352,7 +352,7 @@ bool Object::is_given_twice(const Parameter& parameter, const XmlElement& elemen
   if (context.dialect.forgiving && repeats(parameter, element)) {
     context.diagnostics.warning(
         context.document.position(element.offset),
-        fmt::format("property \"{}\" of {} is given twice, and alike; keep one", parameter.name, heading()));
+        fmt::format("property \"{}\" of {} is given twice with the same value; keep one", parameter.name, heading()));
     return true;
   }
   context.diagnostics.error(context.document.position(element.offset),

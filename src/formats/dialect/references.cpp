@@ -101,9 +101,9 @@ void References::deepen(std::size_t definition, std::size_t target, const XmlEle
   const std::size_t before = depth;
   depth = std::max(depth, depths_[target] + 1);
   if (before >= kMaxNesting || depth < kMaxNesting) return;
-  diagnostics_.error(document_.position(ref.offset),
-                     fmt::format("references follow one another {} times from here; at most {} are supported", depth,
-                                 kMaxNesting - 1));
+  diagnostics_.error(
+      document_.position(ref.offset),
+      fmt::format("a chain of {} references starts here; at most {} are supported", depth, kMaxNesting - 1));
 }
 
 void References::report_circle(const std::vector<Visit>& path, std::size_t target, const XmlElement& ref) {
@@ -114,9 +114,8 @@ void References::report_circle(const std::vector<Visit>& path, std::size_t targe
     names.push_back(text::quoted(definitions_[step->definition].element->find("id")->value));
   if (step != path.end()) names.emplace_back("…");
   names.push_back(names.front());
-  diagnostics_.error(
-      document_.position(ref.offset),
-      fmt::format("this reference leads back to where it stands: {}; break the circle", fmt::join(names, " → ")));
+  diagnostics_.error(document_.position(ref.offset),
+                     fmt::format("this reference leads back to itself: {}; break the cycle", fmt::join(names, " → ")));
 }
 
 }  // namespace etendue

@@ -83,15 +83,17 @@ struct Rows {
 
 void check_range(const Rows& rows, std::uint64_t element_bytes, const JsonValue& where) {
   if (rows.stride < element_bytes)
-    throw GltfError{&where, fmt::format("rows of {} bytes are said to be {} bytes apart", element_bytes, rows.stride)};
+    throw GltfError{&where, fmt::format("rows of {} bytes have a stride of {} bytes", element_bytes, rows.stride)};
   if (rows.count == 0) return;
   const std::uint64_t size = rows.bytes->size();
   const bool fits = rows.offset <= size && element_bytes <= size - rows.offset &&
                     rows.count - 1 <= (size - rows.offset - element_bytes) / rows.stride;
   if (!fits)
-    throw GltfError{&where, fmt::format("{} rows of {} bytes, {} apart, from byte {} on reach beyond their view, which "
-                                        "has {} bytes",
-                                        rows.count, element_bytes, rows.stride, rows.offset, size)};
+    throw GltfError{
+        &where,
+        fmt::format(
+            "{} rows of {} bytes with a stride of {}, starting at byte {}, exceed their view, which has {} bytes",
+            rows.count, element_bytes, rows.stride, rows.offset, size)};
 }
 
 /// Calls f(row number, its bytes), reading a piece at a time.
@@ -247,8 +249,8 @@ FloatTable Accessors::floats(std::uint32_t index, const JsonValue& where,
   const JsonValue& accessor = document_.element("accessors", index, where);
   const Layout layout = layout_of(accessor);
   if (std::ranges::find(components, layout.components()) == components.end())
-    throw GltfError{&where, fmt::format("the rows of accessor {} have {} numbers, which is not what belongs here",
-                                        index, layout.components())};
+    throw GltfError{&where, fmt::format("the rows of accessor {} have {} numbers, which is wrong here", index,
+                                        layout.components())};
   const std::optional<Rows> dense = dense_rows(*this, document_, accessor, layout);
   const std::uint64_t rows = dense ? dense->count : count_of(accessor, AccessorLimits::kMaxZeroRows);
   FloatTable table{layout.components(), std::vector<float>(rows * layout.components())};

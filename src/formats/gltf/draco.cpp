@@ -36,7 +36,7 @@ std::unique_ptr<draco::Mesh> decode(const JsonValue& where, std::span<const std:
     throw GltfError{&where, fmt::format("the compressed mesh is damaged: {}",
                                         text::printable(mesh.status().error_msg_string(), 200))};
   } catch (const std::bad_alloc&) {
-    throw GltfError{&where, "the compressed mesh asks for more memory than there is: it is damaged"};
+    throw GltfError{&where, "the compressed mesh needs more memory than is available: it is damaged"};
   }
 }
 

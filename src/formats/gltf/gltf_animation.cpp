@@ -29,8 +29,7 @@ class AnimationSampler {
     values_ = table(accessors, "output", {1, 2, 3, 4}).numbers;
     const std::size_t wanted = times_.size() * components * (interpolation_ == Interpolation::cubic ? 3 : 1);
     if (values_.size() != wanted)
-      throw GltfError{&json, fmt::format("the sampler of an animation has {} keyframes and {} numbers; {} belong to "
-                                         "them",
+      throw GltfError{&json, fmt::format("the sampler of an animation has {} keyframes and {} numbers; it needs {}",
                                          times_.size(), values_.size(), wanted)};
     for (const float value : values_) {
       if (!std::isfinite(value))
@@ -62,8 +61,8 @@ class AnimationSampler {
     if (name == "LINEAR") return Interpolation::linear;
     if (name == "STEP") return Interpolation::step;
     if (name == "CUBICSPLINE") return Interpolation::cubic;
-    throw GltfError{
-        &json, fmt::format("the interpolation {} is not known; LINEAR, STEP and CUBICSPLINE are", text::quoted(name))};
+    throw GltfError{&json, fmt::format("the interpolation {} is unknown; known are LINEAR, STEP and CUBICSPLINE",
+                                       text::quoted(name))};
   }
 
   FloatTable table(Accessors& accessors, const char* name, std::initializer_list<std::uint32_t> components) const {
@@ -75,7 +74,8 @@ class AnimationSampler {
   void check_times() const {
     for (std::size_t i = 0; i < times_.size(); ++i) {
       if (!std::isfinite(times_[i]))
-        throw GltfError{&json_, fmt::format("keyframe {} of an animation is at {} s, which is no time", i, times_[i])};
+        throw GltfError{&json_,
+                        fmt::format("keyframe {} of an animation is at {} s, which is not a time", i, times_[i])};
       if (i > 0 && !(times_[i] > times_[i - 1]))
         throw GltfError{&json_, fmt::format("keyframe {} of an animation is at {} s, which is not later than the one "
                                             "before it, at {} s",
@@ -142,8 +142,9 @@ class PoseReader {
     if (!node && path != "pointer") return;  // the standard lets such channels be
     if (path != "translation" && path != "rotation" && path != "scale" && path != "weights") {
       if (unknown_++ == 0)
-        sink_.warning(document_.position(*target), fmt::format("an animation moves {}, which stands still here",
-                                                               path.empty() ? "nothing" : text::quoted(path)));
+        sink_.warning(document_.position(*target),
+                      fmt::format("an animation moves {}, which is not supported and stays still",
+                                  path.empty() ? "nothing" : text::quoted(path)));
       return;
     }
     const JsonValue& moved = document_.element("nodes", *node, *target);
@@ -188,10 +189,10 @@ class PoseReader {
     if (known->second == number)
       throw GltfError{&where, fmt::format("two channels of an animation move the {} of node {}", path, node)};
     if (conflicts_++ == 0)
-      sink_.warning(document_.position(where),
-                    fmt::format("animations {} and {} both move the {} of node {}; the first counts, --animation "
-                                "chooses one",
-                                known->second, number, path, node));
+      sink_.warning(
+          document_.position(where),
+          fmt::format("animations {} and {} both move the {} of node {}; the first is used; --animation chooses one",
+                      known->second, number, path, node));
     return false;
   }
 

@@ -34,7 +34,7 @@ GltfDocument::GltfDocument(std::string path, std::shared_ptr<const ByteStore> fi
     read_container(*file, file);
   } else {
     if (file->size() > GltfLimits::kMaxJsonBytes)
-      refuse(fmt::format("the file has {} bytes; JSON of at most {} is read, geometry belongs into buffers",
+      refuse(fmt::format("the file has {} bytes; at most {} of JSON are read; geometry belongs in buffers",
                          file->size(), GltfLimits::kMaxJsonBytes));
     std::string text(file->size(), '\0');
     file->read(0, std::as_writable_bytes(std::span(text)));
@@ -89,7 +89,7 @@ void GltfDocument::check_version() const {
     if (root_.object() == nullptr)
       throw GltfError{&root_, fmt::format("the document is {}; it must be an object", root_.kind())};
     const JsonValue* asset = find_object(root_, "asset");
-    if (asset == nullptr) throw GltfError{&root_, "the document has no \"asset\"; this is no glTF 2"};
+    if (asset == nullptr) throw GltfError{&root_, "the document has no \"asset\"; this is not glTF 2"};
     const std::string version = string_or(*asset, "version", "");
     const std::string least = string_or(*asset, "minVersion", version);
     if (!version.starts_with("2."))
@@ -152,14 +152,14 @@ std::shared_ptr<const ByteStore> GltfDocument::resource(const std::string& uri, 
 
 std::shared_ptr<const ByteStore> GltfDocument::part_of_buffer(const JsonValue& view) {
   const auto index = find_index(view, "buffer");
-  if (!index) throw GltfError{&view, "a view of no \"buffer\""};
+  if (!index) throw GltfError{&view, "a view has no \"buffer\""};
   const std::shared_ptr<const ByteStore> bytes = buffer(*index, view);
   const std::uint64_t offset = count_or(view, "byteOffset", 0);
   const auto length = find_count(view, "byteLength");
   if (!length) throw GltfError{&view, "a view of a buffer has no \"byteLength\""};
   if (offset > bytes->size() || *length > bytes->size() - offset)
-    throw GltfError{&view, fmt::format("the view of {} bytes from {} on reaches beyond its buffer, which has {}",
-                                       *length, offset, bytes->size())};
+    throw GltfError{&view, fmt::format("the view of {} bytes from {} on exceeds its buffer, which has {}", *length,
+                                       offset, bytes->size())};
   return part_of(bytes, offset, *length);
 }
 

@@ -56,7 +56,7 @@ void set_perspective(const JsonValue& json, Camera& camera) {
   camera.fov_axis = Camera::FovAxis::y;
   if (!(camera.fov > 0.0 && camera.fov < 180.0))
     throw GltfError{
-        p, fmt::format("the field of view \"yfov\" is {}; it must lie between 0 and pi", number_or(*p, "yfov", 0.0))};
+        p, fmt::format("the field of view \"yfov\" is {}; it must be between 0 and pi", number_or(*p, "yfov", 0.0))};
   camera.near_clip = std::max(number_or(*p, "znear", 0.0), 0.0);
   camera.far_clip = number_or(*p, "zfar", kMaxCoordinate);
   const double aspect = number_or(*p, "aspectRatio", 0.0);

@@ -130,7 +130,7 @@ class GltfReader {
     GltfPose pose = gltf_pose(document_, accessors_, *options_.at, animation, sink_);
     if (*options_.at > pose.end)
       sink_.note(scene_.position,
-                 fmt::format("{} s is behind the end of the animations, at {} s", *options_.at, pose.end));
+                 fmt::format("{} s is after the end of the animations, at {} s", *options_.at, pose.end));
     return pose;
   }
 
@@ -144,12 +144,12 @@ class GltfReader {
     for (const std::string& name : required) {
       if (!known(name))
         sink_.error(document_.position(*document_.root().find("extensionsRequired")),
-                    fmt::format("the asset requires the extension {}, which is not read", text::quoted(name)));
+                    fmt::format("the asset requires the extension {}, which is not supported", text::quoted(name)));
     }
     for (const std::string& name : strings_of(document_.root(), "extensionsUsed")) {
       if (!known(name) && std::ranges::find(required, name) == required.end())
         sink_.warning(document_.position(*document_.root().find("extensionsUsed")),
-                      fmt::format("the asset uses the extension {}, which is not looked at", text::quoted(name)));
+                      fmt::format("the asset uses the extension {}, which is ignored", text::quoted(name)));
     }
   }
 
@@ -165,7 +165,7 @@ class GltfReader {
     for (const std::string& name : names) quoted.push_back(text::quoted(name));
     constexpr std::size_t kMostListed = 30;
     if (quoted.size() > kMostListed) quoted.resize(kMostListed);
-    throw Error(ErrorKind::usage, fmt::format("{} {}: there is none of this name or number; there {}", option,
+    throw Error(ErrorKind::usage, fmt::format("{} {}: there is none with this name or number; there {}", option,
                                               text::printable(choice, 100),
                                               quoted.empty() ? "are none" : fmt::format("are {}", text::join(quoted))));
   }
@@ -219,10 +219,9 @@ class GltfReader {
     }
     std::erase_if(scene_.delta_lights, [](const DeltaLight& l) { return l.intensity.value == glm::dvec3(0.0); });
     if (!scene_.delta_lights.empty() && rule.blender)
-      sink_.note(scene_.position,
-                 fmt::format("lamps are divided by {}, by which Blender multiplies them: as bright as there; --lamps "
-                             "standard shows them as they are written",
-                             rule.unit));
+      sink_.note(scene_.position, fmt::format("lamps are divided by {}, because Blender multiplies them by it; --lamps "
+                                              "standard shows them as they are written",
+                                              rule.unit));
   }
 
   void show_mesh(const GltfNodes& nodes, std::uint32_t node, const std::vector<GltfPart>& parts) {
@@ -294,15 +293,14 @@ class GltfReader {
     if (cameras_.empty() && !chosen) {
       frame_camera(scene_);
       if (!placed)
-        sink_.warning(scene_.position,
-                      "the asset has no camera; it is seen from one framed on it, --camera gives another");
+        sink_.warning(scene_.position, "the asset has no camera; one that frames it is used; --camera sets another");
       return;
     }
     std::vector<std::string> names;
     for (const std::uint32_t node : cameras_) names.push_back(nodes.name(node));
     const std::uint32_t which = chosen ? chosen_camera(nodes, names) : 0;
     if (cameras_.size() > 1 && options_.camera.empty())
-      sink_.note(scene_.position, fmt::format("the scene has {} cameras and is seen from {}; --camera chooses another",
+      sink_.note(scene_.position, fmt::format("the scene has {} cameras and is shown from {}; --camera chooses another",
                                               names.size(), text::quoted(names[0])));
     const std::uint32_t node = cameras_[which];
     const JsonValue& json = nodes.json(node);
@@ -327,8 +325,7 @@ class GltfReader {
     const bool lit = !scene_.delta_lights.empty() || (!scene_.emitters.empty() && !cameras_.empty());
     if (lit || !options_.environment.empty()) return;
     add_studio_sky(scene_);
-    sink_.warning(scene_.position,
-                  "the asset has no lamps; it stands under a soft grey sky, --environment gives another");
+    sink_.warning(scene_.position, "the asset has no lamps; a soft grey sky lights it; --environment sets another");
   }
 
   void say_what_is_left_out(const GltfMeshes& meshes) {
@@ -337,12 +334,11 @@ class GltfReader {
                                                  "left out",
                                                  meshes.left_out()));
     if (flat_ > 0)
-      sink_.note(scene_.position,
-                 fmt::format("{} nodes are scaled to nothing along an axis; they are left out", flat_));
+      sink_.note(scene_.position, fmt::format("{} nodes are scaled to zero along an axis; they are left out", flat_));
     if (!options_.at && !array_of(document_.root(), "animations").empty())
-      sink_.note(
-          scene_.position,
-          "the animations of the asset are not played: it stands as its nodes say; --at TIME shows it at a time");
+      sink_.note(scene_.position,
+                 "the animations of the asset are not played: it is shown as its nodes define it; --at TIME shows it "
+                 "at a given time");
   }
 
   GltfDocument& document_;

@@ -246,7 +246,7 @@ void GltfSurfaces::say_what_is_left_out(const GltfMaterial& m) {
     if (used) warn_once(m, fmt::format("{}, which is not shown", what));
   };
   if (m.occlusion_texture && said_.insert("occlusion").second)
-    sink_.note(position(m), "occlusion textures are not looked at: light is traced");
+    sink_.note(position(m), "occlusion textures are ignored, because light is traced");
   say(m.anisotropy > 0.0 && m.anisotropy_texture, "has a texture of the direction of its anisotropy");
   say(m.scatters, "scatters light inside");
 }
@@ -256,7 +256,7 @@ std::optional<std::uint32_t> GltfSurfaces::texture(const MaybeTexture& info, con
   if (!info) return std::nullopt;
   if (info->uv_set < traits.uv_sets) return textures_.row(*info, color_space, recipe);
   const std::string sentence =
-      fmt::format("a mesh has no TEXCOORD_{}, which this texture lies by: it is left out", info->uv_set);
+      fmt::format("a mesh has no TEXCOORD_{}, which this texture needs: it is left out", info->uv_set);
   const SourcePosition at = document_.position(*info->where);
   if (said_.insert(to_string(at) + sentence).second) sink_.warning(at, sentence);
   return std::nullopt;

@@ -21,7 +21,7 @@ double number(const JsonValue& value, std::string_view name) {
 std::uint64_t count(const JsonValue& value, std::string_view name) {
   const double n = number(value, name);
   if (!(n >= 0.0 && n <= kMostCount) || n != std::floor(n))
-    throw GltfError{&value, fmt::format("\"{}\" is {}; it must be a whole number that is not negative", name, n)};
+    throw GltfError{&value, fmt::format("\"{}\" is {}; it must be a non-negative whole number", name, n)};
   return static_cast<std::uint64_t>(n);
 }
 

@@ -72,7 +72,7 @@ class JsonTreeBuilder {
   bool start_array(std::size_t) { return open(JsonValue::Array()); }
   bool end_array() { return close(); }
   bool parse_error(std::size_t, const std::string& token, const nlohmann::detail::exception&) {
-    throw JsonError{offset(), fmt::format("this is no JSON from here on, at {}", shown(token))};
+    throw JsonError{offset(), fmt::format("this is not JSON from here on, at {}", shown(token))};
   }
 
  private:
@@ -110,8 +110,7 @@ class JsonTreeBuilder {
   /// What is open is the last element of what is open around it, so nothing moves it.
   bool open(decltype(JsonValue::value_) value) {
     if (open_.size() == JsonLimits::kMaxDepth)
-      throw JsonError{offset(),
-                      fmt::format("more than {} arrays and objects stand one in the other", JsonLimits::kMaxDepth)};
+      throw JsonError{offset(), fmt::format("arrays and objects are nested more than {} deep", JsonLimits::kMaxDepth)};
     open_.push_back(&place(std::move(value)));
     names_.emplace_back();
     return true;

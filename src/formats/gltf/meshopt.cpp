@@ -26,8 +26,7 @@ void check_size(const JsonValue& extension, Mode mode, std::uint64_t count, std:
   const bool stride_fits =
       mode == Mode::attributes ? stride >= 4 && stride <= 256 && stride % 4 == 0 : stride == 2 || stride == 4;
   if (!stride_fits || (mode == Mode::triangles && count % 3 != 0))
-    throw GltfError{&extension,
-                    fmt::format("{} elements of {} bytes are nothing that this compression packs", count, stride)};
+    throw GltfError{&extension, fmt::format("this compression does not pack {} elements of {} bytes", count, stride)};
   constexpr std::uint64_t kMostPerByte = 64;
   if (count * stride > kMostPerByte * (std::uint64_t{packed} + 1))
     throw GltfError{&extension, fmt::format("{} bytes cannot hold {} compressed elements", packed, count)};

@@ -254,10 +254,11 @@ class PrimitiveReader {
       mesh_.tangents[i] = good ? t : glm::vec4(0.0f, 0.0f, 0.0f, 1.0f);
     }
     if (bad == 0) return;
-    sink_.warning(document_.position(primitive_),
-                  fmt::format("{} of {} tangents have no direction or no side; the normal texture lies by the texture "
-                              "coordinates",
-                              bad, table.rows()));
+    sink_.warning(
+        document_.position(primitive_),
+        fmt::format(
+            "{} of {} tangents have no direction or no side; the normal texture uses the texture coordinates instead",
+            bad, table.rows()));
     mesh_.tangents.clear();
   }
 
@@ -315,7 +316,7 @@ class PrimitiveReader {
         if (!(weight > 0.0)) continue;
         if (!(joint >= 0.0 && joint < static_cast<double>(pose_.joints.size())))
           throw GltfError{&attributes_,
-                          fmt::format("a vertex hangs on joint {}; the skin has {}", joint, pose_.joints.size())};
+                          fmt::format("a vertex refers to joint {}; the skin has {}", joint, pose_.joints.size())};
         blends[i] += weight * pose_.joints[static_cast<std::size_t>(joint)];
       }
     }
@@ -336,10 +337,10 @@ class PrimitiveReader {
     if (mesh_.triangles.size() > kMaxTriangles)
       throw GltfError{&primitive_, fmt::format("the primitive has {} triangles; at most {} are supported",
                                                mesh_.triangles.size(), kMaxTriangles)};
-    leave_out("name vertices that there are not", [&](const glm::uvec3& t) {
+    leave_out("refer to vertices that do not exist", [&](const glm::uvec3& t) {
       return std::max({t.x, t.y, t.z}) >= mesh_.positions.size();
     });
-    leave_out("have a vertex that is no finite number", [&](const glm::uvec3& t) {
+    leave_out("have a vertex that is not finite", [&](const glm::uvec3& t) {
       return !is_finite(mesh_.positions[t.x]) || !is_finite(mesh_.positions[t.y]) || !is_finite(mesh_.positions[t.z]);
     });
     drop_unused_vertices(mesh_);

@@ -45,7 +45,7 @@ int base64_digit(char c) {
 
 std::vector<std::byte> base64_decoded(std::string_view text) {
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
-  if (text.size() % 4 == 1) throw UriError{"its base64 text has a length that no bytes give"};
+  if (text.size() % 4 == 1) throw UriError{"its base64 text has an impossible length"};
   std::vector<std::byte> bytes;
   bytes.reserve(text.size() / 4 * 3 + 2);
   std::uint32_t bits = 0;
@@ -101,14 +101,15 @@ std::optional<DataUri> parse_data_uri(std::string_view uri) {
 
 std::string path_of_uri(const std::string& folder, std::string_view uri) {
   if (const std::string_view scheme = scheme_of(uri); !scheme.empty())
-    throw UriError{fmt::format("only files beside the model are read, nothing by \"{}:\"", scheme)};
+    throw UriError{fmt::format("only files next to the model are read, not \"{}:\"", scheme)};
   std::string name = percent_decoded(uri);
   if (name.empty()) throw UriError{"the name is empty"};
   if (name.find('\0') != std::string::npos) throw UriError{"the name holds a zero byte"};
   std::ranges::replace(name, '\\', '/');
   if (name.front() == '/') throw UriError{"absolute paths are not followed; name a file in the folder of the model"};
   const fs::path inside = fs::path(name).lexically_normal();
-  const UriError outside{"it lies outside the folder of the model, where nothing is read; put the file beside it"};
+  const UriError outside{
+      "it is outside the folder of the model, where nothing is read; put the file next to the model"};
   if (begins_with_parent(inside)) throw outside;
   const fs::path base = folder.empty() ? fs::path(".") : fs::path(folder);
   const fs::path path = base / inside;

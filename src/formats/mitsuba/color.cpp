@@ -29,7 +29,7 @@ glm::dvec3 read_hex(std::string_view text) {
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data() + 1, end, code, 16);
   if (text.size() != 7 || error != std::errc() || stop != end)
-    throw ValueError{0, fmt::format("{} is no colour; write #rrggbb or three numbers", text::quoted(text))};
+    throw ValueError{0, fmt::format("{} is not a colour; write #rrggbb or three numbers", text::quoted(text))};
   const auto component = [&](int shift) { return linear_of_srgb(((code >> shift) & 0xff) / 255.0); };
   return {component(16), component(8), component(0)};
 }
@@ -103,7 +103,7 @@ std::vector<SpectrumPoint> make_points(const std::vector<double>& wavelengths, c
                                        std::size_t offset) {
   if (wavelengths.size() != values.size() || values.size() < 2)
     throw ValueError{offset,
-                     fmt::format("{} wavelengths and {} values; there must be as many of both, and two at least",
+                     fmt::format("{} wavelengths and {} values; there must be equally many of both, and at least two",
                                  wavelengths.size(), values.size())};
   std::vector<SpectrumPoint> points;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -203,7 +203,7 @@ glm::dvec3 read_color(const XmlElement& element, SpectrumUse use, const MitsubaC
   const bool known = element.name == "rgb" || element.name == "srgb" || element.name == "color" ||
                      element.name == "float" || element.name == "integer";
   if (!known)
-    throw ValueError{element.offset, fmt::format("<{}> is no colour; write <rgb> or <spectrum>", element.name)};
+    throw ValueError{element.offset, fmt::format("<{}> is not a colour; write <rgb> or <spectrum>", element.name)};
   const XmlAttribute& value = required(element, "value");
   return at_attribute(value, [&] {
     const std::string_view text = text::trim(value.value);

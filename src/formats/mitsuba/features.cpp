@@ -34,7 +34,7 @@ void MissingFeatures::report(const SourcePosition& scene, Diagnostics& diagnosti
   }
   std::vector<std::string> list;
   for (const auto& [what, feature] : features_) list.push_back(fmt::format("{} ({})", what, places_of(feature)));
-  diagnostics.error(scene, fmt::format("the scene needs what there is not here: {}", fmt::join(list, "; ")));
+  diagnostics.error(scene, fmt::format("the scene needs things that are not supported: {}", fmt::join(list, "; ")));
 }
 
 std::vector<std::string> MissingFeatures::substitutes() const {

@@ -160,10 +160,10 @@ void MitsubaDocument::include(const XmlElement& element, std::vector<XmlElement>
   }
   const std::string whole = canonical(path);
   if (std::ranges::find(expansion.open, whole) != expansion.open.end())
-    return diagnostics_.error(where, fmt::format("{} includes itself, directly or by way of others; break the circle",
+    return diagnostics_.error(where, fmt::format("{} includes itself, directly or through others; break the cycle",
                                                  text::quoted(filename.value)));
   if (expansion.open.size() > MitsubaLimits::kMaxIncludeDepth)
-    return diagnostics_.error(where, fmt::format("files include one another {} deep; at most {} are supported",
+    return diagnostics_.error(where, fmt::format("includes are nested {} deep; at most {} are supported",
                                                  expansion.open.size(), MitsubaLimits::kMaxIncludeDepth));
   if (sources_.size() > MitsubaLimits::kMaxFiles)
     return diagnostics_.error(
@@ -211,7 +211,7 @@ void MitsubaDocument::add_path(const XmlElement& element) {
   std::error_code unknown;
   if (!fs::is_directory(folder, unknown))
     diagnostics_.warning(value_position(value),
-                         fmt::format("{} is no folder; files are looked for elsewhere", text::quoted(value.value)));
+                         fmt::format("{} is not a folder; it is not searched for files", text::quoted(value.value)));
   else
     folders_.insert(folders_.begin(), folder);
 }

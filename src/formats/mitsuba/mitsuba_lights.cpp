@@ -53,7 +53,7 @@ void read_slope(const MitsubaObject& object, const Scene& scene, DeltaLight& lig
   const std::vector<std::string> known = {"x", "y", "smaller", "larger"};
   if (std::ranges::find(known, axis) != known.end()) return;
   context.sink.error(object.position_of("fov_axis"),
-                     fmt::format("{} is no axis of a projector{}; known are: {}", text::quoted(axis),
+                     fmt::format("{} is not an axis of a projector{}; known are: {}", text::quoted(axis),
                                  text::did_you_mean(axis, known), text::join(known)));
 }
 

@@ -23,8 +23,7 @@ std::uint32_t MitsubaMaterials::row_of(const XmlElement& bsdf) {
                                               : "bsdf",
                     .position = context_.document.position(bsdf)};
   if (!open_.insert(&bsdf).second) {
-    context_.sink.error(material.position,
-                        fmt::format("the material {} stands in itself", text::quoted(material.name)));
+    context_.sink.error(material.position, fmt::format("the material {} contains itself", text::quoted(material.name)));
     return default_row(false, material.position);
   }
   if (const auto object = MitsubaObject::read(bsdf, context_, "diffuse, grey")) {
@@ -317,7 +316,7 @@ double MitsubaMaterials::alpha(const MitsubaObject& object, const char* name) {
   const double value = object.real(name);
   if (value >= kMinRoughness) return value;
   context_.sink.note(object.position_of(name),
-                     fmt::format("roughness {} is taken as {}, the least there is", value, kMinRoughness));
+                     fmt::format("roughness {} is raised to {}, the minimum", value, kMinRoughness));
   return kMinRoughness;
 }
 

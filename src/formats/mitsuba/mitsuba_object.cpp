@@ -314,7 +314,7 @@ double MitsubaObject::ior(const char* name) const {
   const std::string word = property == nullptr ? row.default_text : text(name);
   if (const auto known = named_ior(word)) return *known;
   context_->sink.error(position_of(name),
-                       fmt::format("{} is no material whose index of refraction is known{}; known are: {}",
+                       fmt::format("{} is not a material with a known index of refraction{}; known are: {}",
                                    text::quoted(word), text::did_you_mean(word, ior_names()), text::join(ior_names())));
   return 1.0;
 }

@@ -80,7 +80,7 @@ class MitsubaReader {
     for (int depth = 0; object && (object->type() == "moment" || object->type() == "aov"); ++depth) {
       constexpr int kMaxWrappers = 8;
       if (depth == kMaxWrappers) {
-        context_.sink.error(object->position(), fmt::format("integrators lie {} deep within each other", depth));
+        context_.sink.error(object->position(), fmt::format("integrators are nested {} deep", depth));
         return;
       }
       if (object->type() == "aov") read_aovs(*object);
@@ -91,9 +91,9 @@ class MitsubaReader {
     if (object->type() == "depth") return void(scene_.integrator.type = Integrator::Type::distance);
     const bool direct = object->type() == "direct";
     if (!direct && object->type() != "path")
-      context_.sink.note(object->position(), fmt::format("the integrator {} is taken as path, which computes the same "
-                                                         "light",
-                                                         object->type()));
+      context_.sink.note(
+          object->position(),
+          fmt::format("the integrator {} is read as path, which computes the same light", object->type()));
     direct ? read_direct(*object) : read_path(*object);
     scene_.integrator.hide_emitters = object->boolean("hide_emitters");
   }
@@ -162,7 +162,7 @@ class MitsubaReader {
     std::optional<MitsubaObject> sensor = MitsubaObject::read(*sensors.front(), context_, "perspective, 40 degrees");
     if (!sensor) return;
     if (sensor->type() == "irradiancemeter")
-      return context_.sink.error(sensor->position(), "an irradiancemeter belongs into the <shape> that light falls on");
+      return context_.sink.error(sensor->position(), "an irradiancemeter belongs in the <shape> that light falls on");
     Camera& camera = scene_.camera;
     camera.position = sensor->position();
     read_film(*sensor, camera);
@@ -319,7 +319,7 @@ class MitsubaReader {
     if (axis == "larger") return larger;
     const std::vector<std::string> known = {"x", "y", "diagonal", "smaller", "larger"};
     context_.sink.error(sensor.position_of("fov_axis"),
-                        fmt::format("{} is no axis of the film{}; known are: {}", text::quoted(axis),
+                        fmt::format("{} is not an axis of the film{}; known are: {}", text::quoted(axis),
                                     text::did_you_mean(axis, known), text::join(known)));
     return x;
   }
@@ -331,7 +331,7 @@ class MitsubaReader {
     double length = 0.0;
     if (text::parse_double(text::trim(word), length) == text::NumberError::none && length > 0.0) return length;
     context_.sink.error(sensor.position_of("focal_length"),
-                        fmt::format("{} is no focal length; write for example 50mm", text::quoted(word)));
+                        fmt::format("{} is not a focal length; write for example 50mm", text::quoted(word)));
     return 50.0;
   }
 
@@ -343,7 +343,7 @@ class MitsubaReader {
     scene_.sampler.type = Sampler::Type::sobol;
     scene_.sampler.set_bits = kSetBits;
     context_.sink.note(object->position(),
-                       fmt::format("the sampler {} is taken as sobol, in sets of {}", object->type(), 1u << kSetBits));
+                       fmt::format("the sampler {} is read as sobol, in sets of {}", object->type(), 1u << kSetBits));
   }
 
   void read_emitter(const XmlElement& element) {
@@ -358,7 +358,7 @@ class MitsubaReader {
       return;
     }
     if (kind == "area")
-      return context_.sink.error(emitter->position(), "an emitter area belongs into the <shape> that emits");
+      return context_.sink.error(emitter->position(), "an emitter area belongs in the <shape> that emits");
     if (std::exchange(has_sky_, true))
       return context_.sink.error(emitter->position(),
                                  "the scene has more than one emitter of the surroundings; keep one");

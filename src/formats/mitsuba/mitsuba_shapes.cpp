@@ -50,7 +50,7 @@ void MitsubaShapes::add(const XmlElement& element) {
 void MitsubaShapes::add_all(const MitsubaObject& object) {
   constexpr int kMaxMerges = 8;
   if (merges_ == kMaxMerges)
-    return context_.sink.error(object.position(), fmt::format("merged shapes lie {} deep within each other", merges_));
+    return context_.sink.error(object.position(), fmt::format("merged shapes are nested {} deep", merges_));
   ++merges_;
   for (const XmlElement* part : object.children("shape")) add(*part);
   --merges_;

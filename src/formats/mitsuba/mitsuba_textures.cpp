@@ -65,7 +65,7 @@ MitsubaTextures::Scaled MitsubaTextures::read(const XmlElement& texture, bool nu
   if (type == "rawconstant") return {.factor = object->color("value", SpectrumUse::index).value, .row = {}};
   if (type != "scale") throw std::logic_error(fmt::format("the reader has no texture {}", type));
   if (depth >= kMaxDepth) {
-    context_.sink.error(object->position(), fmt::format("textures lie {} deep within each other", depth));
+    context_.sink.error(object->position(), fmt::format("textures are nested {} deep", depth));
     return grey;
   }
   const std::vector<const XmlElement*> within = object->children("texture");
@@ -142,7 +142,7 @@ TextureWrap MitsubaTextures::wrap(const MitsubaObject& object, const char* name)
   }
   if (word != "repeat")
     context_.sink.error(object.position_of(name),
-                        fmt::format("{} is no wrap mode{}; known are: repeat, mirror, clamp", text::quoted(word),
+                        fmt::format("{} is not a wrap mode{}; known are: repeat, mirror, clamp", text::quoted(word),
                                     text::did_you_mean(word, {"repeat", "mirror", "clamp"})));
   return TextureWrap::repeat;
 }
@@ -153,10 +153,10 @@ void MitsubaTextures::set_filter(const MitsubaObject& object, BitmapTexture& pic
     picture.filter = TextureFilter::nearest;
   } else if (word == "ewa" || word == "trilinear") {
     context_.sink.note(object.position_of("filter_type"),
-                       fmt::format("the filter {} is taken as bilinear: pictures are filtered by many samples", word));
+                       fmt::format("the filter {} is read as bilinear: many samples filter pictures", word));
   } else if (word != "bilinear") {
     context_.sink.error(object.position_of("filter_type"),
-                        fmt::format("{} is no filter of textures{}; known are: nearest, bilinear, trilinear, ewa",
+                        fmt::format("{} is not a texture filter{}; known are: nearest, bilinear, trilinear, ewa",
                                     text::quoted(word), text::did_you_mean(word, {"nearest", "bilinear"})));
   }
 }
@@ -195,7 +195,7 @@ std::optional<Texture> MitsubaTextures::read_attribute(const MitsubaObject& obje
   if (!faces && !name.starts_with("vertex_")) {
     context_.sink.error(
         object.position_of("name"),
-        fmt::format("{} is no attribute of a mesh; its name begins with vertex_ or face_", text::quoted(name)));
+        fmt::format("{} is not a mesh attribute; its name begins with vertex_ or face_", text::quoted(name)));
     return std::nullopt;
   }
   return Texture{.source = AttributeTexture{faces ? Source::face_color : Source::vertex_color},

@@ -148,7 +148,7 @@ class MitsubaWriter : MaterialWriter {
                    integrator.max_depth >= Integrator::kUnlimitedDepth ? -1 : std::int64_t{integrator.max_depth});
       xml_.integer("rr_depth", integrator.rr_depth == 0 ? kNever : std::int64_t{integrator.rr_depth});
       if (!integrator.nee || !integrator.mis)
-        differs("Mitsuba's path always samples lights and weighs strategies; its light is the same, its noise is not");
+        differs("Mitsuba's path always combines light and material sampling; the light is the same, the noise is not");
     } else if (integrator.type == distance) {
       xml_.open("integrator", {{"type", "depth"}});
     } else {
@@ -204,7 +204,7 @@ class MitsubaWriter : MaterialWriter {
     xml_.transform("to_world", placement);
     write_film(camera);
     if (!scene_.camera.path.empty())
-      differs("the camera moves, and stands still in scenes for Mitsuba; --at TIME says where");
+      differs("the camera moves, which scenes for Mitsuba cannot say; --at TIME chooses a position");
     const bool sobol = scene_.sampler.type == Sampler::Type::sobol;
     xml_.open("sampler", {{"type", sobol ? "multijitter" : "independent"}});
     xml_.integer("sample_count", scene_.sampler.sample_count);
@@ -422,8 +422,8 @@ class MitsubaWriter : MaterialWriter {
   /// By the nearest of Mitsuba's materials.
   void write_gltf(const std::string& id, const GltfBsdf& bsdf) override {
     const std::string sentence =
-        "materials of glTF are written as principled, whose lobes are others, without sheen, film, volume and "
-        "dispersion, and with the normal of the base for the coat";
+        "materials of glTF are written as principled, which has different lobes and no sheen, film, volume or "
+        "dispersion, and whose coat has the normal of the base";
     if (std::ranges::find(differences_, sentence) == differences_.end()) differs(sentence);
     const bool sheet = bsdf.thin && may_refract(bsdf);
     open_bsdf(id, sheet ? "principledthin" : "principled");
@@ -443,15 +443,15 @@ class MitsubaWriter : MaterialWriter {
   void write_vertex_tangents() override {
     if (std::exchange(tangents_noted_, true)) return;
     differs(
-        "normal maps lie by the tangents of vertices, in Mitsuba by the texture coordinates of each triangle, and are "
-        "not turned where those are mirrored");
+        "normal maps follow vertex tangents; in Mitsuba they follow the texture coordinates of each triangle, and are "
+        "not flipped where those are mirrored");
   }
   void note_masks() {
     const auto is_mask = [](const Material& material) {
       return material.adapter && std::holds_alternative<MaskAdapter>(*material.adapter);
     };
     if (!scene_.integrator.count_passes && std::ranges::any_of(scene_.materials, is_mask))
-      differs("a mask makes no path longer, in Mitsuba it does");
+      differs("passing a mask does not count as a path segment, in Mitsuba it does");
   }
 
   void write_shape(const Instance& instance) {
@@ -486,7 +486,7 @@ class MitsubaWriter : MaterialWriter {
       xml_.open("emitter", {{"type", "area"}});
       color("radiance", emitter->radiance);
       if (emitter->two_sided && !std::exchange(sides_noted_, true))
-        differs("lamps that shine on both sides do so in front alone in Mitsuba");
+        differs("two-sided lamps emit only in front in Mitsuba");
       xml_.close();
     }
     xml_.close();

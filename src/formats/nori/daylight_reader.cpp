@@ -49,12 +49,12 @@ Daylight read_daylight(const Object& object, Diagnostics& sink) {
   daylight.width = static_cast<std::uint32_t>(object.get<std::int64_t>("resolution"));
   if (!std::has_single_bit(daylight.width))
     sink.error(object.position_of("resolution"),
-               fmt::format("the resolution {} is no power of two; use {} or {}", daylight.width,
+               fmt::format("the resolution {} is not a power of two; use {} or {}", daylight.width,
                            std::bit_floor(daylight.width), std::bit_ceil(daylight.width)));
   daylight.sun = read_sun(object, sink);
   if (!(daylight.sun.y > 0.0)) {
     sink.error(object.position_of(object.given("sunDirection") ? "sunDirection" : "hour"),
-               fmt::format("the sun stands {:.1f} degrees below the horizon; the model knows no night: move it up",
+               fmt::format("the sun is {:.1f} degrees below the horizon; the model has no night: move it up",
                            -std::asin(daylight.sun.y) * 57.29577951308232));
     daylight.sun = {0, 1, 0};
   }

@@ -62,7 +62,7 @@ class DeltaLightReader {
     }
     if (object_.given(first)) return first;
     if (object_.given(second)) return second;
-    sink_.error(object_.position(), fmt::format("the {} says neither \"{}\" nor \"{}\"; add <color name=\"{}\" "
+    sink_.error(object_.position(), fmt::format("the {} has neither \"{}\" nor \"{}\"; add <color name=\"{}\" "
                                                 "value=\"1 1 1\"/>",
                                                 light_.name, first, second, first));
     return nullptr;
@@ -81,7 +81,7 @@ class DeltaLightReader {
   void refuse_with_transform(const char* property) {
     if (object_.given("toWorld"))
       sink_.error(object_.position_of(property),
-                  fmt::format("the {} has both \"{}\" and \"toWorld\", which says the same; keep one of them",
+                  fmt::format("the {} has both \"{}\" and \"toWorld\", which means the same; keep one of them",
                               light_.name, property));
   }
 
@@ -105,7 +105,7 @@ class DeltaLightReader {
     const double length = glm::length(z);
     if (!(length > 0.0)) {
       sink_.error(object_.position_of(property),
-                  has_target ? fmt::format("the target of the {} is where it stands; move one of them", light_.name)
+                  has_target ? fmt::format("the target of the {} is at its position; move one of them", light_.name)
                              : fmt::format("the direction of the {} is 0 0 0; give one", light_.name));
       return;
     }
@@ -122,19 +122,19 @@ class DeltaLightReader {
     const bool other = object_.given("totalWidth") || object_.given("falloffStart");
     for (const char* name : {"cutoffAngle", "beamWidth"}) {
       if (other && object_.given(name))
-        sink_.error(object_.position_of(name),
-                    fmt::format("\"{}\" and \"totalWidth\" or \"falloffStart\" are two words for one cone; keep one "
-                                "pair of them",
-                                name));
+        sink_.error(
+            object_.position_of(name),
+            fmt::format(
+                "\"{}\" and \"totalWidth\" or \"falloffStart\" are two names for one cone; keep one pair of them",
+                name));
     }
     const char* beam = other ? "falloffStart" : "beamWidth";
     light_.cutoff = object_.get<double>(other ? "totalWidth" : "cutoffAngle");
     light_.beam_width = object_.given(beam) ? object_.get<double>(beam) : 0.75 * light_.cutoff;
     if (light_.beam_width > light_.cutoff) {
-      sink_.error(object_.position_of(beam),
-                  fmt::format("the beam of the spot has a half angle of {} degrees, its cone one of {}; the beam lies "
-                              "within the cone",
-                              light_.beam_width, light_.cutoff));
+      sink_.error(object_.position_of(beam), fmt::format("the beam of the spot has a half angle of {} degrees, its "
+                                                         "cone one of {}; the beam must be within the cone",
+                                                         light_.beam_width, light_.cutoff));
       light_.beam_width = light_.cutoff;
     }
     light_.falloff = other ? DeltaLight::Falloff::quartic : DeltaLight::Falloff::linear;
@@ -149,7 +149,7 @@ class DeltaLightReader {
     } else {
       const std::vector<std::string> known = {"linear", "smooth", "quartic"};
       sink_.error(object_.position_of("falloff"),
-                  fmt::format("{} is no way to fade{}; known are linear, smooth and quartic", text::quoted(word),
+                  fmt::format("{} is not a kind of falloff{}; known are linear, smooth and quartic", text::quoted(word),
                               text::did_you_mean(word, known)));
     }
   }

@@ -177,7 +177,7 @@ class SceneReader {
   void note_other_integrator(const Object& object, const std::string& type) {
     if (type == "photonmapper" || type == "bdpt" || type == "mlt")
       sink_.note(object.position(),
-                 fmt::format("the integrator {} is taken as path_mis: the same light, other noise", type));
+                 fmt::format("the integrator {} is read as path_mis: the same light, but different noise", type));
   }
 
   Integrator read_direct(const Object& object, const std::string& type) {
@@ -221,7 +221,7 @@ class SceneReader {
     if (text != "auto") {
       const std::vector<std::string> known = {"auto", "power", "tree"};
       sink_.error(object.position_of("lightSampler"),
-                  fmt::format("{} is no way to choose lights{}; known are auto, power and tree", text::quoted(text),
+                  fmt::format("{} is not a way to choose lights{}; known are auto, power and tree", text::quoted(text),
                               text::did_you_mean(text, known)));
     }
     return automatic;
@@ -275,8 +275,8 @@ class SceneReader {
     const auto curve = object.get<std::string>("path");
     if (curve != "spline" && curve != "linear")
       sink_.error(object.position_of("path"),
-                  fmt::format("{} is no path from keyframe to keyframe{}; known are spline and linear",
-                              text::quoted(curve), text::did_you_mean(curve, {"spline", "linear"})));
+                  fmt::format("{} is not a path between keyframes{}; known are spline and linear", text::quoted(curve),
+                              text::did_you_mean(curve, {"spline", "linear"})));
     camera.path.curve = curve == "linear" ? CameraPath::Curve::linear : CameraPath::Curve::spline;
     for (const XmlElement* element : object.children("keyframe")) {
       const std::size_t errors_before = sink_.error_count();
@@ -292,7 +292,7 @@ class SceneReader {
     if (camera.path.empty()) return;
     if (object.given("toWorld"))
       sink_.error(object.position_of("toWorld"),
-                  "the camera has both \"toWorld\" and keyframes, which say where it stands; keep one of them");
+                  "the camera has both \"toWorld\" and keyframes, which both place it; keep one of them");
     camera.world_from_camera = pose_at(camera.path, 0.0);
   }
 
@@ -306,15 +306,14 @@ class SceneReader {
     }
     if (!(radius > 0.0)) return;
     if (is_focus_distance(object)) {
-      sink_.note(object.position_of("focalLength"), "\"focalLength\" beside \"fov\" is taken for \"focusDistance\"");
+      sink_.note(object.position_of("focalLength"), "\"focalLength\" next to \"fov\" is read as \"focusDistance\"");
       camera.type = Camera::Type::thin_lens;
       camera.aperture = {.radius = radius, .focus_distance = object.get<double>("focalLength")};
       return;
     }
     if (!object.given("focusDistance"))
-      return sink_.error(
-          object.position_of("apertureRadius"),
-          "a lens needs to know where things are sharp; add <float name=\"focusDistance\" value=\"…\"/>");
+      return sink_.error(object.position_of("apertureRadius"),
+                         "a lens needs a focus distance; add <float name=\"focusDistance\" value=\"…\"/>");
     camera.type = Camera::Type::thin_lens;
     camera.aperture = {.radius = radius, .focus_distance = object.get<double>("focusDistance")};
   }
@@ -343,7 +342,7 @@ class SceneReader {
     } else {
       sink_.error(
           object.position_of("fovAxis"),
-          fmt::format("{} is no axis of the field of view{}; known are x, y, diagonal, smaller and larger",
+          fmt::format("{} is not an axis of the field of view{}; known are x, y, diagonal, smaller and larger",
                       text::quoted(text), text::did_you_mean(text, {"x", "y", "diagonal", "smaller", "larger"})));
     }
     const auto focal_length = object.get<double>("focalLength");
@@ -431,9 +430,8 @@ class SceneReader {
     const std::vector<const XmlElement*> children = scene.children("sampler");
     const XmlAttribute* type = children.empty() ? nullptr : children.front()->find("type");
     if (type == nullptr || context_.dialect.canonical_type("sampler", type->value) == type->value) return;
-    sink_.note(
-        value_position(*type, 0, context_),
-        fmt::format("the sampler {} is taken as sobol: scrambled Sobol points in independent sets", type->value));
+    sink_.note(value_position(*type, 0, context_),
+               fmt::format("the sampler {} is read as sobol: scrambled Sobol points in independent sets", type->value));
   }
 
   Instancing read_instancing(const Object& object) {
@@ -443,8 +441,8 @@ class SceneReader {
     if (text != "auto") {
       const std::vector<std::string> known = {"auto", "never", "always"};
       sink_.error(object.position_of("instancing"),
-                  fmt::format("{} is no way to lay out meshes{}; known are auto, never and always", text::quoted(text),
-                              text::did_you_mean(text, known)));
+                  fmt::format("{} is not a value of \"instancing\"{}; known are auto, never and always",
+                              text::quoted(text), text::did_you_mean(text, known)));
     }
     return Instancing::automatic;
   }
@@ -928,8 +926,7 @@ class SceneReader {
   std::optional<Instance> read_sky_mesh(const Object& emitter, Scene& scene) {
     sink_.warning(
         emitter.position(),
-        "the picture of a mesh is taken as light from all around the scene, from infinitely far away; the mesh "
-        "is left out");
+        "the picture on a mesh is read as light from all around the scene, infinitely far away; the mesh is left out");
     add_environment(emitter, *scene_object_, scene);
     return std::nullopt;
   }
@@ -967,9 +964,9 @@ class SceneReader {
   void read_environment(const Object& object, const Object& scene_object, Scene& scene) {
     const std::string_view type = object.plugin().type;
     if (type == "area") {
-      return sink_.error(object.position(),
-                         "an area light stands in the mesh that shines; light from all around the scene is constant or "
-                         "envmap");
+      return sink_.error(
+          object.position(),
+          "an area light belongs in the mesh that emits; light from all around the scene is constant or envmap");
     }
     for (const char* name : {"sky_top", "sky_horizon"}) {
       if (scene_object.given(name)) {
@@ -1004,7 +1001,7 @@ class SceneReader {
       picture.rows = SkyPicture::Rows::circles;
     } else if (rows != "bands") {
       const std::vector<std::string> known = {"bands", "circles"};
-      sink_.error(object.position_of("rows"), fmt::format("{} is no kind of rows{}; known are bands and circles",
+      sink_.error(object.position_of("rows"), fmt::format("{} is not a kind of rows{}; known are bands and circles",
                                                           text::quoted(rows), text::did_you_mean(rows, known)));
     }
     if (!object.given("filename")) return std::nullopt;
@@ -1127,7 +1124,7 @@ class SceneReader {
     const bool outside = relative.empty() || *relative.begin() == "..";
     if (outside)
       sink_.note(position,
-                 fmt::format("{} {} lies outside the folder of the scene file", what, text::quoted(target.string())));
+                 fmt::format("{} {} is outside the folder of the scene file", what, text::quoted(target.string())));
   }
 
   std::vector<TestBsdf> read_test_bsdfs(const Object& test) {

@@ -86,7 +86,7 @@ std::optional<Texture> TextureReader::read_texture(const Object& object, Scene& 
   if (attribute != "vertex_color" && attribute != "face_color") {
     context_.diagnostics.error(
         object.position_of("attribute"),
-        fmt::format("{} is no attribute of a mesh{}; known are vertex_color and face_color", text::quoted(attribute),
+        fmt::format("{} is not a mesh attribute{}; known are vertex_color and face_color", text::quoted(attribute),
                     text::did_you_mean(attribute, {"vertex_color", "face_color"})));
     return std::nullopt;
   }
@@ -126,8 +126,8 @@ TextureChannel TextureReader::read_channel(const Object& object) {
   }
   context_.diagnostics.error(
       object.position_of("channel"),
-      fmt::format("{} is no channel of a texture{}; known are red, green, blue, alpha and luminance",
-                  text::quoted(word), text::did_you_mean(word, {"red", "green", "blue", "alpha", "luminance"})));
+      fmt::format("{} is not a texture channel{}; known are red, green, blue, alpha and luminance", text::quoted(word),
+                  text::did_you_mean(word, {"red", "green", "blue", "alpha", "luminance"})));
   return TextureChannel::luminance;
 }
 
@@ -141,7 +141,7 @@ void TextureReader::set_wrap(const Object& object, BitmapTexture& picture) {
   } else if (word != "repeat") {
     context_.diagnostics.error(
         object.position_of("wrap_mode"),
-        fmt::format("{} is no way to go on beyond an edge{}; known are repeat, mirror and clamp", text::quoted(word),
+        fmt::format("{} is not a wrap mode{}; known are repeat, mirror and clamp", text::quoted(word),
                     text::did_you_mean(word, {"repeat", "mirror", "clamp"})));
   }
   picture.wrap_u = picture.wrap_v = wrap;
@@ -153,7 +153,7 @@ void TextureReader::set_filter(const Object& object, BitmapTexture& picture) {
     picture.filter = TextureFilter::nearest;
   } else if (word != "bilinear" && word != "linear") {
     context_.diagnostics.error(object.position_of("filter_type"),
-                               fmt::format("{} is no filter of textures{}; known are bilinear and nearest",
+                               fmt::format("{} is not a texture filter{}; known are bilinear and nearest",
                                            text::quoted(word), text::did_you_mean(word, {"bilinear", "nearest"})));
   }
 }

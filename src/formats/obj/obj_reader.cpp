@@ -203,7 +203,7 @@ class ObjParser {
     if (std::exchange(unknown_, true)) return;
     diagnostics_.warning(
         lines_.position(tokens.offset()),
-        fmt::format("lines that start with {} are not known and ignored, here and further on", text::quoted(keyword)));
+        fmt::format("lines that start with {} are unknown and ignored, here and below", text::quoted(keyword)));
   }
 
   /// Names may hold blanks.
@@ -261,7 +261,7 @@ class ObjParser {
       const glm::dvec3 p(n[0], n[1], n[2]);
       const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
       if (!(largest <= kMaxCoordinate)) {
-        throw ObjError{0, fmt::format("the vertex lies at {} {} {}; coordinates up to {} are supported", p.x, p.y, p.z,
+        throw ObjError{0, fmt::format("the vertex is at {} {} {}; coordinates up to {} are supported", p.x, p.y, p.z,
                                       kMaxCoordinate)};
       }
       return p;
@@ -275,8 +275,7 @@ class ObjParser {
       bad_color_ = true;
       diagnostics_.warning(
           lines_.position(0),
-          fmt::format("the colour {} {} {} of this vertex is not between 0 and 1; colours are ignored, "
-                      "here and further on",
+          fmt::format("the colour {} {} {} of this vertex is not between 0 and 1; colours are ignored, here and below",
                       color.x, color.y, color.z));
       return;
     }
@@ -315,7 +314,7 @@ class ObjParser {
   void warn_texture(const ObjError& error) {
     if (std::exchange(bad_texture_, true)) return;
     diagnostics_.warning(lines_.position(error.offset),
-                         error.message + "; texture coordinates are ignored, here and further on");
+                         error.message + "; texture coordinates are ignored, here and below");
   }
 
   static std::int64_t parse_index(std::string_view token, std::size_t offset) {
@@ -455,7 +454,7 @@ class ObjParser {
     if (crossing_ > 0) {
       diagnostics_.warning(
           first_crossing_,
-          fmt::format("{} polygons of this file cross themselves, this is the first; their triangles overlap",
+          fmt::format("{} polygons of this file cross themselves, of which this is the first; their triangles overlap",
                       crossing_));
     }
   }

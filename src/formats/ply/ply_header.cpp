@@ -37,7 +37,7 @@ class HeaderReader {
     for (std::size_t lines = 0; read_line(); ++lines) {
       if (lines == kMaxLines) fail(fmt::format("the header has more than {} lines", kMaxLines));
     }
-    if (!format_) fail("the header does not say its format; it needs a line like \"format ascii 1.0\"");
+    if (!format_) fail("the header does not give its format; it needs a line like \"format ascii 1.0\"");
     header_.format = *format_;
     stream_.begin_data(header_.format);
     return std::move(header_);
@@ -58,9 +58,9 @@ class HeaderReader {
     } else if (word == "property") {
       read_property();
     } else if (!std::exchange(unknown_, true)) {
-      diagnostics_.warning(stream_.line_position(begin_ + 1),
-                           fmt::format("header lines that start with {} are not known and ignored, here and further on",
-                                       text::quoted(word)));
+      diagnostics_.warning(
+          stream_.line_position(begin_ + 1),
+          fmt::format("header lines that start with {} are unknown and ignored, here and below", text::quoted(word)));
     }
     return true;
   }
@@ -83,7 +83,7 @@ class HeaderReader {
     if (word == "binary_little_endian") format_ = PlyFormat::little_endian;
     if (word == "binary_big_endian") format_ = PlyFormat::big_endian;
     if (!format_)
-      fail(fmt::format("{} is no format; known are ascii, binary_little_endian and binary_big_endian",
+      fail(fmt::format("{} is not a format; known are ascii, binary_little_endian and binary_big_endian",
                        text::quoted(word)));
     if (const std::string_view version = next(); version != "1.0")
       fail(fmt::format("the format has version {}; 1.0 is supported", text::quoted(version)));
@@ -113,12 +113,12 @@ class HeaderReader {
     }
     std::vector<std::string> names;
     for (const TypeName& row : kTypes) names.emplace_back(row.name);
-    fail(fmt::format("{} is no type{}; known are {}", text::quoted(word), text::did_you_mean(word, names),
+    fail(fmt::format("{} is not a type{}; known are {}", text::quoted(word), text::did_you_mean(word, names),
                      text::join(names)));
   }
 
   void read_property() {
-    if (header_.elements.empty()) fail("this property belongs to no element; a line \"element …\" has to stand before");
+    if (header_.elements.empty()) fail("this property belongs to no element; a line \"element …\" must come before it");
     const std::size_t before = at_;
     std::optional<PlyType> count_type;
     if (next() == "list") {

@@ -392,8 +392,8 @@ class PlyReader {
     const glm::dvec3& p = mesh_.positions[vertex];
     if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMaxCoordinate) || std::isnan(p.x + p.y + p.z))
       throw PlyError{{file_, 0, 0},
-                     fmt::format("vertex {} lies at {} {} {}; coordinates up to {} are supported", vertex, p.x, p.y,
-                                 p.z, kMaxCoordinate)};
+                     fmt::format("vertex {} is at {} {} {}; coordinates up to {} are supported", vertex, p.x, p.y, p.z,
+                                 kMaxCoordinate)};
     if (!mesh_.uv_sets.empty() && !std::isfinite(mesh_.uv_sets[0][vertex].x + mesh_.uv_sets[0][vertex].y))
       throw PlyError{{file_, 0, 0},
                      fmt::format("vertex {} has texture coordinates {} {}; they must be finite", vertex,

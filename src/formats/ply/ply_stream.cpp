@@ -84,7 +84,7 @@ void PlyStream::fail(const std::string& message) const {
 
 void PlyStream::fail_at_end() const {
   throw PlyError{{file_, 0, 0},
-                 fmt::format("the file ends after {} bytes, before all that its header announces", passed_ + end_)};
+                 fmt::format("the file ends after {} bytes, earlier than its header announces", passed_ + end_)};
 }
 
 std::string_view PlyStream::token() {

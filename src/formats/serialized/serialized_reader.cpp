@@ -40,7 +40,7 @@ template <typename T>
 T read_at(std::span<const std::byte> bytes, std::uint64_t offset) {
   T value;
   if (offset > bytes.size() || bytes.size() - offset < sizeof(T))
-    throw BadFile{fmt::format("the file ends where byte {} should be; is it whole?", offset + sizeof(T))};
+    throw BadFile{fmt::format("the file ends where byte {} should be; is it complete?", offset + sizeof(T))};
   std::memcpy(&value, bytes.data() + offset, sizeof(T));
   return value;
 }
@@ -65,7 +65,7 @@ class Inflater {
       if (code == Z_OK && (stream_.avail_in > 0 || stream_.avail_out == 0)) continue;
       if (stream_.avail_out > 0)
         throw BadFile{code == Z_STREAM_END || code == Z_OK || code == Z_BUF_ERROR
-                          ? "a mesh ends before all it announces was there; is the file whole?"
+                          ? "a mesh is shorter than it announces; is the file complete?"
                           : "a mesh cannot be decompressed; the file is damaged"};
     }
   }
@@ -148,7 +148,7 @@ std::span<const std::byte> find_mesh(std::span<const std::byte> bytes, std::int6
   if (index < 0 || index >= count)
     throw BadFile{fmt::format("the file has {} meshes; there is no number {}, counted from 0", count, index)};
   const std::uint64_t table = std::uint64_t{count} * width + 4;
-  if (table > bytes.size()) throw BadFile{"the table of meshes at the end is longer than the file; is it whole?"};
+  if (table > bytes.size()) throw BadFile{"the table of meshes at the end is longer than the file; is it complete?"};
   const std::uint64_t entry = bytes.size() - table + static_cast<std::uint64_t>(index) * width;
   const std::uint64_t begin = width == 4 ? read_at<std::uint32_t>(bytes, entry) : read_at<std::uint64_t>(bytes, entry);
   if (begin > bytes.size() - kHeader || read_at<std::uint16_t>(bytes, begin) != kMagic)
@@ -175,7 +175,7 @@ SerializedMesh decode(std::span<const std::byte> bytes, std::int64_t index) {
     throw BadFile{fmt::format("the mesh has {} vertices and {} triangles; at most {} and {} are supported", vertices,
                               triangles, kMaxVertices, kMaxTriangles)};
   const bool doubles = (flags & kDouble) != 0;
-  if (doubles == ((flags & kSingle) != 0)) throw BadFile{"the mesh says neither float nor double, or both"};
+  if (doubles == ((flags & kSingle) != 0)) throw BadFile{"the mesh declares neither float nor double, or both"};
   SerializedMesh result{.mesh = {}, .face_normals = (flags & kFaceNormals) != 0};
   TriangleMesh& mesh = result.mesh;
   mesh.positions = read_triples(stream, vertices, doubles);

@@ -133,7 +133,8 @@ void measure(const std::string& file, const Options& options) {
   fmt::print("\n{}, {}x{}, reference of {} paths per pixel\n\n", scene.name, options.width, options.height,
              reference.paths());
   fmt::print(
-      "| configuration | paths per pixel | CPU seconds | Msamples per CPU second | relative error | CPU seconds to {:g} % |\n",
+      "| configuration | paths per pixel | CPU seconds | Msamples per CPU second | relative error | CPU seconds to "
+      "{:g} % |\n",
       100.0 * options.error);
   fmt::print("|---|---|---|---|---|---|\n");
   const double pixels = static_cast<double>(options.width) * options.height;
