@@ -4,13 +4,13 @@ import re
 import textwrap
 
 PAGES = {
-    "scene": ("Scenes and tests", ["scene", "test"], "What stands at the root of a file."),
-    "integrators": ("Integrators", ["integrator"], "What is computed for a camera ray. [More of them](../integrators.md)."),
-    "cameras": ("Cameras", ["camera", "keyframe"], "Where rays begin. [More of them](../cameras.md)."),
-    "samplers": ("Samplers", ["sampler"], "Where random numbers come from. [More of them](../convergence.md)."),
-    "filters": ("Filters", ["rfilter"], "How samples are weighted around the middle of a pixel. The pictures show single pixels."),
-    "shapes": ("Shapes", ["mesh"], "What rays meet. Files of other formats have [pages](../gltf.md) [of their own](../mitsuba.md)."),
-    "emitters": ("Lights", ["emitter"], "What shines. [More of them](../lights.md)."),
+    "scene": ("Scenes and tests", ["scene", "test"], "The root of a file."),
+    "integrators": ("Integrators", ["integrator"], "What is computed for a camera ray. [More about integrators](../integrators.md)."),
+    "cameras": ("Cameras", ["camera", "keyframe"], "Where rays start. [More about cameras](../cameras.md)."),
+    "samplers": ("Samplers", ["sampler"], "Where random numbers come from. [More about convergence](../convergence.md)."),
+    "filters": ("Filters", ["rfilter"], "How samples are weighted around the centre of a pixel. The pictures show single pixels."),
+    "shapes": ("Shapes", ["mesh"], "What rays hit. Other file formats have [their](../gltf.md) [own pages](../mitsuba.md)."),
+    "emitters": ("Lights", ["emitter"], "What emits light. [More about lights](../lights.md)."),
     "materials": ("Materials", ["bsdf"], "What surfaces are made of. [More pictures](../materials.md)."),
     "textures": ("Textures", ["texture"], "What varies over a surface."),
 }
@@ -18,8 +18,8 @@ PAGES = {
 # What has no picture, and why. Everything else has one: images/swatch-<type>.png of a material, images/plugin-<tag>-<type>.png of others.
 WITHOUT_PICTURE = {
     ("scene", ""): None, ("test", "ttest"): None, ("test", "chi2test"): None, ("keyframe", ""): None,
-    ("camera", "radiancemeter"): "It measures a number.", ("camera", "irradiancemeter"): "It measures a number.",
-    ("bsdf", "null"): "There is nothing to see.",
+    ("camera", "radiancemeter"): "It measures a single number.", ("camera", "irradiancemeter"): "It measures a single number.",
+    ("bsdf", "null"): "It is invisible.",
 }  # yapf: disable
 # What computes the same as another, and shows its picture.
 SAME = {
