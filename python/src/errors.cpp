@@ -25,18 +25,6 @@ const char* name_of(ErrorKind kind) {
   return "bug";
 }
 
-const char* name_of(Severity severity) {
-  switch (severity) {
-    case Severity::error:
-      return "error";
-    case Severity::warning:
-      return "warning";
-    case Severity::note:
-      break;
-  }
-  return "note";
-}
-
 /// Makes the exception of etendue._errors that belongs to a kind and raises it.
 void raise(const Error& error, const std::vector<Diagnostic>& findings) {
   const nb::object exception = nb::module_::import_("etendue._errors")
@@ -59,7 +47,7 @@ ReadFailure::ReadFailure(std::vector<Diagnostic> findings)
 std::vector<Finding> findings_of(const std::vector<Diagnostic>& diagnostics) {
   std::vector<Finding> findings;
   for (const auto& [severity, position, message, kind] : diagnostics)
-    findings.emplace_back(name_of(severity), message, position.file, position.line, position.column);
+    findings.emplace_back(to_string(severity), message, position.file, position.line, position.column);
   return findings;
 }
 

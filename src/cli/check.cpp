@@ -19,20 +19,8 @@ struct CheckArguments {
   ResultOptions results;
 };
 
-const char* severity_name(Severity severity) {
-  switch (severity) {
-    case Severity::error:
-      return "error";
-    case Severity::warning:
-      return "warning";
-    case Severity::note:
-      return "note";
-  }
-  return "";
-}
-
 Json finding_json(const Diagnostic& finding) {
-  return {{"severity", severity_name(finding.severity)},
+  return {{"severity", to_string(finding.severity)},
           {"file", finding.position.file},
           {"line", finding.position.line},
           {"column", finding.position.column},
@@ -57,7 +45,7 @@ Result check_files(const CheckArguments& options) {
       if (d.severity == Severity::error && result == Result(Ending::ok)) result = d.kind;
       out.push_back(finding_json(d));
       if (options.results.wants_text())
-        print_result("{}: {}\n", severity_name(d.severity), text::printable(to_string(d), text::kLongestLine));
+        print_result("{}: {}\n", to_string(d.severity), text::printable(to_string(d), text::kLongestLine));
     }
     if (!options.results.wants_text()) continue;
     if (diagnostics.dropped() > 0) print_result("{} more findings are not listed\n", diagnostics.dropped());

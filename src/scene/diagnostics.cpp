@@ -9,6 +9,18 @@
 
 namespace etendue {
 
+const char* to_string(Severity severity) {
+  switch (severity) {
+    case Severity::error:
+      return "error";
+    case Severity::warning:
+      return "warning";
+    case Severity::note:
+      break;
+  }
+  return "note";
+}
+
 std::string to_string(const SourcePosition& position) {
   constexpr std::size_t kMostShown = 300;
   const std::string file = text::printable(position.file, kMostShown);

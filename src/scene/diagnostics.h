@@ -25,6 +25,8 @@ struct Diagnostic {
   ErrorKind kind = ErrorKind::scene;
 };
 
+/// "error", "warning", "note".
+const char* to_string(Severity severity);
 /// "file:line:column", or less where less is known.
 std::string to_string(const SourcePosition& position);
 /// "file:line:column: message".

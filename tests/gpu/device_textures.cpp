@@ -87,6 +87,22 @@ reference::Surface surface_of(const Scene& scene, Random& random, gpu::TextureCa
   return surface;
 }
 
+// Points of the triangles of the first two instances.
+std::vector<gpu::TextureCase> cases_on_triangles(Random& random) {
+  std::vector<gpu::TextureCase> cases(64);
+  for (gpu::TextureCase& c : cases) {
+    c.instance = random.below(2);
+    c.primitive = random.below(2);
+    const float a = random.unit(), b = (1.0f - a) * random.unit();
+    c.weights = {a, b, 1.0f - a - b};
+  }
+  return cases;
+}
+
+reference::Surface surface_on_triangle(const gpu::TextureCase& c) {
+  return {.instance = c.instance, .primitive = c.primitive, .weights = glm::dvec3(c.weights)};
+}
+
 glm::dmat3 random_transform(Random& random) {
   const auto entry = [&] { return static_cast<double>(random.uniform(-2.0f, 2.0f)); };
   return {entry(), entry(), 0.0, entry(), entry(), 0.0, entry(), entry(), 1.0};
@@ -237,18 +253,10 @@ TEST_F(DeviceTextures, DerivedOnesAreThoseOfTheReference) {
     scene.textures.push_back(texture);
     use(scene);
     const CompiledScene compiled = compile_scene(scene);
-    std::vector<gpu::TextureCase> cases(64);
-    for (gpu::TextureCase& c : cases) {
-      c.instance = random.below(2);
-      c.primitive = random.below(2);
-      const float a = random.unit(), b = (1.0f - a) * random.unit();
-      c.weights = {a, b, 1.0f - a - b};
-    }
+    const std::vector<gpu::TextureCase> cases = cases_on_triangles(random);
     const auto answers = run<gpu::TextureAnswer>({kernels::textures, "textures", &compiled}, cases);
     for (std::size_t i = 0; i < cases.size(); ++i) {
-      const gpu::TextureCase& c = cases[i];
-      const reference::Surface surface{
-          .instance = c.instance, .primitive = c.primitive, .weights = glm::dvec3(c.weights)};
+      const reference::Surface surface = surface_on_triangle(cases[i]);
       Texture uncut = texture;
       uncut.alpha_cutoff.reset();
       uncut.premultiplied = false;
@@ -274,18 +282,10 @@ TEST_F(DeviceTextures, AttributesAreThoseOfTheReference) {
     scene.emitters.push_back({ColorParameter(glm::dvec3(1.0), 1)});
     scene.instances[0].emitter = 0;
     const CompiledScene compiled = compile_scene(scene);
-    std::vector<gpu::TextureCase> cases(64);
-    for (gpu::TextureCase& c : cases) {
-      c.instance = random.below(2);
-      c.primitive = random.below(2);
-      const float a = random.unit(), b = (1.0f - a) * random.unit();
-      c.weights = {a, b, 1.0f - a - b};
-    }
+    const std::vector<gpu::TextureCase> cases = cases_on_triangles(random);
     const auto answers = run<gpu::TextureAnswer>({kernels::textures, "textures", &compiled}, cases);
     for (std::size_t i = 0; i < cases.size(); ++i) {
-      const gpu::TextureCase& c = cases[i];
-      const reference::Surface surface{
-          .instance = c.instance, .primitive = c.primitive, .weights = glm::dvec3(c.weights)};
+      const reference::Surface surface = surface_on_triangle(cases[i]);
       const glm::dvec4 wanted = reference::texture_value(scene, scene.textures[0], surface);
       for (int k = 0; k < 4; ++k) ASSERT_NEAR(static_cast<double>(answers[i].value[k]), wanted[k], 1e-6);
     }
