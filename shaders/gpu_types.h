@@ -685,6 +685,10 @@ struct TracedVertex {
   uint survived;
   uint pad0;
   uint pad1;
+  vec3 from;  // where the segment begins
+  uint pad2;
+  vec3 to;    // where it ends; its direction where it meets nothing
+  uint pad3;
 };
 
 #ifdef __cplusplus
@@ -713,7 +717,7 @@ static_assert(sizeof(SampleResult) == 32);
 static_assert(sizeof(PathProfile) == 64);
 static_assert(sizeof(BsdfProbePass) == 32);
 static_assert(sizeof(BsdfProbeResult) == 32);
-static_assert(sizeof(TracedVertex) == 48);
+static_assert(sizeof(TracedVertex) == 80);
 }  // namespace etendue::gpu
 #endif
 #endif

@@ -8,6 +8,8 @@
 #include "formats/read_scene.h"
 #include "formats/scene_objects.h"
 #include "scene/check.h"
+#include "scene/film_projection.h"
 #include "scene/invariants.h"
+#include "scene/material_numbers.h"
 #include "scene/parameters.h"
 #include "scene/scene.h"

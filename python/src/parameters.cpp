@@ -105,14 +105,6 @@ struct Setter {
   }
 };
 
-template <class Material, class Visit>
-void each_index(Material& bsdf, Visit&& visit) {
-  if constexpr (requires { bsdf.int_ior; }) {
-    visit("int_ior", bsdf.int_ior);
-    visit("ext_ior", bsdf.ext_ior);
-  }
-}
-
 /// Calls visit(name, value, view) for all that can be changed; `view`: nothing has to be compiled again for it.
 template <class Visit>
 void each_slot(Scene& scene, Visit&& visit) {
@@ -142,9 +134,7 @@ void each_slot(Scene& scene, Visit&& visit) {
   Names materials, instances, lights;
   for (Material& material : scene.materials) {
     const std::string prefix = "materials." + materials.of(material.position, material.name) + ".";
-    const auto parameter = [&](const char* name, auto& value) { slot(prefix + name, value); };
-    each_parameter(material, parameter);
-    if (!material.adapter) std::visit([&](auto& bsdf) { each_index(bsdf, parameter); }, material.bsdf);
+    each_number(material, [&](const char* name, auto& value) { slot(prefix + name, value); });
   }
   for (Instance& instance : scene.instances) {
     const std::string prefix = "instances." + instances.of(instance.position, instance.name) + ".";

@@ -456,9 +456,10 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   if (kIntegrator == kIntegratorAov && seen) end_at_albedo(path, decisions);
 }
 
-// One whole segment, for the kernels that look at single paths. `steps` counts traversal rounds; beyond the budget the result is void.
-void path_segment(inout Path path, uint step_budget, inout uint steps, out Decisions decisions) {
-  arrive(path, walk_hit(trace(path.ray, false, path.passed, step_budget, steps)), decisions);
+// What comes after the ray of a segment has met `hit`, for the kernels that look at single paths. `steps` counts traversal rounds; beyond the
+// budget the result is void.
+void end_segment(inout Path path, Hit hit, uint step_budget, inout uint steps, out Decisions decisions) {
+  arrive(path, hit, decisions);
   steps += (2u * kLightTreeDepth + 7u) / 8u;  // this lane's share of the loops that all lanes of a SIMD group go through together
   if (!path.shadow_pending) return;
   bool occluded;
@@ -470,6 +471,12 @@ void path_segment(inout Path path, uint step_budget, inout uint steps, out Decis
   if (kGathersLight) decisions.light_contributed = occluded ? 0u : 1u;
   else decisions.survived = occluded ? 0u : 1u;
   settle_light(path, occluded);
+}
+
+// One whole segment.
+void path_segment(inout Path path, uint step_budget, inout uint steps, out Decisions decisions) {
+  const Hit hit = walk_hit(trace(path.ray, false, path.passed, step_budget, steps));
+  end_segment(path, hit, step_budget, steps, decisions);
 }
 
 #endif

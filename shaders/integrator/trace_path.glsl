@@ -18,10 +18,12 @@ void trace_requested_path() {
   uint steps = 0u;
   while (path.alive) {
     if (steps > pass.step_budget || count >= kMaxTracedVertices) break;
+    const Ray ray = path.ray;
     Decisions d;
-    path_segment(path, pass.step_budget, steps, d);
+    const Hit hit = walk_hit(trace(ray, false, path.passed, pass.step_budget, steps));
+    end_segment(path, hit, pass.step_budget, steps, d);
     vertices[count++] = TracedVertex(path_value(path), d.instance, d.primitive, d.light_instance, d.light_primitive, d.light_contributed, d.lobe,
-                                     d.survived, 0u, 0u);
+                                     d.survived, 0u, 0u, ray.o, 0u, hit.instance == kNone ? ray.d : ray.o + hit.t * ray.d, 0u);
   }
   vertex_count = count;
 }

@@ -67,6 +67,8 @@ Json to_json(const PathVertex& v) {
           {"lightReached", number_or_null(v.light_contributed)},
           {"lobe", lobe_name(v)},
           {"survived", number_or_null(v.survived)},
+          {"from", {v.from.x, v.from.y, v.from.z}},
+          {v.instance == kNone ? "direction" : "to", {v.to.x, v.to.y, v.to.z}},
           {"radiance", {v.radiance.x, v.radiance.y, v.radiance.z}}};
 }
 

@@ -2,7 +2,9 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -409,10 +411,11 @@ void add_aovs(const RenderArguments& options, Scene& scene) {
   }
 }
 
-/// What pictures of one scene share.
+/// What pictures of one scene share, or of several one after the other.
 struct Stage {
-  Scene scene;
-  std::optional<DeviceTeam> team;  ///< looks at the scene as it was
+  std::shared_ptr<Scene> scene;
+  bool is_new = true;                ///< the scene, to the team
+  std::optional<DeviceTeam> team{};  ///< looks at the scene as it was
 };
 
 Scene read_prepared(const RenderArguments& options, const ReadOptions& read) {
@@ -424,19 +427,20 @@ Scene read_prepared(const RenderArguments& options, const ReadOptions& read) {
 
 // Opens the devices, unless they only have to look at the scene from another place.
 void prepare_team(Stage& stage, const RenderArguments& options, const FilmHeader& identity) {
-  AovPlan aovs = aov_plan(stage.scene, options.sampling.seed, identity);
-  if (stage.team) return stage.team->look_at(std::move(aovs));
-  if (const std::string sentence = precision_complaint(stage.scene); uses_gpu(options) && !sentence.empty())
+  AovPlan aovs = aov_plan(*stage.scene, options.sampling.seed, identity);
+  if (!std::exchange(stage.is_new, false)) return stage.team->look_at(std::move(aovs));
+  if (const std::string sentence = precision_complaint(*stage.scene); uses_gpu(options) && !sentence.empty())
     log::warning("the camera: " + sentence);
   // Compiled once for all devices, and for those that are opened afresh. Of the scene only the camera moves, which is
   // not compiled.
-  const SharedScene shared(stage.scene);
+  const SharedScene shared{std::shared_ptr<const Scene>(stage.scene)};
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : options.device.factories()) {
     open.push_back([factory, shared, settings = RenderSettings{.seed = options.sampling.seed}] {
       return factory(shared, settings);
     });
   }
+  if (stage.team) return stage.team->show(shared, std::move(open), std::move(aovs));
   stage.team.emplace(std::move(open), std::move(aovs));
   if (uses_gpu(options)) {
     for (const Renderer* renderer : stage.team->renderers()) log::info(gpu_device_choice(*renderer));
@@ -471,7 +475,7 @@ void resume(RenderJob& job, const RenderArguments& options, const Plan& plan) {
 }
 
 Ending render_picture(const RenderArguments& options, Plan& plan, Stage& stage, SignalWatch& signals) {
-  const Scene& scene = stage.scene;
+  const Scene& scene = *stage.scene;
   plan.outputs = output_paths(options, scene);
   plan.denoised.clear();
   plan_denoising(plan);
@@ -526,16 +530,16 @@ RenderArguments frame_arguments(const RenderArguments& options, const Scene& sce
 }
 
 // A camera moves in a scene that is read and compiled once; whatever else moves is another scene.
-void set_stage(std::unique_ptr<Stage>& stage, const RenderArguments& options, double time) {
+void set_stage(Stage& stage, const RenderArguments& options, double time) {
   ReadOptions read = options.scene.read_options();
   if (is_gltf(options.scene_file)) {
     read.at = time;
-    stage.reset();
-    stage = std::make_unique<Stage>(Stage{read_prepared(options, read), {}});
+    stage.scene = std::make_shared<Scene>(read_prepared(options, read));
+    stage.is_new = true;
     return;
   }
-  if (!stage) stage = std::make_unique<Stage>(Stage{read_prepared(options, read), {}});
-  Camera& camera = stage->scene.camera;
+  if (!stage.scene) stage.scene = std::make_shared<Scene>(read_prepared(options, read));
+  Camera& camera = stage.scene->camera;
   if (camera.path.empty())
     throw Error(
         ErrorKind::usage,
@@ -546,7 +550,7 @@ void set_stage(std::unique_ptr<Stage>& stage, const RenderArguments& options, do
 Ending render_frames(const RenderArguments& options, Plan& plan, SignalWatch& signals) {
   check_frame_options(options);
   const SampleRange frames = parse_frames(options.frames.range);
-  std::unique_ptr<Stage> stage;
+  Stage stage;
   Ending ending = Ending::ok;
   for (std::uint32_t frame = frames.begin; frame < frames.end && ending == Ending::ok; ++frame) {
     if (signals.stop_asked()) {
@@ -554,11 +558,11 @@ Ending render_frames(const RenderArguments& options, Plan& plan, SignalWatch& si
       break;
     }
     set_stage(stage, options, frame / options.frames.fps);
-    const RenderArguments one = frame_arguments(options, stage->scene, frame);
+    const RenderArguments one = frame_arguments(options, *stage.scene, frame);
     plan.frame = frame;
     plan.session.start = Clock::now();
     const std::size_t rendered = plan.reports.size();
-    ending = render_picture(one, plan, *stage, signals);
+    ending = render_picture(one, plan, stage, signals);
     std::error_code ignored;
     if (ending == Ending::ok && plan.reports.size() > rendered) std::filesystem::remove(one.checkpoint, ignored);
   }
@@ -573,7 +577,7 @@ Ending render(const RenderArguments& options) {
   Plan plan = make_plan(options, Clock::now());
   SignalWatch signals(options.results.quiet);
   if (options.frames.wanted()) return render_frames(options, plan, signals);
-  Stage stage{read_prepared(options, options.scene.read_options()), {}};
+  Stage stage{.scene = std::make_shared<Scene>(read_prepared(options, options.scene.read_options()))};
   return render_picture(options, plan, stage, signals);
 }
 

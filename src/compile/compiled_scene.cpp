@@ -187,16 +187,8 @@ class Compiler {
   }
 
   void flatten_materials() {
-    for (const Material& material : scene_.materials)
-      out_.materials.push_back(material_record(material, out_.transmittances));
-    if (out_.materials.empty()) out_.materials.push_back({});
     out_.textures = compile_textures(scene_);
-    if (out_.textures.features == 0) return;
-    for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
-      out_.material_textures.push_back(material_textures(scene_.materials[i], out_.texture_uses));
-      if (is_textured(scene_.materials[i])) out_.materials[i].header |= gpu::kMaterialTextured;
-      if (is_aligned(scene_.materials[i])) out_.materials[i].header |= gpu::kMaterialAligned;
-    }
+    static_cast<CompiledMaterials&>(out_) = compile_materials(scene_.materials, out_.textures.features != 0);
   }
 
   void flatten_instances() {
@@ -604,6 +596,19 @@ std::atomic<std::uint64_t> g_compilations{0};
 
 std::uint64_t scene_compilations() {
   return g_compilations;
+}
+
+CompiledMaterials compile_materials(std::span<const Material> materials, bool has_textures) {
+  CompiledMaterials out;
+  for (const Material& material : materials) out.materials.push_back(material_record(material, out.transmittances));
+  if (out.materials.empty()) out.materials.push_back({});
+  if (!has_textures) return out;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    out.material_textures.push_back(material_textures(materials[i], out.texture_uses));
+    if (is_textured(materials[i])) out.materials[i].header |= gpu::kMaterialTextured;
+    if (is_aligned(materials[i])) out.materials[i].header |= gpu::kMaterialAligned;
+  }
+  return out;
 }
 
 CompiledScene compile_scene(const Scene& scene) {

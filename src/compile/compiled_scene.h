@@ -2,6 +2,7 @@
 /// Scene → vectors of GPU-ready structs.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "compile/environment.h"
@@ -13,9 +14,17 @@
 
 namespace etendue {
 
+/// The tables that follow from the materials and what their textures are.
+struct CompiledMaterials {
+  std::vector<gpu::MaterialRecord> materials;
+  std::vector<gpu::MaterialTextures> material_textures;  ///< one for each material, or empty where none has any
+  std::vector<gpu::TextureUse> texture_uses;
+  std::vector<gpu::vec4> transmittances;  ///< tables of rough coats, kTransmittanceNodes floats each
+};
+
 /// Everything a device needs to render a scene, in the layouts of shaders/gpu_types.h. Positions are normalised:
 /// translated and scaled by a power of two, so that single precision serves scenes of any size and place alike.
-struct CompiledScene {
+struct CompiledScene : CompiledMaterials {
   Normalization normalization;
   EnvironmentTables environment;
   int radiance_exponent = 0;        ///< see scene/film_unit.h
@@ -23,13 +32,9 @@ struct CompiledScene {
   std::vector<gpu::uvec4> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives
   std::vector<gpu::Instance> instances;
   std::vector<gpu::Place> places;  ///< of the instances of shared meshes; empty in flattened scenes
-  std::vector<gpu::MaterialRecord> materials;
-  std::vector<gpu::MaterialTextures> material_textures;  ///< one for each material, or empty where none has any
-  std::vector<gpu::TextureUse> texture_uses;
   CompiledTextures textures;
-  std::vector<gpu::vec4> transmittances;  ///< tables of rough coats, kTransmittanceNodes floats each
-  std::vector<gpu::uvec4> triangles;      ///< vertex indices of meshes with normals, xyz
-  std::vector<gpu::vec4> normals;         ///< vertex normals, xyz
+  std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
+  std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
   std::vector<gpu::LightInstance> light_instances;
   std::vector<gpu::LightPrimitive> light_primitives;
   std::vector<gpu::DeltaLight> delta_lights;  ///< those infinitely far away first
@@ -50,6 +55,9 @@ struct CompiledScene {
 /// Shapes and lights; cameras, samplers and integrators are the business of compile_view. Lights get a tree where
 /// the scene's light sampler asks for one, whether or not the scene's integrator uses it.
 CompiledScene compile_scene(const Scene& scene);
+
+/// Of a scene with or without textures; numbers of materials follow no others.
+CompiledMaterials compile_materials(std::span<const Material> materials, bool has_textures);
 
 /// How often this process has called compile_scene: for tests of what is not compiled again.
 std::uint64_t scene_compilations();

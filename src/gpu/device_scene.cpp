@@ -47,8 +47,8 @@ Table table(const char* what, std::uint32_t at, const std::vector<T>& entries) {
   return {what, at, std::as_bytes(std::span(entries))};
 }
 
-// Everything that shaders/scene.glsl reads.
-std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
+// Everything that shaders/scene.glsl reads. The materials may be others than those of the scene.
+std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMaterials& m) {
   const CompiledTextures& t = s.textures;
   std::array<TableGroup, 3> groups{
       {{gpu::kBindingRecords, "tree", {table("tree", kFirst, s.records)}},
@@ -58,14 +58,14 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
          table("attributes", gpu::kConstantAttributesAt, t.attributes)}},
        {gpu::kBindingTables,
         "instances, materials, lights and environment",
-        {table("instances", kFirst, s.instances), table("materials", gpu::kConstantMaterialsAt, s.materials),
+        {table("instances", kFirst, s.instances), table("materials", gpu::kConstantMaterialsAt, m.materials),
          table("places of instances", gpu::kConstantPlacesAt, s.places),
-         table("textures of materials", gpu::kConstantMaterialTexturesAt, s.material_textures),
-         table("uses of textures", gpu::kConstantTextureUsesAt, s.texture_uses),
+         table("textures of materials", gpu::kConstantMaterialTexturesAt, m.material_textures),
+         table("uses of textures", gpu::kConstantTextureUsesAt, m.texture_uses),
          table("emitters", gpu::kConstantLightInstancesAt, s.light_instances),
          table("lights without extent", gpu::kConstantDeltaLightsAt, s.delta_lights),
          table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
-         table("transmittances", gpu::kConstantTransmittancesAt, s.transmittances),
+         table("transmittances", gpu::kConstantTransmittancesAt, m.transmittances),
          table("light tree", gpu::kConstantLightPairsAt, s.light_pairs),
          table("trails of the light tree", gpu::kConstantLightTrailsAt, s.light_trails),
          table("rows of the environment", gpu::kConstantEnvironmentRowsAt, s.environment.rows),
@@ -78,18 +78,22 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s) {
                                 std::as_bytes(std::span(bitmap->texels))});
   return groups;
 }
+std::array<TableGroup, 3> table_groups(const CompiledScene& scene) {
+  return table_groups(scene, scene);
+}
 
 // What the materials that surfaces have are: kernels are built for them and no others.
 struct MaterialsUsed {
-  explicit MaterialsUsed(const CompiledScene& scene) : depths(scene.materials.size(), kUnknown) {
+  MaterialsUsed(const CompiledScene& scene, const CompiledMaterials& materials)
+      : depths(materials.materials.size(), kUnknown) {
     for (const gpu::Instance& instance : scene.instances)
-      adapter_depth = std::max(adapter_depth, look_at(scene, instance.material));
+      adapter_depth = std::max(adapter_depth, look_at(materials, instance.material));
   }
 
   // Adapters between a surface with this material and what scatters. What an adapter chooses from lies before it.
-  std::uint32_t look_at(const CompiledScene& scene, gpu::uint row) {
+  std::uint32_t look_at(const CompiledMaterials& all, gpu::uint row) {
     if (depths[row] != kUnknown) return depths[row];
-    const gpu::MaterialRecord& record = scene.materials[row];
+    const gpu::MaterialRecord& record = all.materials[row];
     const gpu::uint type = record.header & gpu::kMaterialTypeMask;
     if (type < gpu::kAdapterFirst) {
       types |= 1u << type;
@@ -99,9 +103,9 @@ struct MaterialsUsed {
       return depths[row] = 0;
     }
     adapters |= 1u << (type - gpu::kAdapterFirst) | (type == gpu::kAdapterMask ? gpu::kAdaptersPass : 0u);
-    std::uint32_t depth = look_at(scene, static_cast<gpu::uint>(record.params.x));
+    std::uint32_t depth = look_at(all, static_cast<gpu::uint>(record.params.x));
     if (type == gpu::kAdapterTwoSided || type == gpu::kAdapterBlend)
-      depth = std::max(depth, look_at(scene, static_cast<gpu::uint>(record.params.y)));
+      depth = std::max(depth, look_at(all, static_cast<gpu::uint>(record.params.y)));
     return depths[row] = depth + 1;
   }
 
@@ -126,9 +130,9 @@ bool has_light_normals(const CompiledScene& scene) {
 }
 
 // Of a material.
-std::uint32_t most_texture_uses(const CompiledScene& scene) {
+std::uint32_t most_texture_uses(const CompiledMaterials& materials) {
   std::uint32_t most = 0;
-  for (const gpu::MaterialTextures& m : scene.material_textures) most = std::max(most, m.end - m.begin);
+  for (const gpu::MaterialTextures& m : materials.material_textures) most = std::max(most, m.end - m.begin);
   return most;
 }
 
@@ -146,7 +150,7 @@ LoopRounds::LoopRounds(const CompiledScene& scene) {
   instances = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_instances.size(), 1) - 1));
   primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
   distant = static_cast<std::uint32_t>(std::bit_width(scene.distant_lights));
-  const std::uint32_t adapters = MaterialsUsed(scene).adapter_depth, textures = most_texture_uses(scene);
+  const std::uint32_t adapters = MaterialsUsed(scene, scene).adapter_depth, textures = most_texture_uses(scene);
   // Adapters also of what shadow rays meet, and of what a blend has not chosen; each loop looks once more whether it
   // ends.
   materials = (adapters > 0 ? 3 * (adapters + 2) : 0) + (textures > 0 ? textures + 1 : 0);
@@ -196,9 +200,9 @@ DeviceNeed least_scene_need(const Scene& scene) {
   return {"vertex normals", texels * sizeof(gpu::uvec4), DeviceNeed::Kind::memory};
 }
 
-std::vector<vulkan::Specialization> table_places(const CompiledScene& scene) {
+std::vector<vulkan::Specialization> table_places(const CompiledScene& scene, const CompiledMaterials& materials) {
   std::vector<vulkan::Specialization> places;
-  for (const TableGroup& group : table_groups(scene)) {
+  for (const TableGroup& group : table_groups(scene, materials)) {
     std::size_t texels = 0;
     for (const Table& table : group.tables) {
       if (table.at != kFirst) places.push_back({table.at, static_cast<std::uint32_t>(texels)});
@@ -208,10 +212,10 @@ std::vector<vulkan::Specialization> table_places(const CompiledScene& scene) {
   return places;
 }
 
-std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) {
+std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, const CompiledMaterials& materials) {
   const LoopRounds loop_rounds(scene);
-  const MaterialsUsed used(scene);
-  std::vector<vulkan::Specialization> constants = table_places(scene);
+  const MaterialsUsed used(scene, materials);
+  std::vector<vulkan::Specialization> constants = table_places(scene, materials);
   constants.insert(constants.end(), {{gpu::kConstantStackSize, std::max(1u, scene.tree_depth)},
                                      {gpu::kConstantHasSpheres, scene.has_spheres ? 1u : 0u},
                                      {gpu::kConstantInwardSpheres, scene.inward_spheres ? 1u : 0u},
@@ -229,7 +233,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
                                      {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},
                                      {gpu::kConstantInstanced, scene.places.empty() ? 0u : 1u},
                                      {gpu::kConstantTextureFeatures, scene.textures.features},
-                                     {gpu::kConstantTextureUses, most_texture_uses(scene)},
+                                     {gpu::kConstantTextureUses, most_texture_uses(materials)},
                                      {gpu::kConstantTreeRoot, scene.tree_root}});
   const EnvironmentFacts& sky = scene.environment.facts;
   constants.insert(constants.end(), {{gpu::kConstantEnvironment, sky.kind},
@@ -258,39 +262,61 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene) 
 }
 
 DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene,
-                         std::optional<TableLoads> wanted, std::span<const DeviceNeed> planned)
+                         std::optional<TableLoads> wanted, std::span<const DeviceNeed> planned, const Layouts& like)
     : device_(std::move(device)),
       loads_(choose_table_loads(*device_->context, scene, wanted)),
       facts_(scene),
       loop_rounds_(scene),
       has_tree_(scene.tree_root != gpu::kNone),
       light_tree_depth_(scene.light_tree_depth),
-      constants_(scene_constants(scene)),
-      set_layout_(*device_->context, scene_bindings(loads_)),
-      film_kernels_(*device_->context, set_layout_, film_bindings()),
-      request_kernels_(*device_->context, set_layout_, request_bindings()),
-      set_(*device_->context, set_layout_) {
+      constants_(scene_constants(scene, scene)),
+      layouts_(like && like->loads == loads_ ? like : std::make_shared<const SceneLayouts>(*device_->context, loads_)),
+      set_(*device_->context, layouts_->set) {
   std::vector<DeviceNeed> needs = scene_needs(scene);
   needs.insert(needs.end(), planned.begin(), planned.end());
   check_needs(needs, limits_of(*device_->context));
+  for (const TableGroup& group : table_groups(scene)) bind(group.binding, upload(group));
+}
+
+DeviceScene::DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials)
+    : device_(base.device_),
+      loads_(base.loads_),
+      facts_(base.facts_),
+      loop_rounds_(base.loop_rounds_),
+      has_tree_(base.has_tree_),
+      light_tree_depth_(base.light_tree_depth_),
+      constants_(scene_constants(scene, materials)),
+      layouts_(base.layouts_),
+      set_(*device_->context, layouts_->set) {
+  for (const TableGroup& group : table_groups(scene, materials)) {
+    const bool others = group.binding == gpu::kBindingTables;
+    bind(group.binding, others ? upload(group) : base.entries_.at(group.binding));
+  }
+}
+
+template <typename Group>
+std::shared_ptr<const DeviceScene::Entry> DeviceScene::upload(const Group& group) {
   const bool texels = loads_ == TableLoads::texel_buffer;
   const VkBufferUsageFlags usage =
       texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-  for (const TableGroup& group : table_groups(scene)) {
-    Entry& entry = entries_.emplace_back();
-    entry.buffer = {*device_->context, group.bytes(), usage, vulkan::Buffer::Memory::device, group.what};
-    std::uint64_t at = 0;
-    for (const Table& table : group.tables) {
-      device_->commands.upload(entry.buffer, at, table.bytes);
-      at += table.size();
-    }
-    if (texels) {
-      entry.view = vulkan::make_texel_view(*device_->context, entry.buffer, VK_FORMAT_R32G32B32A32_UINT);
-      set_.bind(group.binding, entry.view);
-    } else {
-      set_.bind(group.binding, entry.buffer);
-    }
+  auto entry = std::make_shared<Entry>();
+  entry->buffer = {*device_->context, group.bytes(), usage, vulkan::Buffer::Memory::device, group.what};
+  std::uint64_t at = 0;
+  for (const Table& table : group.tables) {
+    device_->commands.upload(entry->buffer, at, table.bytes);
+    at += table.size();
   }
+  if (texels) entry->view = vulkan::make_texel_view(*device_->context, entry->buffer, VK_FORMAT_R32G32B32A32_UINT);
+  return entry;
+}
+
+void DeviceScene::bind(std::uint32_t binding, std::shared_ptr<const Entry> entry) {
+  if (loads_ == TableLoads::texel_buffer) {
+    set_.bind(binding, entry->view);
+  } else {
+    set_.bind(binding, entry->buffer);
+  }
+  entries_[binding] = std::move(entry);
 }
 
 }  // namespace etendue

@@ -1,6 +1,8 @@
 #pragma once
 /// A compiled scene in device memory, bound for the kernels.
 
+#include <map>
+#include <memory>
 #include <optional>
 
 #include "compile/compiled_view.h"
@@ -26,25 +28,40 @@ struct LoopRounds {
 };
 
 /// Where tables begin in the buffers that they share: specialization constants of every kernel.
-std::vector<vulkan::Specialization> table_places(const CompiledScene& scene);
+std::vector<vulkan::Specialization> table_places(const CompiledScene& scene, const CompiledMaterials& materials);
 
 /// Specialization constants of every kernel that traces rays: those places, tree, lights, and the few primitives
 /// outside the tree. All but that of the light tree's depth: whether the tree is used is up to the view.
-std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene);
+std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, const CompiledMaterials& materials);
 
 /// What a scene takes on a device.
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene);
 /// The part of it that is known before the scene is compiled: vertex normals and the triangles that name them.
 DeviceNeed least_scene_need(const Scene& scene);
 
+/// What kernels that read tables in one way are bound by.
+struct SceneLayouts {
+  SceneLayouts(const vulkan::Context& context, TableLoads way)
+      : loads(way),
+        set(context, scene_bindings(way)),
+        film_kernels(context, set, film_bindings()),
+        request_kernels(context, set, request_bindings()) {}
+  TableLoads loads;
+  vulkan::SetLayout set;
+  KernelBindings film_kernels, request_kernels;
+};
+
 /// The tables in device memory, and what views and kernels need to know of them. The compiled scene may go once it is
 /// made.
 class DeviceScene {
  public:
+  using Layouts = std::shared_ptr<const SceneLayouts>;
   /// Throws Error(lost), before anything is uploaded, when the device cannot hold or read the tables, or not
-  /// beside what else is `planned`.
+  /// beside what else is `planned`. Has the layouts of another scene of the device, if those will do.
   DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene, std::optional<TableLoads> wanted = {},
-              std::span<const DeviceNeed> planned = {});
+              std::span<const DeviceNeed> planned = {}, const Layouts& like = {});
+  /// `base`, which was made of `scene`, with the numbers of other materials: they share the tree and the geometry.
+  DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials);
 
   DeviceScene(const DeviceScene&) = delete;
   DeviceScene& operator=(const DeviceScene&) = delete;
@@ -58,10 +75,11 @@ class DeviceScene {
   std::uint32_t light_tree_depth() const { return light_tree_depth_; }
   /// See scene_constants.
   const std::vector<vulkan::Specialization>& constants() const { return constants_; }
+  const Layouts& layouts() const { return layouts_; }
   /// Layouts of the kernels that read this scene, and its set 0, bound for them.
-  const vulkan::SetLayout& set_layout() const { return set_layout_; }
-  const KernelBindings& film_kernels() const { return film_kernels_; }
-  const KernelBindings& request_kernels() const { return request_kernels_; }
+  const vulkan::SetLayout& set_layout() const { return layouts_->set; }
+  const KernelBindings& film_kernels() const { return layouts_->film_kernels; }
+  const KernelBindings& request_kernels() const { return layouts_->request_kernels; }
   const vulkan::BindingSet& set() const { return set_; }
 
  private:
@@ -69,6 +87,10 @@ class DeviceScene {
     vulkan::Buffer buffer;
     vulkan::TexelView view;  // none for storage buffers
   };
+  template <typename Group>
+  std::shared_ptr<const Entry> upload(const Group& group);
+  void bind(std::uint32_t binding, std::shared_ptr<const Entry> entry);
+
   std::shared_ptr<GpuDevice> device_;
   TableLoads loads_;
   SceneFacts facts_;
@@ -76,9 +98,8 @@ class DeviceScene {
   bool has_tree_;
   std::uint32_t light_tree_depth_;
   std::vector<vulkan::Specialization> constants_;
-  vulkan::SetLayout set_layout_;
-  KernelBindings film_kernels_, request_kernels_;
-  std::vector<Entry> entries_;
+  Layouts layouts_;
+  std::map<std::uint32_t, std::shared_ptr<const Entry>> entries_;  // by their bindings
   vulkan::BindingSet set_;
 };
 

@@ -16,6 +16,8 @@
 #include "gpu/device_scene.h"
 #include "gpu/device_view.h"
 #include "gpu/kernel_set.h"
+#include "scene/invariants.h"
+#include "scene/material_numbers.h"
 
 namespace etendue {
 namespace {
@@ -155,11 +157,41 @@ std::uint32_t most_profiled(const vulkan::Context& context, std::uint32_t paths)
   return static_cast<std::uint32_t>(std::max(bytes / of_a_group, std::uint64_t{1}));
 }
 
+struct Made {
+  std::shared_ptr<const CompiledScene> compiled;
+  std::shared_ptr<const DeviceScene> scene;
+  GpuTimings timings;
+};
+
+// The scene on the device, compiled unless it is.
+Made make_device_scene(const std::shared_ptr<GpuDevice>& device, const SharedScene& shared, const GpuOptions& options,
+                       const DeviceScene::Layouts& like = {}) {
+  const DeviceNeed film = most_film_need(*device->context, shared.scene().camera);
+  // What is known before a tree is built, which may take gigabytes and minutes.
+  check_needs(std::array{film, least_scene_need(shared.scene())}, limits_of(*device->context));
+  Made made;
+  Timer timer;
+  made.compiled = shared.once<CompiledScene>(compile_scene);
+  made.timings.compile = timer.seconds();
+  timer = {};
+  made.scene =
+      std::make_shared<const DeviceScene>(device, *made.compiled, options.wanted_loads(), std::span(&film, 1), like);
+  made.timings.upload = timer.seconds();
+  return made;
+}
+
 class GpuRenderer final : public Renderer {
  public:
-  GpuRenderer(std::shared_ptr<const DeviceScene> scene, const View& view, const RenderSettings& settings,
-              const GpuOptions& options, const GpuTimings& timings)
+  // What a device scene was made of; nothing where only that is given.
+  struct Source {
+    SharedScene scene;
+    std::shared_ptr<const CompiledScene> compiled;
+  };
+
+  GpuRenderer(std::shared_ptr<const DeviceScene> scene, std::optional<Source> source, const View& view,
+              const RenderSettings& settings, const GpuOptions& options, const GpuTimings& timings)
       : options_(options),
+        source_(std::move(source)),
         scene_(std::move(scene)),
         kernels_(kernel_set(options, scene_->loads())),
         view_(scene_->device()),
@@ -178,6 +210,8 @@ class GpuRenderer final : public Renderer {
   const std::string& choice() const { return context().choice(); }
 
   void set_view(const View& view, const RenderSettings& settings) override;
+  void set_materials(const std::vector<Material>& materials) override;
+  void set_scene(const SharedScene& scene, const RenderSettings& settings) override;
   std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
                        std::vector<RejectedSample>& rejected) override;
   std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) override;
@@ -246,13 +280,16 @@ class GpuRenderer final : public Renderer {
   };
   RenderKernel& present_kernel();
 
+  void use_constants();
+
   GpuOptions options_;
+  std::optional<Source> source_;
   std::shared_ptr<const DeviceScene> scene_;
   KernelSet kernels_;
   DeviceView view_;
   const std::uint32_t lane_groups_;
   vulkan::Buffer report_;
-  std::vector<vulkan::Specialization> constants_;
+  std::vector<vulkan::Specialization> view_constants_, constants_;  // of the view; all of them
   std::list<RenderKernel> render_kernels_;  // the last ones; made when first needed, like the next two
   vulkan::Kernel path_kernel_;
   std::unique_ptr<SampleTracer> tracer_;
@@ -310,7 +347,48 @@ void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
   view_.set(scene_->device(), compiled);
   frame_ = compiled.frame;
   set_bits_ = view.sampler.set_bits;
-  std::vector<vulkan::Specialization> constants = view_constants(view, settings, compiled);
+  view_constants_ = view_constants(view, settings, compiled);
+  use_constants();
+}
+
+// The tree and the geometry stay where they are; a table of materials is small.
+void GpuRenderer::set_materials(const std::vector<Material>& materials) {
+  if (!source_)
+    throw Error(ErrorKind::usage,
+                "A renderer of what lies on a device already does not know its materials; make one of the scene.");
+  if (const std::string complaint = exchange_complaint(source_->scene.scene().materials, materials); !complaint.empty())
+    throw Error(ErrorKind::usage, fmt::format("The materials cannot be exchanged: {}.", complaint));
+  Diagnostics diagnostics;
+  check_materials(materials, diagnostics);
+  diagnostics.throw_first_error();
+  const CompiledScene& compiled = *source_->compiled;
+  scene_ = std::make_shared<const DeviceScene>(*scene_, compiled,
+                                               compile_materials(materials, compiled.textures.features != 0));
+  use_constants();
+}
+
+// Kernels stay, for whatever constants they were built, and so do the film and what is bound to it.
+void GpuRenderer::set_scene(const SharedScene& shared, const RenderSettings& settings) {
+  const std::shared_ptr<GpuDevice> device = scene_->device_pointer();
+  const DeviceScene::Layouts layouts = scene_->layouts();
+  source_.reset();  // before the next scene takes memory
+  scene_.reset();
+  Made made = make_device_scene(device, shared, options_, layouts);
+  timings_ = made.timings;
+  source_ = Source{shared, std::move(made.compiled)};
+  scene_ = std::move(made.scene);
+  if (scene_->layouts() != layouts) {
+    forget_film();
+    render_kernels_.clear();
+    constants_.clear();
+    kernels_ = kernel_set(options_, scene_->loads());
+  }
+  set_view(view_of(shared.scene()), settings);
+}
+
+// Of the view, of the scene, and what the kernels themselves ask for.
+void GpuRenderer::use_constants() {
+  std::vector<vulkan::Specialization> constants = view_constants_;
   for (const auto& more : {scene_->constants(), kernels_.constants})
     constants.insert(constants.end(), more.begin(), more.end());
   if (constants == constants_) return;
@@ -590,12 +668,17 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
   commands().download(vertices, 0, bytes);
   std::uint32_t count = 0;
   std::memcpy(&count, bytes.data(), sizeof count);
+  const Normalization& normalization = scene_->facts().normalization;
+  const auto in_world = [&](const glm::vec3& p) {
+    return glm::vec3(glm::dvec3(p) / normalization.scale + normalization.center);
+  };
   std::vector<PathVertex> out;
   for (std::uint32_t i = 0; i < std::min(count, gpu::kMaxTracedVertices); ++i) {
     gpu::TracedVertex v;
     std::memcpy(&v, bytes.data() + 16 + i * sizeof v, sizeof v);
+    const bool met = v.instance != gpu::kNone;
     out.push_back({v.instance, v.primitive, v.light_instance, v.light_primitive, v.light_contributed, v.lobe,
-                   v.survived, v.radiance});
+                   v.survived, in_world(v.from), met ? in_world(v.to) : v.to, v.radiance});
   }
   return out;
 }
@@ -604,23 +687,14 @@ std::vector<PathVertex> GpuRenderer::trace_path(SampleId id) {
 
 std::unique_ptr<Renderer> make_gpu_renderer(const SharedScene& shared, const RenderSettings& settings,
                                             const GpuOptions& options) {
-  const std::shared_ptr<GpuDevice> device = open_device(options);
-  const DeviceNeed film = most_film_need(*device->context, shared.scene().camera);
-  // What is known before a tree is built, which may take gigabytes and minutes.
-  check_needs(std::array{film, least_scene_need(shared.scene())}, limits_of(*device->context));
-  GpuTimings timings;
-  Timer timer;
-  const auto compiled = shared.once<CompiledScene>(compile_scene);
-  timings.compile = timer.seconds();
-  timer = {};
-  auto scene = std::make_shared<const DeviceScene>(device, *compiled, options.wanted_loads(), std::span(&film, 1));
-  timings.upload = timer.seconds();
-  return std::make_unique<GpuRenderer>(std::move(scene), view_of(shared.scene()), settings, options, timings);
+  Made made = make_device_scene(open_device(options), shared, options);
+  return std::make_unique<GpuRenderer>(std::move(made.scene), GpuRenderer::Source{shared, std::move(made.compiled)},
+                                       view_of(shared.scene()), settings, options, made.timings);
 }
 
 std::unique_ptr<Renderer> make_gpu_renderer(std::shared_ptr<const DeviceScene> scene, const View& view,
                                             const RenderSettings& settings, const GpuOptions& options) {
-  return std::make_unique<GpuRenderer>(std::move(scene), view, settings, options, GpuTimings{});
+  return std::make_unique<GpuRenderer>(std::move(scene), std::nullopt, view, settings, options, GpuTimings{});
 }
 
 GpuTimings gpu_timings(const Renderer& renderer) {

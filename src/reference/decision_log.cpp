@@ -6,9 +6,13 @@ PathVertex* DecisionLog::vertex() const {
   return vertices_ != nullptr && segments_ <= kMaxVertices ? &vertices_->back() : nullptr;
 }
 
-void DecisionLog::segment(const std::optional<Surface>& hit) {
+void DecisionLog::segment(const Ray& ray, const std::optional<Surface>& hit) {
   ++segments_;
   if (vertices_ != nullptr && segments_ <= kMaxVertices) vertices_->emplace_back();
+  if (PathVertex* v = vertex()) {
+    v->from = glm::vec3(ray.origin);
+    v->to = glm::vec3(hit ? hit->p : ray.direction);
+  }
   fold(hit ? hit->instance + 1 : 0);
   if (!hit) return;
   fold(hit->primitive + 1);

@@ -20,7 +20,7 @@ class DecisionLog {
   /// Decisions are also appended to `vertices` unless it is null.
   explicit DecisionLog(std::vector<PathVertex>* vertices = nullptr) : vertices_(vertices) {}
 
-  void segment(const std::optional<Surface>& hit);
+  void segment(const Ray& ray, const std::optional<Surface>& hit);
   void light(const LightSample& sample, bool contributed);
   void environment(const EnvironmentSample& sample, bool contributed);
   void lobe(Lobe lobe);

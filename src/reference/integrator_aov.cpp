@@ -63,7 +63,7 @@ class Look {
 
   std::optional<Surface> next_hit(const Ray& ray) {
     const std::optional<Surface> hit = world_.closest_hit(ray);
-    log_.segment(hit);
+    log_.segment(ray, hit);
     return hit;
   }
 

@@ -68,7 +68,7 @@ Vec3 shade(const World& world, const Surface& surface, const Ray& ray, const Sam
 
 Vec3 first_hit_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log) {
   const std::optional<Surface> hit = world.closest_hit(camera_ray);
-  log.segment(hit);
+  log.segment(camera_ray, hit);
   // Nothing hides the sky from a ray that meets nothing.
   const bool open_sky = world.scene().integrator.type == Integrator::Type::visibility;
   const Vec3 color = hit ? shade(world, *hit, camera_ray, random, log) : Vec3(open_sky ? 1.0 : 0.0);

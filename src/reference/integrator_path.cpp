@@ -93,7 +93,7 @@ class Path {
   std::optional<Surface> next_surface(Ray& ray, bool from_camera) {
     if (from_camera) return first_visible(world_, ray, radiance_, log_);
     const std::optional<Surface> hit = world_.closest_hit(ray);
-    log_.segment(hit);
+    log_.segment(ray, hit);
     beta_ *= transmittance(absorption_, (hit ? hit->t : INFINITY) - ray.t_min);
     return hit;
   }

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -14,6 +16,8 @@
 #include "core/version.h"
 #include "reference/camera.h"
 #include "reference/integrator.h"
+#include "scene/invariants.h"
+#include "scene/material_numbers.h"
 
 namespace etendue {
 namespace {
@@ -91,16 +95,21 @@ struct CameraSample {
 class ReferenceRenderer final : public Renderer {
  public:
   ReferenceRenderer(const Scene& scene, const RenderSettings& settings, World::Rounding rounding)
-      : world_(scene, rounding), settings_(settings) {}
+      : rounding_(rounding), world_(std::in_place, scene, rounding), settings_(settings) {}
 
   std::string device_name() const override { return "reference"; }
   std::string driver_name() const override { return fmt::format("double precision, etendue {}", version()); }
 
   void set_view(const View& view, const RenderSettings& settings) override {
-    world_.set_view(view);
+    world_->set_view(view);
     settings_ = settings;
   }
 
+  void set_materials(const std::vector<Material>& materials) override;
+  void set_scene(const SharedScene& scene, const RenderSettings& settings) override {
+    world_.emplace(scene.scene(), rounding_);
+    settings_ = settings;
+  }
   std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
                        std::vector<RejectedSample>& rejected) override;
   std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) override;
@@ -116,38 +125,48 @@ class ReferenceRenderer final : public Renderer {
   /// What the film takes of one sample: radiance times filter weight, or its luminance.
   glm::vec3 sample_value(SampleId id, DecisionLog& log) const;
 
-  World world_;
+  World::Rounding rounding_;
+  std::optional<World> world_;  ///< always there
   RenderSettings settings_;
 };
 
 void ReferenceRenderer::check_size(const Film& film) const {
-  const Camera& camera = world_.scene().camera;
+  const Camera& camera = world_->scene().camera;
   if (film.width() == camera.width && film.height() == camera.height) return;
   throw Error(ErrorKind::usage,
               fmt::format("the film is {}x{} pixels but the camera of scene \"{}\" has {}x{}; "
                           "give both the same size",
-                          film.width(), film.height(), world_.scene().name, camera.width, camera.height));
+                          film.width(), film.height(), world_->scene().name, camera.width, camera.height));
+}
+
+void ReferenceRenderer::set_materials(const std::vector<Material>& materials) {
+  if (const std::string complaint = exchange_complaint(world_->scene().materials, materials); !complaint.empty())
+    throw Error(ErrorKind::usage, fmt::format("the materials cannot be exchanged: {}", complaint));
+  Diagnostics diagnostics;
+  check_materials(materials, diagnostics);
+  diagnostics.throw_first_error();
+  world_->set_materials(materials);
 }
 
 CameraSample ReferenceRenderer::camera_sample(SampleId id, const SampleRandom& random) const {
-  const Camera& camera = world_.scene().camera;
+  const Camera& camera = world_->scene().camera;
   const auto u = random.filter();
-  const auto x = world_.filter().sample(u.x);
-  const auto y = world_.filter().sample(u.y);
+  const auto x = world_->filter().sample(u.x);
+  const auto y = world_->filter().sample(u.y);
   const std::uint32_t column = id.pixel % camera.width, row = id.pixel / camera.width;
   const Vec2 film(column + 0.5 + x.offset, row + 0.5 + y.offset);
   return {camera_ray(camera, film, random.lens()), x.weight * y.weight * camera_weight(camera)};
 }
 
 Vec3 ReferenceRenderer::radiance(const Ray& ray, const SampleRandom& random, DecisionLog& log) const {
-  switch (world_.scene().integrator.type) {
+  switch (world_->scene().integrator.type) {
     case Integrator::Type::path:
     case Integrator::Type::whitted:
-      return path_radiance(world_, ray, random, log);
+      return path_radiance(*world_, ray, random, log);
     case Integrator::Type::direct:
-      return direct_radiance(world_, ray, random, log);
+      return direct_radiance(*world_, ray, random, log);
     case Integrator::Type::aov:
-      return aov_value(world_, ray, random, log);
+      return aov_value(*world_, ray, random, log);
     case Integrator::Type::normals:
     case Integrator::Type::absolute_normals:
     case Integrator::Type::simple:
@@ -155,23 +174,23 @@ Vec3 ReferenceRenderer::radiance(const Ray& ray, const SampleRandom& random, Dec
     case Integrator::Type::visibility:
     case Integrator::Type::depth:
     case Integrator::Type::distance:
-      return first_hit_radiance(world_, ray, random, log);
+      return first_hit_radiance(*world_, ray, random, log);
   }
   return Vec3(0.0);
 }
 
 glm::vec3 ReferenceRenderer::sample_value(SampleId id, DecisionLog& log) const {
-  const SampleRandom random(settings_.seed, id.pixel, id.sample, world_.scene().sampler.set_bits);
+  const SampleRandom random(settings_.seed, id.pixel, id.sample, world_->scene().sampler.set_bits);
   const CameraSample camera = camera_sample(id, random);
-  const Integrator& integrator = world_.scene().integrator;
+  const Integrator& integrator = world_->scene().integrator;
   const bool aov = integrator.type == Integrator::Type::aov;
-  const double weight = aov ? aov_weight(world_.scene(), camera.weight, id.sample) : camera.weight;
+  const double weight = aov ? aov_weight(world_->scene(), camera.weight, id.sample) : camera.weight;
   const Vec3 rgb = weight * radiance(camera.ray, random, log);
   return settings_.quantity == FilmQuantity::luminance ? glm::vec3(Vec3(luminance(rgb))) : glm::vec3(rgb);
 }
 
 void ReferenceRenderer::add_set(SampleId set, int exponent, FilmPixel& pixel, std::vector<RejectedSample>& bad) const {
-  const std::uint32_t size = world_.scene().sampler.set_size();
+  const std::uint32_t size = world_->scene().sampler.set_size();
   const std::size_t listed = bad.size();
   const std::uint32_t rejections = pixel.rejected;
   Vec3 sum(0.0);
@@ -256,7 +275,7 @@ std::vector<SampleRecord> ReferenceRenderer::trace_samples(std::span<const Sampl
 std::vector<PathVertex> ReferenceRenderer::trace_path(SampleId id) {
   std::vector<PathVertex> vertices;
   DecisionLog log(&vertices);
-  const SampleRandom random(settings_.seed, id.pixel, id.sample, world_.scene().sampler.set_bits);
+  const SampleRandom random(settings_.seed, id.pixel, id.sample, world_->scene().sampler.set_bits);
   const CameraSample camera = camera_sample(id, random);
   radiance(camera.ray, random, log);
   for (PathVertex& vertex : vertices) vertex.radiance *= static_cast<float>(camera.weight);

@@ -15,7 +15,7 @@ void go_behind(const Surface& surface, Ray& ray) {
 std::optional<Surface> first_visible(const World& world, Ray& ray, const Vec3& gathered, DecisionLog& log) {
   for (;;) {
     const std::optional<Surface> hit = world.closest_hit(ray);
-    log.segment(hit);
+    log.segment(ray, hit);
     if (!hit || !world.scene().integrator.hide_emitters) return hit;
     const AreaEmitter* emitter = world.scene().emitter_of(world.scene().instances[hit->instance]);
     if (emitter == nullptr || is_zero(emitter->radiance.value)) return hit;

@@ -26,6 +26,8 @@ class World {
 
   /// Looks at the same shapes and lights in another way.
   void set_view(const View& view);
+  /// The same surfaces, of the same kinds of materials with other numbers.
+  void set_materials(const std::vector<Material>& materials) { scene_.materials = materials; }
 
   const Scene& scene() const { return scene_; }
   const Lights& lights() const { return lights_; }

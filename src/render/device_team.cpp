@@ -71,13 +71,22 @@ std::vector<Renderer*> DeviceTeam::renderers() const {
 }
 
 void DeviceTeam::look_at(AovPlan plan) {
+  change(std::move(plan), [this](Renderer& renderer) { renderer.set_view(plan_.view, plan_.settings); });
+}
+
+void DeviceTeam::show(const SharedScene& scene, std::vector<OpenRenderer> open, AovPlan plan) {
+  for (std::size_t i = 0; i < members_.size(); ++i) members_[i].open = std::move(open.at(i));
+  change(std::move(plan), [&](Renderer& renderer) { renderer.set_scene(scene, plan_.settings); });
+}
+
+void DeviceTeam::change(AovPlan plan, const std::function<void(Renderer&)>& tell) {
   plan_ = std::move(plan);
   for (Member& member : members_) {
     member.film = {};
     member.aovs.clear();
     if (!member.renderer) continue;
     try {
-      member.renderer->set_view(plan_.view, plan_.settings);
+      tell(*member.renderer);
     } catch (const DeviceLost& error) {
       open_afresh(member, error.what());
     }

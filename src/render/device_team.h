@@ -56,6 +56,10 @@ class DeviceTeam {
   /// afresh sees it, too.
   void look_at(AovPlan plan);
 
+  /// Renders another scene from now on, on the devices that are open. `open` opens renderers of that scene, as many as
+  /// before.
+  void show(const SharedScene& scene, std::vector<OpenRenderer> open, AovPlan plan);
+
   /// One renderer per device that works.
   std::vector<Renderer*> renderers() const;
 
@@ -71,6 +75,7 @@ class DeviceTeam {
   };
   struct Run;
 
+  void change(AovPlan plan, const std::function<void(Renderer&)>& tell);
   void open_afresh(Member& member, std::string reason);
   void work(Member& member, Run& run);
   SampleRange render_chunk(Member& member, Run& run, SampleRange chunk);

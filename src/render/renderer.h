@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "image/film.h"
+#include "render/shared_scene.h"
 #include "scene/scene.h"
 #include "scene/view.h"
 
@@ -57,6 +58,8 @@ struct PathVertex {
   std::uint32_t light_contributed = kNone;  ///< 0 or 1
   std::uint32_t lobe = kNone;               ///< one of reference::Lobe, kLobe… on devices
   std::uint32_t survived = kNone;           ///< 0 or 1
+  glm::vec3 from{0.0f};                     ///< where the segment begins, world space
+  glm::vec3 to{0.0f};                       ///< where it ends; of a ray that left the scene its direction
   glm::vec3 radiance{0.0f};                 ///< accumulated up to and including this vertex
 };
 
@@ -82,6 +85,16 @@ class Renderer {
   /// Renders with another camera, film size, sampler, integrator or seed from now on. Compiles nothing of the scene
   /// again. Throws what making a renderer throws.
   virtual void set_view(const View& view, const RenderSettings& settings) = 0;
+
+  /// Renders with other numbers of the scene's materials from now on. Compiles nothing of the scene again; a kernel is
+  /// built where the change asks for what none had. Throws Error(usage) where more than numbers has changed
+  /// (exchange_complaint() in scene/material_numbers.h), Error(scene) for numbers that check_materials() refuses,
+  /// Error(lost).
+  virtual void set_materials(const std::vector<Material>& materials) = 0;
+
+  /// Renders another scene from now on, as it says itself, on the device that is open: a kernel is built only where the
+  /// scenes differ in what kernels are built for. Throws what making a renderer throws; then it is of no use any more.
+  virtual void set_scene(const SharedScene& scene, const RenderSettings& settings) = 0;
 
   /// Adds samples [range.begin, end) of every pixel to `film` and returns `end`: range.end, or less when `progress`
   /// asked to stop. The samples added are exactly those of whole indices. Rejected samples are listed in `rejected`

@@ -64,13 +64,7 @@ class Checker {
     for (const AreaEmitter& emitter : scene_.emitters)
       check_radiance(emitter.radiance.value, emitter.position, "radiance");
     for (const DeltaLight& light : scene_.delta_lights) check_delta_light(light);
-    for (const Material& material : scene_.materials) {
-      if (material.adapter) {
-        std::visit([&](const auto& adapter) { check_adapter(adapter, material); }, *material.adapter);
-      } else {
-        std::visit([&](const auto& bsdf) { check_bsdf(bsdf, material); }, material.bsdf);
-      }
-    }
+    check_numbers();
     check_totals();
     if (tables_fit()) {
       check_adapters();
@@ -78,6 +72,12 @@ class Checker {
       for (const Instance& instance : scene_.instances) check_instance(instance);
       check_textures(scene_, sink_, locate_);
     }
+  }
+
+  /// Of a scene whose tables fit.
+  void check_materials() {
+    check_numbers();
+    check_adapters();
   }
 
  private:
@@ -278,6 +278,16 @@ class Checker {
       error(scene_.position, "sky_picture",
             fmt::format("the picture of the environment has a radiance of {}; use at most {}", statistics.largest,
                         kMaxRadiance));
+    }
+  }
+
+  void check_numbers() {
+    for (const Material& material : scene_.materials) {
+      if (material.adapter) {
+        std::visit([&](const auto& adapter) { check_adapter(adapter, material); }, *material.adapter);
+      } else {
+        std::visit([&](const auto& bsdf) { check_bsdf(bsdf, material); }, material.bsdf);
+      }
     }
   }
 
@@ -692,6 +702,12 @@ class Checker {
 
 void check_invariants(const Scene& scene, Diagnostics& diagnostics, const LocateField& locate) {
   Checker(scene, diagnostics, locate).check();
+}
+
+void check_materials(const std::vector<Material>& materials, Diagnostics& diagnostics, const LocateField& locate) {
+  Scene scene;
+  scene.materials = materials;
+  Checker(scene, diagnostics, locate).check_materials();
 }
 
 void require_invariants(const Scene& scene) {

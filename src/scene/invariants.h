@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "scene/diagnostics.h"
 #include "scene/scene.h"
@@ -18,6 +19,9 @@ using LocateField = std::function<std::optional<SourcePosition>(const SourcePosi
 /// the limits of scene/limits.h, near < far, invertible transforms, emitters with an area. Linear in the size of the
 /// scene. Without `locate` a finding has the position of its object.
 void check_invariants(const Scene& scene, Diagnostics& diagnostics, const LocateField& locate = {});
+
+/// The part of it that a change of a material's numbers may break.
+void check_materials(const std::vector<Material>& materials, Diagnostics& diagnostics, const LocateField& locate = {});
 
 /// Throws Error(scene) with the first finding of check_invariants, if there is one.
 void require_invariants(const Scene& scene);

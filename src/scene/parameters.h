@@ -137,6 +137,26 @@ void each_parameter(T& material, F&& f) {
     each_parameter(material.bsdf, f);
   }
 }
+/// The same, and the numbers and colours that no texture can stand for.
+template <MaybeConst<Material> T, typename F>
+void each_number(T& material, F&& f) {
+  each_parameter(material, f);
+  if (material.adapter) return;
+  std::visit(
+      [&](auto& bsdf) {
+        if constexpr (requires { bsdf.int_ior; }) {
+          f("int_ior", bsdf.int_ior);
+          f("ext_ior", bsdf.ext_ior);
+        }
+        if constexpr (MaybeConst<std::remove_reference_t<decltype(bsdf)>, GltfBsdf>) {
+          f("anisotropy_rotation", bsdf.anisotropy_rotation);
+          f("dispersion", bsdf.dispersion);
+          f("attenuation_color", bsdf.attenuation_color);
+          f("attenuation_distance", bsdf.attenuation_distance);
+        }
+      },
+      material.bsdf);
+}
 template <MaybeConst<AreaEmitter> T, typename F>
 void each_parameter(T& emitter, F&& f) {
   f("radiance", emitter.radiance);

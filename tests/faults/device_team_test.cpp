@@ -25,6 +25,8 @@ class FakeRenderer final : public Renderer {
   std::string device_name() const override { return name_; }
   std::string driver_name() const override { return "fake"; }
   void set_view(const View&, const RenderSettings&) override {}
+  void set_materials(const std::vector<Material>&) override {}
+  void set_scene(const SharedScene&, const RenderSettings&) override {}
   std::uint32_t render(SampleRange range, Film& film, const Progress& progress, std::vector<RejectedSample>&) override {
     std::uint32_t next = range.begin;
     bool go_on = true;

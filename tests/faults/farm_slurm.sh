@@ -124,4 +124,18 @@ $ETENDUE merge long.exr.shards/shard-0.checkpoint.exr -o count.png --json > coun
 done_spp=$(sed -n 's/^ *"samples": \([0-9]*\),*$/\1/p' count.json)
 $ETENDUE render "$scene" $options --spp "$done_spp" --film -o part.exr -q || fail 'rendering the part'
 cmp part.exr long.exr.shards/shard-0.checkpoint.exr || fail 'the checkpoint differs from one render'
-echo "a Slurm array of 4 shards, one failed and rendered again alone, one interrupted at $done_spp spp: all bytes agree"
+
+# Frames of an asset that moves: an array of three tasks with two frames each, one of which is there already and stays as it is.
+asset=$source/tests/fuzz/corpus/fuzz_scene_gltf/animated.gltf
+frames="--fps 2 $options --spp 16 -q"
+mkdir one many
+$ETENDUE render "$asset" --frames 0:6 $frames -o one/f-####.exr || fail 'the frames in one go'
+cp one/f-0003.exr many/f-0003.exr
+touch -d @1 many/f-0003.exr
+sbatch --array=0-2 --requeue --signal=B:TERM@60 --wrap "exec $ETENDUE render $asset \
+  --frames \$((2 * SLURM_ARRAY_TASK_ID)):\$((2 * SLURM_ARRAY_TASK_ID + 2)) $frames -o $folder/jobs/many/f-####.exr" || fail 'submitting the frames'
+drain
+for frame in 0 1 2 3 4 5; do cmp one/f-000$frame.exr many/f-000$frame.exr || fail "frame $frame differs"; done
+[ "$(stat -c %Y many/f-0003.exr)" -eq 1 ] || fail 'a frame that was there was rendered again'
+cmp -s one/f-0000.exr one/f-0002.exr && fail 'nothing moves'
+echo "a Slurm array of 4 shards, one failed and rendered again alone, one interrupted at $done_spp spp, and 6 frames in 3 tasks: all bytes agree"

@@ -1,11 +1,15 @@
 /// What lives how long: the compiled scene outlives devices, views come and go on one renderer, and a device may belong
 /// to the program around.
 
+#include <algorithm>
+#include <functional>
+
 #include "core/errors.h"
 #include "device_test.h"
 #include "formats/read_scene.h"
 #include "reference/reference_renderer.h"
 #include "render/device_team.h"
+#include "scene/material_numbers.h"
 #include "validate/validate.h"
 
 namespace etendue::test {
@@ -126,6 +130,110 @@ TEST_F(Lifetimes, TheReferenceFollowsTheView) {
   }
 }
 
+// One of each kind: a number, a colour, a table of their own, and glass that gets a tint, for which a kernel is built.
+Scene with_materials() {
+  Scene scene = cornell();
+  scene.materials.push_back({RoughPlasticBsdf{}, {}, "plastic", {}});
+  scene.materials.push_back({DielectricBsdf{}, {}, "glass", {}});
+  scene.materials.push_back({DiffuseBsdf{}, {}, "paper", {}});
+  const auto paper = static_cast<std::uint32_t>(scene.materials.size() - 1);
+  scene.materials.push_back({{}, BlendAdapter{{0.25}, paper, paper - 2}, "mixture", {}});
+  for (std::uint32_t i = 0; i < 3; ++i)
+    scene.add(Sphere{.center = {0.4 * i - 0.4, 0.3, 0.8}, .radius = 0.15}).material =
+        i == 2 ? paper + 1 : paper - 2 + i;
+  return scene;
+}
+
+std::vector<std::vector<Material>> changed_materials(const Scene& scene) {
+  std::vector<std::vector<Material>> all;
+  const auto change = [&](const char* material, const char* number, const glm::dvec3& value) {
+    std::vector<Material> materials = all.empty() ? scene.materials : all.back();
+    const auto found = std::ranges::find(materials, material, &Material::name);
+    ASSERT_NE(found, materials.end());
+    ASSERT_TRUE(set_number(*found, number, value));
+    all.push_back(std::move(materials));
+  };
+  change("paper", "albedo", {0.9, 0.1, 0.2});
+  change("plastic", "alpha", glm::dvec3(0.4));
+  change("plastic", "int_ior", glm::dvec3(1.9));
+  change("glass", "specular_transmittance", {0.3, 0.9, 0.6});
+  change("glass", "int_ior", glm::dvec3(1.2));
+  change("mixture", "weight", glm::dvec3(0.8));
+  return all;
+}
+
+TEST_F(Lifetimes, MaterialsGetOtherNumbersAndNothingOfTheSceneIsCompiledAgain) {
+  const Scene scene = with_materials();
+  const auto renderer = make_gpu_renderer(scene, {.seed = 1}, renderer_options());
+  const auto reference = make_reference_renderer(scene, {.seed = 1});
+  const Film first = film_of(*renderer, scene, view_of(scene));
+  std::vector<Film> films;
+  for (const std::vector<Material>& materials : changed_materials(scene)) {
+    renderer->set_materials(materials);
+    films.push_back(film_of(*renderer, scene, view_of(scene)));
+  }
+  EXPECT_EQ(compilations(), 1u);
+  std::size_t i = 0;
+  for (const std::vector<Material>& materials : changed_materials(scene)) {
+    Scene changed = scene;
+    changed.materials = materials;
+    EXPECT_NE(films[i].pixels(), (i == 0 ? first : films[i - 1]).pixels()) << i;
+    EXPECT_EQ(films[i].pixels(), fresh_film(changed, view_of(scene), {.seed = 1}, renderer_options()).pixels()) << i;
+    reference->set_materials(materials);
+    EXPECT_EQ(film_of(*reference, scene, view_of(scene), {0, 1}).pixels(),
+              film_of(*make_reference_renderer(changed, {.seed = 1}), scene, view_of(scene), {0, 1}).pixels())
+        << i;
+    ++i;
+  }
+  renderer->set_materials(scene.materials);
+  EXPECT_EQ(film_of(*renderer, scene, view_of(scene)).pixels(), first.pixels()) << "the scene's own again";
+}
+
+BlendAdapter& mixture_of(std::vector<Material>& all) {
+  return std::get<BlendAdapter>(*std::ranges::find(all, "mixture", &Material::name)->adapter);
+}
+
+TEST_F(Lifetimes, MaterialsOfOtherKindsOrOutOfRangeAreRefused) {
+  const Scene scene = with_materials();
+  const auto device = make_gpu_renderer(scene, {.seed = 1}, renderer_options());
+  const auto reference = make_reference_renderer(scene, {.seed = 1});
+  const auto refused = [&](ErrorKind kind, const std::function<void(std::vector<Material>&)>& change) {
+    std::vector<Material> materials = scene.materials;
+    change(materials);
+    for (Renderer* renderer : {device.get(), reference.get()}) {
+      try {
+        renderer->set_materials(materials);
+        ADD_FAILURE() << "taken by " << renderer->device_name();
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), kind) << error.what();
+      }
+    }
+  };
+  refused(ErrorKind::usage, [](auto& all) { all.pop_back(); });
+  refused(ErrorKind::usage, [](auto& all) { all[0].bsdf = MirrorBsdf{}; });
+  refused(ErrorKind::usage, [](auto& all) { mixture_of(all).first = 0; });
+  refused(ErrorKind::scene, [](auto& all) { mixture_of(all).weight = 1.5; });
+  EXPECT_EQ(film_of(*device, scene, view_of(scene)).pixels(),
+            fresh_film(scene, view_of(scene), {.seed = 1}, renderer_options()).pixels())
+      << "what was refused changes nothing";
+}
+
+TEST_F(Lifetimes, OneRendererTakesOneSceneAfterTheOther) {
+  const auto renderer = make_gpu_renderer(cornell(), {.seed = 1}, renderer_options());
+  const auto reference = make_reference_renderer(cornell(), {.seed = 1});
+  std::vector<Scene> scenes = {cornell(), with_materials(), cornell()};
+  scenes[2].instances.back().world_from_object[3].y += 0.05;
+  scenes[2].camera.width = 25;
+  for (const Scene& scene : scenes) {
+    renderer->set_scene(scene, {.seed = 2});
+    reference->set_scene(scene, {.seed = 2});
+    EXPECT_EQ(film_of(*renderer, scene, view_of(scene)).pixels(),
+              fresh_film(scene, view_of(scene), {.seed = 2}, renderer_options()).pixels());
+    EXPECT_EQ(film_of(*reference, scene, view_of(scene), {0, 1}).pixels(),
+              film_of(*make_reference_renderer(scene, {.seed = 2}), scene, view_of(scene), {0, 1}).pixels());
+  }
+}
+
 TEST_F(Lifetimes, LightsKeepTheirTreeWhenLightSamplingIsTurnedOn) {
   Scene scene =
       read_scene(SCENES_DIR "/thousand-lamps.xml", {.overrides = {{"camera.width", "24"}, {"camera.height", "16"}}});
@@ -149,6 +257,10 @@ TEST_F(Lifetimes, TwoDevicesAndALostOneShareWhatIsCompiled) {
     std::string device_name() const override { return inner_->device_name(); }
     std::string driver_name() const override { return inner_->driver_name(); }
     void set_view(const View& view, const RenderSettings& settings) override { inner_->set_view(view, settings); }
+    void set_materials(const std::vector<Material>& materials) override { inner_->set_materials(materials); }
+    void set_scene(const SharedScene& scene, const RenderSettings& settings) override {
+      inner_->set_scene(scene, settings);
+    }
     std::uint32_t render(SampleRange, Film&, const Progress&, std::vector<RejectedSample>&) override {
       throw DeviceLost("The device was lost.");
     }

@@ -538,6 +538,12 @@ TEST_F(RendererAgreement, PathsAreTracedVertexByVertex) {
       EXPECT_EQ(path[k].light_contributed, expected[k].light_contributed);
       EXPECT_EQ(path[k].lobe, expected[k].lobe);
       EXPECT_EQ(path[k].survived, expected[k].survived);
+      const auto near = [](const glm::vec3& a, const glm::vec3& b) {
+        return glm::length(a - b) < 1e-3f * (1.0f + glm::length(b));
+      };
+      EXPECT_TRUE(near(path[k].from, expected[k].from));
+      EXPECT_TRUE(near(path[k].to, expected[k].to)) << "where it arrives, or its direction";
+      EXPECT_TRUE(k == 0 || near(path[k].from, path[k - 1].to)) << "where the last one arrived";
       EXPECT_LT(glm::length(path[k].radiance - expected[k].radiance),
                 1e-3f * (1.0f + glm::length(expected[k].radiance)));
     }

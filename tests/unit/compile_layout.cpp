@@ -204,7 +204,8 @@ const std::map<std::string, Layout>& host_layouts() {
        {{MEMBER(TracedVertex, radiance), MEMBER(TracedVertex, instance), MEMBER(TracedVertex, primitive),
          MEMBER(TracedVertex, light_instance), MEMBER(TracedVertex, light_primitive),
          MEMBER(TracedVertex, light_contributed), MEMBER(TracedVertex, lobe), MEMBER(TracedVertex, survived),
-         MEMBER(TracedVertex, pad0), MEMBER(TracedVertex, pad1)},
+         MEMBER(TracedVertex, pad0), MEMBER(TracedVertex, pad1), MEMBER(TracedVertex, from), MEMBER(TracedVertex, pad2),
+         MEMBER(TracedVertex, to), MEMBER(TracedVertex, pad3)},
         sizeof(TracedVertex)}},
   };
   return layouts;

@@ -39,6 +39,9 @@ class FakeRenderer : public Renderer {
     settings_ = settings;
   }
 
+  void set_materials(const std::vector<Material>&) override {}
+  void set_scene(const SharedScene&, const RenderSettings&) override {}
+
   std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
                        std::vector<RejectedSample>& rejected) override {
     for (std::uint32_t p = 0; p < pixels_; ++p) {
