@@ -16,6 +16,8 @@
 #include "formats/mitsuba/mitsuba_writer.h"
 #include "formats/nori/nori_writer.h"
 #include "report_assets.h"
+#include "scene/film_projection.h"
+#include "scene/material_numbers.h"
 #include "scene/view.h"
 
 namespace etendue::view {
@@ -94,6 +96,23 @@ bool has_fov(const Camera& camera) {
   return camera.type == Camera::Type::perspective || camera.type == Camera::Type::thin_lens;
 }
 
+/// What makes places in the picture of points; see FilmProjection. Row by row.
+Json projection_json(const Camera& camera) {
+  const std::optional<FilmProjection> projection = film_projection(camera);
+  if (!projection) return {};
+  Json matrix = Json::array();
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) matrix.push_back(projection->matrix[column][row]);
+  }
+  const bool plane = projection->kind == FilmProjection::Kind::plane;
+  const FilmWindow& w = camera.window;
+  const glm::dvec2 origin = w.origin + w.principal_offset;
+  return {{"kind", plane ? "plane" : "sphere"},
+          {"matrix", matrix},
+          {"origin", {origin.x, origin.y}},
+          {"pixels", {camera.width / w.size.x, camera.height / w.size.y}}};
+}
+
 Json camera_json(const State& state) {
   const Camera& camera = state.camera;
   // Which way the picture goes when the camera turns: mirrored cameras have x on the other side.
@@ -105,6 +124,7 @@ Json camera_json(const State& state) {
           {"aperture", has_fov(camera) ? Json(camera.aperture.radius) : Json()},
           {"focus", camera.aperture.focus_distance},
           {"mirrored", mirrored},
+          {"projection", projection_json(camera)},
           {"mover", state.mover}};
 }
 
@@ -154,6 +174,7 @@ Json to_json(const State& state, const Parts& parts, const std::string& complain
           {"driver", state.driver},
           {"loads", state.loads},
           {"integrator", integrator_json(state.integrator)},
+          {"materials", state.materials},
           {"camera", camera_json(state)}};
 }
 
@@ -213,7 +234,10 @@ Response of_pixel(const Request& request, const Tell& tell) {
 Response point(Preview& preview, const Request& request) {
   return of_pixel(request, [&](std::uint32_t x, std::uint32_t y) {
     const Point point = preview.point_at(x, y);
-    return Json({{"hit", point.hit}, {"position", vector_json(point.position)}, {"focus", point.focus}});
+    return Json({{"hit", point.hit},
+                 {"position", vector_json(point.position)},
+                 {"focus", point.focus},
+                 {"material", point.material}});
   });
 }
 
@@ -226,6 +250,9 @@ Json path_json(const std::vector<PathVertex>& path) {
                    {"reached", words.reached},
                    {"lobe", words.lobe},
                    {"survives", words.survives},
+                   {"met", vertex.instance != PathVertex::kNone},
+                   {"from", vector_json(glm::dvec3(vertex.from))},
+                   {"to", vector_json(glm::dvec3(vertex.to))},
                    {"radiance", {vertex.radiance.x, vertex.radiance.y, vertex.radiance.z}}});
   }
   return out;
@@ -241,6 +268,115 @@ Response explain(Preview& preview, const Request& request) {
     const Told told = by_reference ? preview.explain_by_reference(x, y, number) : preview.explain(x, y, number);
     return Json({{"device", told.device}, {"path", path_json(told.path)}});
   });
+}
+
+// --- materials ---
+
+/// A number that scripts can read: what is infinite is null.
+Json finite_json(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json value_json(const MaterialNumber& number) {
+  if (!number.is_color) return finite_json(number.value.x);
+  return {finite_json(number.value.x), finite_json(number.value.y), finite_json(number.value.z)};
+}
+
+bool is_changed(const Palette& palette, std::uint32_t row) {
+  const std::vector<MaterialNumber> own = numbers_of(palette.scene->materials[row]);
+  const std::vector<MaterialNumber> now = numbers_of((*palette.materials)[row]);
+  return !std::ranges::equal(own, now, {}, &MaterialNumber::value, &MaterialNumber::value);
+}
+
+/// Names and kinds of all materials, or of as many as a list is good for.
+Response material_list(Preview& preview) {
+  constexpr std::size_t kMost = 2000;
+  const Palette palette = preview.palette();
+  Json list = Json::array();
+  const std::size_t count = palette.scene ? palette.materials->size() : 0;
+  for (std::uint32_t row = 0; row < std::min(count, kMost); ++row) {
+    const Material& material = (*palette.materials)[row];
+    list.push_back({{"name", text::printable(material.name, 100)},
+                    {"type", type_name(material)},
+                    {"changed", is_changed(palette, row)}});
+  }
+  return json_response({{"count", count}, {"materials", list}});
+}
+
+/// The row that a request names; nothing where there is none.
+std::optional<std::uint32_t> row_in(const Request& request, const Palette& palette) {
+  const std::optional<std::uint64_t> row = count_in(request, "row");
+  if (!row || !palette.scene || *row >= palette.materials->size()) return std::nullopt;
+  return static_cast<std::uint32_t>(*row);
+}
+
+Response no_row() {
+  return text_response(404, "row is the number of a material of the scene, from 0 on.\n");
+}
+
+Response material(Preview& preview, const Request& request) {
+  const Palette palette = preview.palette();
+  const std::optional<std::uint32_t> row = row_in(request, palette);
+  if (!row) return no_row();
+  const std::vector<MaterialNumber> own = numbers_of(palette.scene->materials[*row]);
+  const std::vector<MaterialNumber> now = numbers_of((*palette.materials)[*row]);
+  Json numbers = Json::array();
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const Json texture =
+        now[i].texture ? Json(text::printable(palette.scene->textures[*now[i].texture].name, 100)) : Json();
+    numbers.push_back({{"name", now[i].name},
+                       {"color", now[i].is_color},
+                       {"value", value_json(now[i])},
+                       {"own", value_json(own[i])},
+                       {"texture", texture}});
+  }
+  const Material& shown = (*palette.materials)[*row];
+  return json_response(
+      {{"row", *row}, {"name", text::printable(shown.name, 100)}, {"type", type_name(shown)}, {"numbers", numbers}});
+}
+
+/// To be pasted into a scene file.
+Response material_text(Preview& preview, const Request& request) {
+  const Palette palette = preview.palette();
+  const std::optional<std::uint32_t> row = row_in(request, palette);
+  if (!row) return no_row();
+  Scene scene;
+  scene.file = palette.scene->file;
+  scene.materials = *palette.materials;
+  scene.textures = palette.scene->textures;
+  scene.bitmaps = palette.scene->bitmaps;
+  const std::string* dialect = request.find("dialect");
+  const bool mitsuba = dialect != nullptr && *dialect == "mitsuba";
+  try {
+    return text_response(200, mitsuba ? mitsuba_bsdf_element(scene, *row) : bsdf_element(scene, *row));
+  } catch (const Error& error) {
+    return text_response(409, fmt::format("{}\n", error.what()));
+  }
+}
+
+/// One number, or three; "inf" is one, too.
+std::optional<glm::dvec3> value_of(std::string_view text) {
+  if (text == "inf") return glm::dvec3(INFINITY);
+  const std::vector<double> n = numbers_of(text);
+  if (n.size() == 1) return glm::dvec3(n[0]);
+  return n.size() == 3 ? std::optional(glm::dvec3(n[0], n[1], n[2])) : std::nullopt;
+}
+
+Response change_material(Preview& preview, const Request& request) {
+  const std::optional<std::uint32_t> row = row_in(request, preview.palette());
+  if (!row) return no_row();
+  MaterialChange change{.row = *row, .going_on = count_in(request, "moving").value_or(0) == 1};
+  if (const std::string* name = request.find("name"); name != nullptr) change.name = *name;
+  if (const std::string* value = request.find("value"); value != nullptr) {
+    change.value = value_of(*value);
+    if (!change.value) return wrong("value is a number, or three with commas between them.");
+  }
+  try {
+    preview.change(change);
+  } catch (const Error& error) {
+    return text_response(409, fmt::format("{}\n", text::printable_lines(error.what())));
+  }
+  return text_response(204, "");
 }
 
 // --- what changes something ---
@@ -362,18 +498,24 @@ Response get(Preview& preview, const std::string& place, const Request& request)
   if (place == "/") return asset(assets::view_html, "text/html; charset=utf-8");
   if (place == "/view.css") return asset(assets::view_css, "text/css; charset=utf-8");
   if (place == "/view.js") return asset(assets::view_js, "text/javascript; charset=utf-8");
+  if (place == "/path.js") return asset(assets::path_js, "text/javascript; charset=utf-8");
+  if (place == "/materials.js") return asset(assets::materials_js, "text/javascript; charset=utf-8");
   if (place == "/next") return next(preview, request);
   if (place == "/picture.exr") return snapshot(preview, request, ".exr", "image/x-exr");
   if (place == "/picture.png") return snapshot(preview, request, ".png", "image/png");
   if (place == "/point") return point(preview, request);
   if (place == "/explain") return explain(preview, request);
   if (place == "/camera.xml") return camera_text(preview, request);
+  if (place == "/materials") return material_list(preview);
+  if (place == "/material") return material(preview, request);
+  if (place == "/material.xml") return material_text(preview, request);
   return text_response(404, "There is no such page.\n");
 }
 
 Response post(Preview& preview, const std::string& place, const Request& request) {
   if (place == "/camera") return move_camera(preview, request);
   if (place == "/settings") return change_settings(preview, request);
+  if (place == "/material") return change_material(preview, request);
   if (place == "/reset") return preview.reset_camera(), text_response(204, "");
   if (place == "/reload") return preview.reload(), text_response(204, "");
   return text_response(404, "There is no such page.\n");

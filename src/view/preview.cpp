@@ -11,6 +11,8 @@
 #include "core/log.h"
 #include "render/stopping.h"
 #include "scene/film_unit.h"
+#include "scene/invariants.h"
+#include "scene/material_numbers.h"
 #include "view/snapshot.h"
 
 namespace etendue::view {
@@ -30,6 +32,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+void change_number(Material& material, const Material& own, const MaterialChange& change) {
+  bool found = change.name.empty() && !change.value;
+  for (const MaterialNumber& number : numbers_of(own)) {
+    if (!change.name.empty() && number.name != change.name) continue;
+    if (number.texture && !change.name.empty())
+      throw Error(ErrorKind::usage, fmt::format("'{}' has a texture; change that in the scene file.", change.name));
+    if (!number.texture) set_number(material, number.name, change.value.value_or(number.value));
+    found = true;
+  }
+  if (!found) throw Error(ErrorKind::usage, fmt::format("The material has no number '{}'.", change.name));
+}
+
 std::uint32_t divided(std::uint32_t pixels, std::uint32_t scale) {
   return std::max(1u, (pixels + scale - 1) / scale);
 }
@@ -42,6 +56,7 @@ struct Preview::Opened {
       : scene(std::move(read)),
         shared(scene),
         renderer(open_renderer(shared, device, {.seed = seed})),
+        palette{scene, std::make_shared<const std::vector<Material>>(scene->materials)},
         bounds(bounds_of(*scene)),
         own_pose(pose_of(scene->camera, bounds)),
         radiance(radiance_exponent(*scene)) {}
@@ -49,6 +64,7 @@ struct Preview::Opened {
   std::shared_ptr<const Scene> scene;
   SharedScene shared;
   std::unique_ptr<Renderer> renderer;
+  Palette palette;  // what the renderer renders
   Bounds bounds;
   Pose own_pose;
   int radiance;
@@ -161,6 +177,51 @@ void Preview::change(const IntegratorChange& change) {
   set("integrator.mis", &Integrator::mis, change.mis);
 }
 
+void Preview::change(const MaterialChange& change) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!palette_.scene) throw Error(ErrorKind::usage, "There is no scene yet.");
+    if (change.row >= palette_.materials->size())
+      throw Error(ErrorKind::usage,
+                  fmt::format("There is no material {}; the scene has {}.", change.row, palette_.materials->size()));
+    std::vector<Material> materials = *palette_.materials;
+    change_number(materials[change.row], palette_.scene->materials[change.row], change);
+    Diagnostics diagnostics;
+    check_materials(materials, diagnostics);
+    diagnostics.throw_first_error();
+    palette_.materials = std::make_shared<const std::vector<Material>>(std::move(materials));
+  }
+  edit("materials", [this, going_on = change.going_on] { take_materials(going_on); });
+}
+
+Palette Preview::palette() const {
+  const std::lock_guard lock(mutex_);
+  return palette_;
+}
+
+// Compiles the scene again only where a surface begins to look different when it is turned, or ceases to: then there
+// are other tables of directions.
+void Preview::take_materials(bool going_on) {
+  if (!opened_) return;
+  const Palette wanted = palette();
+  if (wanted.materials == opened_->palette.materials) return;
+  if (exchange_complaint(*opened_->palette.materials, *wanted.materials).empty()) {
+    opened_->renderer->set_materials(*wanted.materials);
+  } else {
+    tell(Phase::opening);
+    auto scene = std::make_shared<Scene>(*wanted.scene);
+    scene->materials = *wanted.materials;
+    opened_ = std::make_unique<Opened>(std::move(scene), options_.device, options_.seed);
+  }
+  opened_->palette = wanted;
+  {
+    const std::lock_guard lock(mutex_);
+    ++state_.materials;
+  }
+  moving_until_ = going_on ? Clock::now() + kStillMoving : Clock::time_point{};
+  restart();
+}
+
 void Preview::set_paused(bool paused) {
   edit("paused", [this, paused] {
     paused_ = paused;
@@ -205,6 +266,7 @@ std::string Preview::write_snapshot(const std::string& extension, const Display&
   if (!opened_ || scale_ != 1 || done_ == 0)
     throw Error(ErrorKind::usage, "The picture is still coarse; ask again when it has its full size.");
   return snapshot_bytes({.scene = *opened_->scene,
+                         .materials = *opened_->palette.materials,
                          .camera = film_camera(),
                          .integrator = integrator_,
                          .seed = options_.seed,
@@ -291,6 +353,8 @@ void Preview::load() {
     restart();
     const std::lock_guard lock(mutex_);
     files_ = log.files();
+    palette_ = opened_->palette;
+    ++state_.materials;
     ++state_.loads;
     state_.problem.clear();
     state_.scene = opened_->scene->name;
@@ -479,7 +543,7 @@ Point Preview::point_at(std::uint32_t x, std::uint32_t y) {
   const Subject subject = ask<Subject>([this, x, y] { return subject_of(x, y, 0); });
   // By the reference, which needs no kernel of its own for this.
   const std::lock_guard lock(reference_mutex_);
-  Renderer& reference = reference_of(subject.scene);
+  Renderer& reference = reference_of(subject.palette);
   const auto value = [&](Aov aov) {
     reference.set_view(aov_view(subject.view, aov), {.seed = options_.seed});
     return glm::dvec3(reference.trace_samples(std::span(&subject.id, 1)).front().radiance);
@@ -487,6 +551,9 @@ Point Preview::point_at(std::uint32_t x, std::uint32_t y) {
   Point point{.hit = value(Aov::hit).x > 0.0};
   if (!point.hit) return point;
   point.position = value(Aov::position);
+  // A number from 1 on, as two halves of 16 bits.
+  const glm::dvec3 material = value(Aov::material);
+  point.material = static_cast<std::uint32_t>(material.x + 65536.0 * material.y) - 1;
   point.focus = (glm::inverse(subject.view.camera.world_from_camera) * glm::dvec4(point.position, 1.0)).z;
   return point;
 }
@@ -504,22 +571,27 @@ Told Preview::explain(std::uint32_t x, std::uint32_t y, std::uint32_t sample) {
 Told Preview::explain_by_reference(std::uint32_t x, std::uint32_t y, std::uint32_t sample) {
   const Subject subject = ask<Subject>([this, x, y, sample] { return subject_of(x, y, sample); });
   const std::lock_guard lock(reference_mutex_);
-  Renderer& reference = reference_of(subject.scene);
+  Renderer& reference = reference_of(subject.palette);
   reference.set_view(subject.view, {.seed = options_.seed});
   return {reference.device_name(), reference.trace_path(subject.id)};
 }
 
 Preview::Subject Preview::subject_of(std::uint32_t x, std::uint32_t y, std::uint32_t sample) const {
   const SampleId id = id_of(x, y, sample);
-  return {opened_->scene, full_view(), id};
+  return {opened_->palette, full_view(), id};
 }
 
-Renderer& Preview::reference_of(const std::shared_ptr<const Scene>& scene) {
-  if (reference_scene_ != scene) {
+Renderer& Preview::reference_of(const Palette& palette) {
+  if (reference_ && reference_palette_.scene == palette.scene &&
+      exchange_complaint(*reference_palette_.materials, *palette.materials).empty()) {
+    if (reference_palette_.materials != palette.materials) reference_->set_materials(*palette.materials);
+  } else {
     reference_.reset();
-    reference_scene_ = scene;
-    reference_ = open_renderer(*scene, {.selector = "reference"}, {.seed = options_.seed});
+    Scene scene = *palette.scene;
+    scene.materials = *palette.materials;
+    reference_ = open_renderer(scene, {.selector = "reference"}, {.seed = options_.seed});
   }
+  reference_palette_ = palette;
   return *reference_;
 }
 

@@ -64,6 +64,13 @@ struct State {
   std::uint64_t mover = 0;  ///< who moved it last, as told to `move`
   Integrator integrator;
   std::map<std::string, std::shared_ptr<const Layer>> layers;  ///< of the AOVs that were asked for, by name
+  std::uint64_t materials = 0;                                 ///< grows with every change of them that is rendered
+};
+
+/// Materials, and where they come from: never changed, but replaced.
+struct Palette {
+  std::shared_ptr<const Scene> scene;                      ///< as it was read
+  std::shared_ptr<const std::vector<Material>> materials;  ///< as they are now
 };
 
 /// What somebody looks at beside the mean.
@@ -75,8 +82,9 @@ struct Looked {
 /// Where a pixel's first sample arrives.
 struct Point {
   bool hit = false;
-  glm::dvec3 position{0.0};  ///< world space
-  double focus = 0.0;        ///< of the plane through it along the camera's +Z, camera units
+  glm::dvec3 position{0.0};    ///< world space
+  double focus = 0.0;          ///< of the plane through it along the camera's +Z, camera units
+  std::uint32_t material = 0;  ///< row of the scene's materials
 };
 
 /// A sample as a renderer tells it.
@@ -89,6 +97,14 @@ struct Told {
 struct IntegratorChange {
   std::optional<std::uint32_t> max_depth, rr_depth;
   std::optional<bool> nee, mis;
+};
+
+/// Another value for a number of a material; without one that of the file, of all its numbers where there is no name.
+struct MaterialChange {
+  std::uint32_t row = 0;
+  std::string name;
+  std::optional<glm::dvec3> value;
+  bool going_on = false;  ///< more will follow at once: the picture stays coarse
 };
 
 /// How a camera is to stand.
@@ -122,6 +138,11 @@ class Preview {
   void set_crop(const std::optional<Crop>& crop);
   /// Until the scene is read again. Nothing of the scene is compiled again.
   void change(const IntegratorChange& change);
+  /// The same of a material's numbers, see scene/material_numbers.h. Throws Error(usage) where there is no such number,
+  /// or where it has a texture; Error(scene) with the sentence of check_materials() for a value out of range.
+  void change(const MaterialChange& change);
+  /// Nothing before a scene was read.
+  Palette palette() const;
   void set_paused(bool paused);
   /// Reads the scene again.
   void reload();
@@ -157,6 +178,7 @@ class Preview {
   Result ask(std::function<Result()> question);
   void answer_questions();
   void take_own_camera();
+  void take_materials(bool going_on);
   void restart();
   void go_on();
   void work();
@@ -165,12 +187,12 @@ class Preview {
   View present_view() const;
   // A sample, and what it is one of.
   struct Subject {
-    std::shared_ptr<const Scene> scene;
+    Palette palette;
     View view;
     SampleId id;
   };
   Subject subject_of(std::uint32_t x, std::uint32_t y, std::uint32_t sample) const;
-  Renderer& reference_of(const std::shared_ptr<const Scene>& scene);
+  Renderer& reference_of(const Palette& palette);
   SampleId id_of(std::uint32_t x, std::uint32_t y, std::uint32_t sample) const;
   void add_layers();
   std::set<Aov> wanted_layers();
@@ -192,10 +214,11 @@ class Preview {
   mutable std::mutex mutex_;
   std::condition_variable changed_;    // for those who look
   std::condition_variable wake_;       // for the thread that renders
-  State state_;                        // guarded, like the next six
+  State state_;                        // guarded, like the next seven
   std::map<std::string, Edit> edits_;  // by kind: the last of each
   std::vector<std::function<void()>> questions_;
   FileStamps files_;
+  Palette palette_;
   Clock::time_point looked_at_ = Clock::now();
   Clock::time_point error_wanted_{};
   std::map<Aov, Clock::time_point> layers_wanted_;
@@ -225,7 +248,7 @@ class Preview {
 
   // The second opinion of a sample is made by whoever asks, one at a time.
   std::mutex reference_mutex_;
-  std::shared_ptr<const Scene> reference_scene_;
+  Palette reference_palette_;
   std::unique_ptr<Renderer> reference_;
 
   std::thread thread_;

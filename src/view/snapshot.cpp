@@ -43,6 +43,7 @@ class TemporaryFolder {
 std::string snapshot_bytes(const SnapshotFacts& facts, const Film& film, const std::string& extension,
                            const Display& display) {
   Scene shown = facts.scene;
+  shown.materials = facts.materials;
   shown.camera = facts.camera;
   shown.integrator = facts.integrator;
   shown.aovs.clear();

@@ -2,6 +2,7 @@
 /// What a preview shows, as a file: the one that `etendue render` would have written.
 
 #include <string>
+#include <vector>
 
 #include "image/film.h"
 #include "image/tone_mapping.h"
@@ -11,7 +12,8 @@ namespace etendue::view {
 
 struct SnapshotFacts {
   const Scene& scene;
-  const Camera& camera;  ///< in place of the scene's
+  const std::vector<Material>& materials;  ///< in place of the scene's, like the next two
+  const Camera& camera;
   const Integrator& integrator;
   std::uint32_t seed;
   std::string device, driver;

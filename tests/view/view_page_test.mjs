@@ -337,7 +337,7 @@ const tests = {
     assert.deepEqual(nameless, []);
     const reached = new Set();
     await b.js("document.activeElement.blur()");
-    for (let i = 0; i < 30; ++i) { await b.keys("\uE004"); reached.add(await b.js("return document.activeElement.id")); }
+    for (let i = 0; i < 60; ++i) { await b.keys("\uE004"); reached.add(await b.js("return document.activeElement.id")); }
     for (const id of ["view", "channel", "exposure", "tone", "false-color", "drag", "fov", "reset", "target", "pause", "reload", "save-exr", "camera-copy"])
       assert.ok(reached.has(id), `${id} is reached by Tab`);
     assert.equal(await b.js("return document.getElementById('announcer').getAttribute('aria-live')"), "polite");

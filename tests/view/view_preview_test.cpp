@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -286,6 +287,80 @@ TEST(ViewPreview, ChangesOfTwoParametersAtOnceBothCount) {
   const State state = until(preview, [](const State& s) { return !s.integrator.mis && s.phase == Phase::done; });
   EXPECT_EQ(state.integrator.max_depth, 3u);
   EXPECT_FALSE(state.integrator.nee);
+}
+
+std::uint32_t row_of(const Preview& preview, const std::string& name) {
+  const Palette palette = preview.palette();
+  const auto found = std::ranges::find(*palette.materials, name, &Material::name);
+  EXPECT_NE(found, palette.materials->end()) << name;
+  return static_cast<std::uint32_t>(found - palette.materials->begin());
+}
+
+TEST(ViewPreview, NumbersOfMaterialsCompileNothingOfTheScene) {
+  const std::uint64_t before = scene_compilations();
+  Preview preview({.read_scene = small_scene, .device = {}});
+  const State own = until(preview, [](const State& s) { return s.phase == Phase::done; });
+  const std::uint32_t row = row_of(preview, small_scene().materials.front().name);
+  preview.change({.row = row, .name = "albedo", .value = glm::dvec3(0.9, 0.1, 0.2)});
+  const State state =
+      until(preview, [&](const State& s) { return s.materials > own.materials && s.phase == Phase::done; });
+  EXPECT_EQ(scene_compilations() - before, 1u);
+  Scene scene = small_scene();
+  ASSERT_TRUE(set_number(scene.materials[row], "albedo", {0.9, 0.1, 0.2}));
+  EXPECT_EQ(*state.mean, *packed(render(scene, {}).film, Channel::mean));
+  const std::string folder = ::testing::TempDir();
+  write_exr(folder + "/view-material.exr", picture_of(render(scene, {})));
+  std::ifstream file(folder + "/view-material.exr", std::ios::binary);
+  EXPECT_TRUE(preview.snapshot(".exr") == std::string(std::istreambuf_iterator<char>(file), {}))
+      << "and the hash is that of the changed scene";
+  preview.change(MaterialChange{.row = row, .name = "albedo"});
+  EXPECT_EQ(
+      *until(preview, [&](const State& s) { return s.materials > state.materials && s.phase == Phase::done; }).mean,
+      *own.mean)
+      << "as in the file";
+}
+
+TEST(ViewPreview, NumbersOutOfRangeAreRefusedAndChangeNothing) {
+  Preview preview({.read_scene = small_scene, .device = {}});
+  const State own = until(preview, [](const State& s) { return s.phase == Phase::done; });
+  const auto refused = [&](const MaterialChange& change) {
+    try {
+      preview.change(change);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::uint32_t row = row_of(preview, small_scene().materials.front().name);
+  EXPECT_NE(refused({.row = row, .name = "albedo", .value = glm::dvec3(NAN)}).find("is not finite"), std::string::npos);
+  EXPECT_NE(refused({.row = row, .name = "alpha", .value = glm::dvec3(0.5)}).find("no number 'alpha'"),
+            std::string::npos);
+  EXPECT_NE(refused({.row = 4000, .name = "albedo", .value = {}}).find("There is no material 4000"), std::string::npos);
+  EXPECT_EQ(preview.wait(0, {}, {}).materials, own.materials);
+}
+
+// A surface that is brushed has another table of directions: there the scene is compiled again, and the reference too.
+TEST(ViewPreview, ABrushedMaterialIsShownAsWell) {
+  const auto read = [] {
+    Scene scene = sphere_scene();
+    scene.materials.push_back({PrincipledBsdf{.metallic = 1.0}, {}, "metal", {}});
+    scene.instances.front().material = static_cast<std::uint32_t>(scene.materials.size() - 1);
+    return scene;
+  };
+  Preview preview({.read_scene = read, .device = {}});
+  const State own = until(preview, [](const State& s) { return s.phase == Phase::done; });
+  preview.explain_by_reference(32, 32, 0);
+  const std::uint32_t row = row_of(preview, "metal");
+  EXPECT_EQ(preview.point_at(32, 32).material, row);
+  preview.change({.row = row, .name = "anisotropic", .value = glm::dvec3(0.8)});
+  const State state =
+      until(preview, [&](const State& s) { return s.materials > own.materials && s.phase == Phase::done; });
+  Scene scene = read();
+  ASSERT_TRUE(set_number(scene.materials[row], "anisotropic", glm::dvec3(0.8)));
+  EXPECT_EQ(*state.mean, *packed(render(scene, {}).film, Channel::mean));
+  const Told device = preview.explain(32, 32, 1), reference = preview.explain_by_reference(32, 32, 1);
+  ASSERT_EQ(device.path.size(), reference.path.size());
+  EXPECT_LT(glm::length(device.path[0].to - reference.path[0].to), 1e-3f);
 }
 
 TEST(ViewPages, EveryLobeHasAName) {

@@ -1,5 +1,8 @@
 #include "formats/dialect/material_writer.h"
 
+#include <algorithm>
+#include <variant>
+
 #include <fmt/format.h>
 
 #include "core/errors.h"
@@ -22,8 +25,21 @@ void MaterialWriter::number(const char* name, const ScalarParameter& parameter) 
   write_texture(name, *parameter.texture, glm::dvec3(parameter.value), parameter.channel);
 }
 
-std::string MaterialWriter::material_id(std::uint32_t row) {
-  return fmt::format("material-{}", row);
+std::string MaterialWriter::material_id(std::uint32_t row) const {
+  if (!keeps_names_) return fmt::format("material-{}", row);
+  const std::string& name = scene_.materials[row].name;
+  const bool alone = std::ranges::count(scene_.materials, name, &Material::name) == 1;
+  return alone ? name : fmt::format("{}-{}", name, row);
+}
+
+std::string MaterialWriter::material_alone(std::uint32_t row) {
+  keeps_names_ = true;
+  for (const Texture& texture : scene_.textures) {
+    if (const auto* source = std::get_if<BitmapTexture>(&texture.source))
+      files_.know(scene_.bitmaps[source->bitmap], texture.name);
+  }
+  write_material(row);
+  return xml_.elements();
 }
 
 void MaterialWriter::write_materials() {

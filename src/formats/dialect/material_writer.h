@@ -49,6 +49,9 @@ class MaterialWriter {
 
   /// All materials that instances show, in the order of their first use.
   void write_materials();
+  /// A material and what it chooses from, to be pasted into a file: known by the names that they have there, and so are
+  /// pictures.
+  std::string material_alone(std::uint32_t row);
   /// The material that an instance shows.
   void refer_to(std::uint32_t row) { xml_.leaf("ref", {{"id", material_id(row)}}); }
   void open_bsdf(const std::string& id, const char* type) { xml_.open("bsdf", {{"type", type}, {"id", id}}); }
@@ -73,7 +76,7 @@ class MaterialWriter {
   /// That a normal map lies by the tangents of vertices.
   virtual void write_vertex_tangents() = 0;
 
-  static std::string material_id(std::uint32_t row);
+  std::string material_id(std::uint32_t row) const;
   void write_material(std::uint32_t row);
   // Each opens an element, which the caller closes.
   void write_adapter(const std::string& id, const TwoSidedAdapter& adapter);
@@ -105,6 +108,7 @@ class MaterialWriter {
   void write_roughness(const Roughness& roughness);
 
   std::set<std::uint32_t> written_;  ///< materials
+  bool keeps_names_ = false;
 };
 
 }  // namespace etendue

@@ -34,6 +34,10 @@ std::string SceneFiles::picture(const std::shared_ptr<const Bitmap>& bitmap) {
   return known->second;
 }
 
+void SceneFiles::know(const std::shared_ptr<const Bitmap>& bitmap, const std::string& name) {
+  pictures_.try_emplace(bitmap, name);
+}
+
 void SceneFiles::write(const std::string& text, ExistingFiles existing) const {
   const fs::path beside = fs::path(path_).parent_path();
   std::vector<std::pair<std::string, std::function<void(const std::string& path)>>> files;

@@ -21,6 +21,8 @@ class SceneFiles {
   // Names relative to the folder of the scene file; nothing is written yet.
   std::string mesh(std::uint32_t shape);
   std::string picture(const std::shared_ptr<const Bitmap>& bitmap);
+  /// Gives a picture the name that it has already.
+  void know(const std::shared_ptr<const Bitmap>& bitmap, const std::string& name);
 
   /// Writes them, and `text` as the scene file when all that it names is there. Throws Error(file); then files that
   /// this made are taken away again.

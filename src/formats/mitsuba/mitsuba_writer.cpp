@@ -67,6 +67,7 @@ class MitsubaWriter : MaterialWriter {
     write_sensor(scene_.camera);
     return xml_.elements();
   }
+  using MaterialWriter::material_alone;
   const std::vector<std::string>& differences() const { return differences_; }
 
  private:
@@ -511,6 +512,10 @@ std::string sensor_element(const Camera& camera, const Sampler& sampler) {
   scene.camera = camera;
   scene.sampler = sampler;
   return MitsubaWriter("the camera", scene).sensor_alone();
+}
+
+std::string mitsuba_bsdf_element(const Scene& scene, std::uint32_t row) {
+  return MitsubaWriter("the material", scene).material_alone(row);
 }
 
 }  // namespace etendue

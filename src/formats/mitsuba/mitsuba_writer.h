@@ -17,4 +17,8 @@ std::vector<std::string> write_mitsuba_scene(const std::string& path, const Scen
 /// The <sensor> element alone, to be pasted into a scene file. Throws Error(scene) for what Mitsuba does not have.
 std::string sensor_element(const Camera& camera, const Sampler& sampler);
 
+/// The <bsdf> element of a row of the scene's materials, behind those that it refers to. Of the scene only materials,
+/// textures and pictures are looked at. Throws Error(scene) for what Mitsuba does not have.
+std::string mitsuba_bsdf_element(const Scene& scene, std::uint32_t row);
+
 }  // namespace etendue

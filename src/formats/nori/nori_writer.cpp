@@ -44,6 +44,7 @@ class NoriWriter : MaterialWriter {
     write_camera(scene_.camera);
     return xml_.elements();
   }
+  using MaterialWriter::material_alone;
 
  private:
   void write_sky() {
@@ -369,6 +370,10 @@ std::string camera_element(const Camera& camera) {
   Scene scene;
   scene.camera = camera;
   return NoriWriter("the camera", scene).camera_alone();
+}
+
+std::string bsdf_element(const Scene& scene, std::uint32_t row) {
+  return NoriWriter("the material", scene).material_alone(row);
 }
 
 }  // namespace etendue

@@ -15,4 +15,8 @@ void write_scene(const std::string& path, const Scene& scene, ExistingFiles exis
 /// The <camera> element alone, to be pasted into a scene file. Throws Error(scene) for what no file can say.
 std::string camera_element(const Camera& camera);
 
+/// The <bsdf> element of a row of the scene's materials, behind those that it refers to. Of the scene only materials,
+/// textures and pictures are looked at. Throws Error(scene) for what no file can say.
+std::string bsdf_element(const Scene& scene, std::uint32_t row);
+
 }  // namespace etendue

@@ -115,6 +115,8 @@ function tell(before) {
   tellSettings(s);
   if (s.fullWidth) $("stage").style.setProperty("--shape", s.fullWidth / s.fullHeight);
   adoptCamera();
+  followPath();
+  followMaterials();
   announce(before);
 }
 
@@ -573,53 +575,11 @@ async function click(event) {
   try {
     const point = await ask("point", { x, y });
     if (!point.hit) { $("announcer").textContent = "There is nothing at that pixel."; return; }
+    if ($("click").value === "material") return chooseMaterial(point.material);
     if ($("click").value === "focus") act(() => { camera.focus = point.focus; });
     else act(() => { camera.target = point.position; });
   } catch (trouble) { problem(trouble.message); }
 }
-
-// The reference answers first: the device has to compile a kernel before its first answer.
-let explaining = 0;
-async function explain() {
-  const parameters = { x: $("pixel-x").value, y: $("pixel-y").value, sample: $("sample").value }, mine = ++explaining;
-  const told = {};
-  $("told").textContent = "…";
-  try {
-    await Promise.all(["reference", "device"].map(async (by) => {
-      told[by] = await ask("explain", { ...parameters, by });
-      if (mine === explaining) showPath(parameters, told);
-    }));
-  } catch (trouble) {
-    if (mine !== explaining) return;
-    $("told").textContent = trouble.message;
-    $("path").hidden = true;
-  }
-}
-
-// Both take the same random numbers, so that their paths are the same but for rounding.
-function showPath({ x, y, sample }, told) {
-  const table = $("path").firstElementChild, words = ["meets", "light", "reached", "lobe", "survives"];
-  const cells = (tag, texts) => texts.map((text) => { const cell = document.createElement(tag); cell.textContent = text; return cell; });
-  const number = (v) => v ? v.radiance.map((n) => n.toPrecision(4)).join(" ") : "–";
-  const head = document.createElement("tr"), both = told.device && told.reference;
-  const device = told.device ? told.device.path : [], reference = told.reference ? told.reference.path : [];
-  head.append(...cells("th", ["segment", "meets", "light", "reached", "lobe", "survives", "light so far: device", "reference"]));
-  table.replaceChildren(document.createElement("thead"), document.createElement("tbody"));
-  table.tHead.append(head);
-  let different = 0;
-  for (let i = 0; i < Math.max(device.length, reference.length); ++i) {
-    const row = document.createElement("tr"), a = device[i], b = reference[i];
-    const texts = words.map((word) => !both || (a && b && a[word] === b[word]) ? (a || b)[word] : `${a ? a[word] : "–"} / ${b ? b[word] : "–"}`);
-    if (both && texts.some((text) => text.includes(" / "))) { row.className = "differs"; ++different; }
-    row.append(...cells("td", [i + 1, ...texts, number(a), number(b)]));
-    table.tBodies[0].append(row);
-  }
-  $("path").hidden = false;
-  const where = `Pixel (${x}, ${y}), sample ${sample}`;
-  $("told").textContent = !both ? `${where}: ${told.reference ? "the reference; the device is asked" : "the device; the reference is asked"} …` :
-    `${where}, on ${told.device.device} and the reference: ${different ? `${different} vertices with another decision` : "the same decisions"}.`;
-}
-$("inspect").addEventListener("submit", (event) => { event.preventDefault(); explain(); });
 
 // --- keys -------------------------------------------------------------------------------------------------------------------
 
@@ -721,15 +681,18 @@ async function showCamera() {
 $("camera-show").addEventListener("click", showCamera);
 $("dialect").addEventListener("change", showCamera);
 $("camera-copy").addEventListener("click", async () => {
-  if (!await showCamera()) return;
-  try {
-    await navigator.clipboard.writeText($("camera-text").value);
-    $("announcer").textContent = "The camera is in the clipboard.";
-  } catch {
-    $("camera-text").select();  // no clipboard without a secure connection: the keys will do
-    $("announcer").textContent = "The camera is selected; copy it with the keys of your browser.";
-  }
+  if (await showCamera()) copyText("camera-text", "The camera");
 });
 
+async function copyText(id, what) {
+  try {
+    await navigator.clipboard.writeText($(id).value);
+    $("announcer").textContent = `${what} is in the clipboard.`;
+  } catch {
+    $(id).select();  // no clipboard without a secure connection: the keys will do
+    $("announcer").textContent = `${what} is selected; copy it with the keys of your browser.`;
+  }
+}
+
 document.addEventListener("visibilitychange", () => { if (!document.hidden) refresh(); });
-follow();
+addEventListener("DOMContentLoaded", follow);  // when the other scripts are there
