@@ -1,7 +1,8 @@
 #pragma once
 /// What comes out: `Film` (exact sums of samples), `FilmFile` (a film with what it says about itself), `Image` (a
-/// picture with its standard error), and their files.
+/// picture with its standard error), their files, and pictures without noise.
 
+#include "image/denoiser.h"
 #include "image/film.h"
 #include "image/film_file.h"
 #include "image/image.h"

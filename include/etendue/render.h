@@ -54,12 +54,13 @@ std::unique_ptr<Renderer> open_renderer(const SharedScene& scene, const DeviceSe
 struct RenderRequest {
   DeviceSelection devices;
   std::uint32_t seed = 0;
-  std::uint32_t samples = 0;        ///< paths a pixel, rounded up to whole sets; 0: as many as the scene says
-  std::uint32_t first = 0;          ///< path to begin with, of a whole set: for pieces that are merged (image/merge.h)
-  std::string checkpoint{};         ///< film file that keeps what is done; empty: none
-  std::optional<FilmFile> start{};  ///< goes on from this film, of the same render
-  SessionOptions session{};         ///< budgets; its set_size is taken from the scene
-  SessionHooks hooks{};             ///< progress, and requests to stop
+  std::uint32_t samples = 0;  ///< paths a pixel, rounded up to whole sets; 0: as many as the scene says
+  std::uint32_t first = 0;    ///< path to begin with, of a whole set: for pieces that are merged (image/merge.h)
+  std::optional<std::vector<Aov>> aovs{};  ///< beside the picture; nothing: those that the scene asks for
+  std::string checkpoint{};                ///< film file that keeps what is done; empty: none
+  std::optional<FilmFile> start{};         ///< goes on from this film, of the same render
+  SessionOptions session{};                ///< budgets; its set_size is taken from the scene
+  SessionHooks hooks{};                    ///< progress, and requests to stop
 };
 
 /// Renders. The film says which samples it holds: fewer than asked for when a budget or a hook ended the render. Throws

@@ -26,7 +26,7 @@ from ._errors import (
     SceneError,
     UsageError,
 )
-from ._images import Film, Image, merge, read_film, read_image
+from ._images import Film, Image, denoise, merge, read_film, read_image
 from ._mitsuba_words import set_variant, traverse
 from ._parameters import Parameters
 from ._renders import Device, Progressive, devices, progressive, render
@@ -57,6 +57,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "compare",
+    "denoise",
     "devices",
     "load_dict",
     "load_file",

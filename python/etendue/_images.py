@@ -185,6 +185,19 @@ def merge(films: Iterable[Union[Film, PathLike]]) -> Film:
     return Film(_core.merge([film._picture for film in pictures]))
 
 
+def denoise(picture: Union[Image, PathLike], *, library: PathLike = "") -> Image:
+    """The picture, or that of an EXR or film file, without its noise, by Open Image Denoise.
+
+    The AOVs "albedo" and "normal" guide it where the picture has them: ``et.render(scene, aovs=["albedo", "normal"])``.
+    A denoised picture has neither standard error nor sample count; its metadata say what it is, and compare() tells
+    distances and tests nothing. ``library`` is the file of the library, where it is not the system's: without it the environment
+    variable ETENDUE_OIDN names it. Raises FileError that says how to get the library where it is missing, and for a
+    picture that is denoised already.
+    """
+    noisy = picture._picture if isinstance(picture, Image) else _core.read_noisy_picture(os.fspath(picture))
+    return Image(_core.denoise(noisy, os.fspath(library)))
+
+
 def _colors(values: npt.ArrayLike) -> FloatArray:
     array = np.asarray(values, np.float32)
     if array.ndim == 2:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Callable, Iterator, NamedTuple, Optional, Union, cast
+from typing import Callable, Iterator, NamedTuple, Optional, Sequence, Union, cast
 
 from . import _core, _notebook
 from ._errors import Interrupted, UsageError
@@ -94,6 +94,7 @@ def render(
     spp: Optional[int] = None,
     seed: int = 0,
     device: Union[str, int] = "auto",
+    aovs: Optional[Sequence[str]] = None,
     samples: Optional[tuple[int, int]] = None,
     time: Optional[float] = None,
     until_error: Optional[float] = None,
@@ -108,6 +109,7 @@ def render(
     spp          samples per pixel; as many as the scene says by default. The sobol sampler takes whole sets of them.
     device       "auto"; the number of a device or a part of its name; "0,1" or "all": several that share the work;
                  "reference": the double-precision renderer on the CPU
+    aovs         names of what is rendered beside the picture (docs/aovs.md), in place of ``scene.aovs``
     samples      (begin, end): this range of samples alone, for films that are merged
     time         seconds after which to stop
     until_error  stop when ``relative_error`` is at most this, and what is not seen yet is unlikely to matter
@@ -121,7 +123,7 @@ def render(
     raises Interrupted, a KeyboardInterrupt whose ``film`` keeps what is done. Raises UsageError, SceneError,
     DeviceError, DeviceLostError, FileError.
     """
-    opened = _open(scene, spp, seed, device, samples, time, until_error, start, checkpoint, checkpoint_every, max_wait)
+    opened = _open(scene, spp, seed, device, aovs, samples, time, until_error, start, checkpoint, checkpoint_every, max_wait)
     try:
         return _advance(opened, 0, progress)
     finally:
@@ -135,6 +137,7 @@ def progressive(
     step: Optional[int] = None,
     seed: int = 0,
     device: Union[str, int] = "auto",
+    aovs: Optional[Sequence[str]] = None,
     time: Optional[float] = None,
     until_error: Optional[float] = None,
     start: Optional[Film] = None,
@@ -153,7 +156,7 @@ def progressive(
     """
     if step is not None and step < 1:
         raise UsageError(f"step is {step}; a step has at least one sample.")
-    opened = _open(scene, spp, seed, device, None, time, until_error, start, "", 60.0, max_wait)
+    opened = _open(scene, spp, seed, device, aovs, None, time, until_error, start, "", 60.0, max_wait)
     return Progressive(opened, step, _notebook.in_notebook() if show is None else show, progress)
 
 
@@ -162,6 +165,7 @@ def _open(
     spp: Optional[int],
     seed: int,
     device: Union[str, int],
+    aovs: Optional[Sequence[str]],
     samples: Optional[tuple[int, int]],
     time: Optional[float],
     until_error: Optional[float],
@@ -196,6 +200,7 @@ def _open(
         checkpoint=os.fspath(checkpoint),
         checkpoint_every=checkpoint_every,
         start=None if start is None else start._picture,
+        aovs=None if aovs is None else [aovs] if isinstance(aovs, str) else list(aovs),
     )
 
 

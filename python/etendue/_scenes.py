@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Mapping, Optional, Sequence
+from typing import Any, Mapping, Optional, Sequence, Union
 
 from . import _core
 from ._errors import Problem
@@ -111,8 +111,10 @@ def load_file(
     strict: bool = False,
     approximate: bool = False,
     environment: PathLike = "",
-    camera: str = "",
-    scene: str = "",
+    camera: Union[str, int, Sequence[float]] = "",
+    at: Optional[float] = None,
+    scene: Union[str, int] = "",
+    animation: Union[str, int] = "",
     variant: str = "",
     lamps: str = "auto",
     **parameters: Any,
@@ -124,9 +126,11 @@ def load_file(
     strict       unknown properties are errors
     approximate  what a foreign scene asks for and there is not here is replaced, with a warning for each
     environment  a picture of latitude and longitude that lights the scene in place of its sky
-    camera       "x,y,z,x,y,z" of the eye and what it looks at, and perhaps the field of view in degrees; of a glTF
-                 asset also the name or number of one of its cameras
-    scene, variant, lamps   of glTF assets: which scene, which material variant, "auto", "blender" or "standard"
+    camera       (x, y, z, x, y, z) of the eye and what it looks at, and perhaps the field of view in degrees; of a
+                 glTF asset also the name or number of one of its cameras
+    at           the time at which what moves is shown, seconds: cameras with keyframes, animations of glTF assets
+    scene, animation, variant, lamps   of glTF assets: which scene, which animation (all of them), which material
+                 variant, "auto", "blender" or "standard"; scenes and animations by name or number
 
     Raises SceneError, UsageError or FileError with file, line and column; warnings go to the logger "etendue" and
     into ``problems``.
@@ -139,8 +143,10 @@ def load_file(
             strict=strict,
             approximate=approximate,
             environment=os.fspath(environment),
-            camera=camera,
-            scene=scene,
+            camera=text_of(camera),
+            at=at,
+            scene=str(scene),
+            animation=str(animation),
             variant=variant,
             lamps=lamps,
         )

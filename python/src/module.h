@@ -38,6 +38,9 @@ class ReadFailure : public Error {
 using Finding = std::tuple<std::string, std::string, std::string, int, int>;
 std::vector<Finding> findings_of(const std::vector<Diagnostic>& diagnostics);
 
+/// AOVs by their names. Throws Error(usage) for others.
+std::vector<Aov> aovs_named(const std::vector<std::string>& names);
+
 /// A scene that Python may change while no render reads it.
 class SceneHolder {
  public:

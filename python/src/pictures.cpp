@@ -129,6 +129,12 @@ Picture merge(const std::vector<Picture>& pictures) {
   return *merged;
 }
 
+Picture denoise(const Picture& picture, const std::string& library) {
+  std::optional<Picture> without;
+  run_waiting([&] { without.emplace(Denoiser(library).denoise(*picture.image, "the picture")); });
+  return *without;
+}
+
 }  // namespace
 
 void bind_pictures(nb::module_& m) {
@@ -159,6 +165,15 @@ void bind_pictures(nb::module_& m) {
       .def("png", &png_of, nb::arg("tonemap"), nb::arg("exposure"));
   m.def("read_picture", &read_picture, nb::arg("path"), nb::arg("film"));
   m.def("merge", &merge, nb::arg("pictures"));
+  m.def("denoise", &denoise, nb::arg("picture"), nb::arg("library"));
+  m.def(
+      "read_noisy_picture",
+      [](const std::string& path) {
+        std::optional<Picture> picture;
+        run_waiting([&] { picture.emplace(read_noisy_picture(path)); });
+        return *picture;
+      },
+      nb::arg("path"));
 }
 
 }  // namespace etendue::python

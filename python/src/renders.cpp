@@ -19,6 +19,7 @@ struct Options {
   std::string checkpoint;
   double checkpoint_every;
   std::shared_ptr<const FilmFile> start;
+  std::optional<std::vector<Aov>> aovs;
 };
 
 /// A render whose devices stay open, and who wants it to stop.
@@ -72,6 +73,7 @@ class Render {
     request.first = options_.first;
     request.checkpoint = options_.checkpoint;
     if (options_.start) request.start = *options_.start;
+    request.aovs = options_.aovs;
     request.session.checkpoint_seconds = options_.checkpoint_every;
     request.session.time_seconds = options_.time;
     request.session.max_error = options_.until_error;
@@ -107,14 +109,15 @@ void bind_renders(nb::module_& m) {
           [](Render* self, SceneHolder& scene, std::uint32_t spp, std::uint32_t first, std::uint32_t seed,
              const std::string& device, std::optional<double> time, std::optional<double> until_error,
              std::optional<double> max_wait, const std::string& checkpoint, double checkpoint_every,
-             const std::optional<Picture>& start) {
+             const std::optional<Picture>& start, const std::optional<std::vector<std::string>>& aovs) {
             if (start && !start->film) throw Error(ErrorKind::usage, "Only from a film can a render go on.");
-            new (self) Render(scene, {spp, first, seed, device, time, until_error, max_wait, checkpoint,
-                                      checkpoint_every, start ? start->film : nullptr});
+            new (self)
+                Render(scene, {spp, first, seed, device, time, until_error, max_wait, checkpoint, checkpoint_every,
+                               start ? start->film : nullptr, aovs ? std::optional(aovs_named(*aovs)) : std::nullopt});
           },
           nb::arg("scene"), nb::kw_only(), nb::arg("spp"), nb::arg("first"), nb::arg("seed"), nb::arg("device"),
           nb::arg("time").none(), nb::arg("until_error").none(), nb::arg("max_wait").none(), nb::arg("checkpoint"),
-          nb::arg("checkpoint_every"), nb::arg("start").none())
+          nb::arg("checkpoint_every"), nb::arg("start").none(), nb::arg("aovs").none())
       .def("advance", &Render::advance, nb::arg("samples"), nb::arg("progress").none())
       .def("close", &Render::close)
       .def_prop_ro("picture", &Render::picture)

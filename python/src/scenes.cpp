@@ -20,13 +20,16 @@ GltfLamps lamps_of(const std::string& word) {
 
 SceneHolder read(const std::string& path, const std::vector<std::pair<std::string, std::string>>& parameters,
                  bool strict, bool approximate, const std::string& environment, const std::string& camera,
-                 const std::string& asset_scene, const std::string& variant, const std::string& lamps) {
+                 std::optional<double> at, const std::string& asset_scene, const std::string& animation,
+                 const std::string& variant, const std::string& lamps) {
   const ReadOptions options{.overrides = parameters,
                             .strict = strict,
                             .approximate = approximate,
                             .environment = environment,
                             .camera = camera,
+                            .at = at,
                             .scene = asset_scene,
+                            .animation = animation,
                             .variant = variant,
                             .lamps = lamps_of(lamps)};
   Diagnostics diagnostics;
@@ -54,9 +57,7 @@ std::vector<std::string> aovs_of(const SceneHolder& holder) {
 }
 
 void set_aovs(SceneHolder& holder, const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  std::vector<Aov> aovs = list.empty() ? std::vector<Aov>{} : parse_aovs(list);
+  std::vector<Aov> aovs = aovs_named(names);
   holder.change(true).aovs = std::move(aovs);
 }
 
@@ -67,6 +68,12 @@ std::uint64_t primitives_of(const SceneHolder& holder) {
 }
 
 }  // namespace
+
+std::vector<Aov> aovs_named(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list.empty() ? std::vector<Aov>{} : parse_aovs(list);
+}
 
 Scene& SceneHolder::change(bool view_only) {
   if (!reading_.expired())
@@ -108,7 +115,8 @@ void bind_scenes(nb::module_& m) {
         return findings_of(diagnostics.list());
       });
   m.def("read_scene", &read, nb::arg("path"), nb::arg("parameters"), nb::arg("strict"), nb::arg("approximate"),
-        nb::arg("environment"), nb::arg("camera"), nb::arg("scene"), nb::arg("variant"), nb::arg("lamps"));
+        nb::arg("environment"), nb::arg("camera"), nb::arg("at").none(), nb::arg("scene"), nb::arg("animation"),
+        nb::arg("variant"), nb::arg("lamps"));
 }
 
 }  // namespace etendue::python

@@ -26,6 +26,10 @@ SampleRange wanted_samples(const Scene& scene, const RenderRequest& request) {
   return {request.first / set, whole_sets(request.first + paths, scene.sampler).end};
 }
 
+FilmHeader identity_of(const Scene& scene, const RenderRequest& request) {
+  return request.aovs ? film_identity(scene, request.seed, *request.aovs) : film_identity(scene, request.seed);
+}
+
 /// The job of a request, with what its film to go on from holds.
 RenderJob job_of(const FilmHeader& identity, const SampleRange& wanted, std::optional<FilmFile> start) {
   RenderJob job(identity, {{wanted.begin, wanted.end}});
@@ -48,7 +52,7 @@ struct ProgressiveRender::State {
   State(const SharedScene& shared, RenderRequest asked)
       : request(std::move(asked)),
         set_size(shared.scene().sampler.set_size()),
-        identity(film_identity(shared.scene(), request.seed)),
+        identity(identity_of(shared.scene(), request)),
         job(job_of(identity, wanted_samples(shared.scene(), request), std::exchange(request.start, std::nullopt))),
         checkpoint(request.checkpoint, job),
         team(open_team(shared, request, identity)) {}

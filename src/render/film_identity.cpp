@@ -48,6 +48,15 @@ std::string integrator_text(const Scene& scene) {
                      integrator.mis, integrator.rr_depth, tree, hidden, passes);
 }
 
+namespace {
+
+void add_aovs(const Scene& scene, const std::vector<Aov>& aovs, FilmHeader& header) {
+  for (const Aov aov : complete(aovs))
+    header.aovs.push_back({aov, film_exponent(scene, aov_view(view_of(scene), aov))});
+}
+
+}  // namespace
+
 FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
   FilmHeader header{.width = scene.camera.width,
                     .height = scene.camera.height,
@@ -58,8 +67,7 @@ FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
                                  {"sceneHash", fmt::format("{:016x}", scene_hash(scene))},
                                  {"seed", std::to_string(seed)},
                                  {"integrator", integrator_text(scene)}}};
-  for (const Aov aov : complete(scene.aovs))
-    header.aovs.push_back({aov, film_exponent(scene, aov_view(view_of(scene), aov))});
+  add_aovs(scene, scene.aovs, header);
   if (!scene.approximations.empty()) {
     constexpr std::size_t kMost = 20;
     std::string list;
@@ -70,6 +78,17 @@ FilmHeader film_identity(const Scene& scene, std::uint32_t seed) {
   }
   if (scene.sampler.type == Sampler::Type::sobol)
     header.metadata["sampler"] = fmt::format("sobol setSize={}", scene.sampler.set_size());
+  return header;
+}
+
+FilmHeader film_identity(const Scene& scene, std::uint32_t seed, const std::vector<Aov>& aovs) {
+  for (const Aov aov : aovs) {
+    const std::string complaint = aov_complaint(scene.integrator, aov);
+    if (!complaint.empty()) throw Error(ErrorKind::usage, fmt::format("{}: {}.", scene.name, complaint));
+  }
+  FilmHeader header = film_identity(scene, seed);
+  header.aovs.clear();
+  add_aovs(scene, aovs, header);
   return header;
 }
 

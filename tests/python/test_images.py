@@ -1,5 +1,6 @@
 """Pictures of arrays and files, and verdicts about them."""
 
+import os
 import re
 import struct
 
@@ -31,6 +32,31 @@ def test_png():
     assert picture.png(exposure=1) != data
     with pytest.raises(et.UsageError, match="aces"):
         picture.png(tonemap="filmic")
+
+
+def test_denoise(box, etendue, box_arguments, tmp_path, monkeypatch):
+    monkeypatch.setenv("ETENDUE_OIDN", os.environ["ETENDUE_FAKE_OIDN"])
+    log = tmp_path / "calls"
+    monkeypatch.setenv("FAKE_OIDN_LOG", str(log))
+    film = et.render(box, spp=2, aovs=["albedo", "normal"])
+    picture = et.denoise(film)
+    called = log.read_text()
+    assert "image albedo" in called and "image normal" in called and "image color" in called
+    assert picture.shape == film.shape and picture.standard_error is None and "denoised" in picture.metadata
+    assert film.standard_error is not None, "the film is what it was"
+    # What the program makes of the same picture.
+    film.write(tmp_path / "noisy.exr")
+    etendue("denoise", "noisy.exr", "-o", "program.exr", "-q")
+    picture.write(tmp_path / "module.exr")
+    assert (tmp_path / "program.exr").read_bytes() == (tmp_path / "module.exr").read_bytes()
+    assert np.array_equal(et.denoise(tmp_path / "noisy.exr", library=os.environ["ETENDUE_FAKE_OIDN"]).mean, picture.mean)
+    log.unlink()
+    et.denoise(et.render(box, spp=2))
+    assert "image albedo" not in log.read_text(), "guides are what there is"
+    with pytest.raises(et.FileError, match="denoised"):
+        et.denoise(picture)
+    with pytest.raises(et.FileError, match="pyoidn"):
+        et.denoise(film, library=tmp_path / "missing.so")
 
 
 def test_compare(box, etendue, box_arguments, tmp_path):

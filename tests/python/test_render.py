@@ -24,6 +24,22 @@ def test_arrays(box):
     assert film.metadata["scene"] == "cbox-sphere" and film.metadata["seed"] == "0"
 
 
+def test_aovs_of_one_render(box):
+    box.aovs = ["normal"]
+    film = et.render(box, spp=2, aovs=["depth", "instance"])
+    assert set(film.aovs) == {"depth", "instance"} and box.aovs == ["normal"]
+    assert set(et.render(box, spp=2, aovs=[]).aovs) == set()
+    assert set(et.render(box, spp=2).aovs) == {"normal"}
+    assert np.array_equal(et.render(box, spp=2).mean, film.mean), "the picture is the same"
+    box.aovs = ["depth", "instance"]
+    assert np.array_equal(et.render(box, spp=2).aovs["depth"], film.aovs["depth"])
+    for last in et.progressive(box, spp=2, aovs=["uv"], show=False):
+        assert set(last.aovs) == {"uv"}
+    with pytest.raises(et.UsageError, match="deep"):
+        et.render(box, spp=2, aovs=["deep"])
+    assert set(et.render(box, spp=1, aovs="depth").aovs) == {"depth"}
+
+
 def test_arrays_are_views_that_outlive_the_film(box):
     film = et.render(box, spp=2)
     mean = film.mean
