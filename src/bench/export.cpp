@@ -171,12 +171,12 @@ void export_scene(const Scene& scene, const std::string& folder) {
   if (type != Integrator::Type::path && type != Integrator::Type::normals)
     throw Error(
         ErrorKind::usage,
-        fmt::format("{}: the integrator is neither path nor normals, which is all that other renderers are asked for",
+        fmt::format("{}: the integrator is neither path nor normals, which are the only ones for other renderers",
                     scene.file));
   if (scene.camera.type != Camera::Type::perspective || scene.camera.fov_axis != Camera::FovAxis::x ||
       !scene.camera.window.whole())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: other renderers are asked for plain perspective cameras only", scene.file));
+                fmt::format("{}: only plain perspective cameras are exported to other renderers", scene.file));
   if (scene.sky.picture || scene.sky.world_from_sky != glm::dmat3(1.0))
     throw Error(ErrorKind::usage, fmt::format("{}: skies that are pictures or turned are not exported; use sky_top and "
                                               "sky_horizon",

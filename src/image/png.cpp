@@ -349,9 +349,11 @@ void write_png_bitmap(const std::string& path, const Bitmap& bitmap) {
       const double code = std::floor(65535.0 * static_cast<double>(stored) + 0.5);
       const auto rounded = static_cast<std::uint16_t>(std::clamp(code, 0.0, 65535.0));
       if (static_cast<float>(rounded) / 65535.0f != stored)
-        throw Error(ErrorKind::file, fmt::format("{}: floats coded by the curve of sRGB are written as 16-bit PNG, but "
-                                                 "{} is none of its numbers",
-                                                 path, stored));
+        throw Error(
+            ErrorKind::file,
+            fmt::format(
+                "{}: floats coded by the curve of sRGB are written as 16-bit PNG, but {} is not one of its numbers",
+                path, stored));
       std::memcpy(&bytes[2 * i], &rounded, sizeof rounded);
     }
   }

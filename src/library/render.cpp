@@ -17,7 +17,7 @@ SampleRange wanted_samples(const Scene& scene, const RenderRequest& request) {
   const std::uint32_t paths = request.samples > 0 ? request.samples : scene.sampler.sample_count;
   const std::uint32_t set = scene.sampler.set_size();
   if (request.first % set != 0)
-    throw Error(ErrorKind::usage, fmt::format("Sample {} lies within a set of the sobol sampler, whose sets have {} "
+    throw Error(ErrorKind::usage, fmt::format("Sample {} is within a set of the sobol sampler, whose sets have {} "
                                               "samples; begin with a multiple of {}.",
                                               request.first, set, set));
   if (paths > std::numeric_limits<std::uint32_t>::max() - request.first)

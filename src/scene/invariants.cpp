@@ -164,7 +164,7 @@ class Checker {
                         kMaxSetBits));
     if (scene_.integrator.max_depth < 1 || scene_.integrator.max_depth > Integrator::kUnlimitedDepth)
       error(scene_.position, "max_depth",
-            fmt::format("paths of at most {} segments are asked for; 1 to {} are supported",
+            fmt::format("paths of at most {} segments are requested; 1 to {} are supported",
                         scene_.integrator.max_depth, Integrator::kUnlimitedDepth));
     check_integrator(scene_.integrator);
     check_aovs();

@@ -263,7 +263,7 @@ class Instance {
     const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
     if (result == VK_ERROR_LAYER_NOT_PRESENT) {
       throw Error(ErrorKind::device,
-                  "The Khronos validation layer was asked for but is not installed; install the package "
+                  "The Khronos validation layer was requested but is not installed; install the package "
                   "vulkan-validationlayers.");
     }
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {

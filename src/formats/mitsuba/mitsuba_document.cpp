@@ -277,7 +277,7 @@ std::size_t MitsubaDocument::append_parameter(const XmlAttribute& attribute, std
   const std::string name = value.substr(dollar + 1, end - dollar - 1);
   if (diagnostics_.wants_errors())
     diagnostics_.error(value_position(attribute, dollar),
-                       name.empty() ? "a $ stands for the value of a parameter, but no name follows it"
+                       name.empty() ? "a $ introduces the value of a parameter, but no name follows it"
                                     : fmt::format("the parameter ${} has no value; give one with -D {}=VALUE or by "
                                                   "<default name=\"{}\" value=\"…\"/> before this place",
                                                   name, name, name));

@@ -19,7 +19,7 @@ glm::dvec3 read_sun(const Object& object, Diagnostics& sink) {
     const auto direction = object.get<glm::dvec3>("sunDirection");
     for (const char* name : {"latitude", "longitude", "timezone", "month", "day", "hour"}) {
       if (object.given(name))
-        sink.warning(object.position_of(name), fmt::format("\"{}\" has no effect beside \"sunDirection\"", name));
+        sink.warning(object.position_of(name), fmt::format("\"{}\" has no effect with \"sunDirection\"", name));
     }
     if (glm::length(direction) > 0.0) return glm::normalize(direction);
     sink.error(object.position_of("sunDirection"), "the direction of the sun is 0 0 0; give one");

@@ -741,9 +741,8 @@ class SceneReader {
   Bsdf read_bsdf(const Object& object, Scene* scene) {
     const std::string_view type = object.plugin().type;
     if (is_adapter(type)) {
-      sink_.error(object.position(), fmt::format("a test looks at one material at a time, and {} stands around others; "
-                                                 "test what is in it",
-                                                 type));
+      sink_.error(object.position(),
+                  fmt::format("a test is for one material at a time, and {} contains others; test those", type));
       return DiffuseBsdf{};
     }
     if (type == "null") return NullBsdf{};

@@ -114,7 +114,7 @@ class Parser {
   /// Comments, processing instructions and blanks outside the root element.
   void skip_misc() {
     for (skip_blanks(); !end(); skip_blanks()) {
-      if (text_[at_] != '<') fail(at_, "text outside the root element; only comments may stand there");
+      if (text_[at_] != '<') fail(at_, "text outside the root element; only comments may be there");
       if (!skip_comment_or_instruction()) return;
     }
   }
@@ -202,7 +202,7 @@ class Parser {
     ++at_;
     skip_blanks();
     if (end() || (text_[at_] != '"' && text_[at_] != '\'')) {
-      fail(at_, fmt::format("the value of attribute {} must stand in quotes", text::quoted(attribute.name)));
+      fail(at_, fmt::format("the value of attribute {} must be in quotes", text::quoted(attribute.name)));
     }
     const char quote = text_[at_++];
     attribute.value_offset = at_;
