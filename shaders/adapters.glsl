@@ -1,4 +1,4 @@
-// What stands between a surface and the materials that scatter there; docs/conventions.md, "Adapters".
+// Adapters between a surface and the materials that scatter there; docs/conventions.md, "Adapters".
 #ifndef ADAPTERS_GLSL
 #define ADAPTERS_GLSL
 
@@ -9,12 +9,12 @@
 #include "scene.glsl"
 #include "texture.glsl"
 
-FEATURE(uint, kAdapterDepth, kConstantAdapterDepth, 0u)  // how many stand one in the other
-layout(constant_id = kConstantCountPasses) const bool kCountPasses = true;  // a segment ends at a surface that it passes
+FEATURE(uint, kAdapterDepth, kConstantAdapterDepth, 0u)  // nesting depth
+layout(constant_id = kConstantCountPasses) const bool kCountPasses = true;  // passing a surface ends a segment
 
 #define adapter_is(header, type) ((kAdapters >> ((type) - kAdapterFirst) & 1u) != 0u && ((header) & kMaterialTypeMask) == (type))
 
-// A material that was chosen, or an adapter on the way to it, and the frame in which it sees directions.
+// A chosen material, or an adapter on the way to it, and the frame in which it sees directions.
 struct Choice {
   uint material;  // kNone: light passes the surface
   ShadingFrame frame;
@@ -22,13 +22,13 @@ struct Choice {
   float side;     // of frame.n, against the normal of the surface
 };
 
-// What the first blend on the way to a material would have chosen else.
+// The material that the first blend on the way did not choose.
 struct OtherChoice {
   Choice choice;
-  float share;  // the probability of what was chosen; below 0 where no blend was met
+  float share;  // the probability of the chosen one; below 0 if there was no blend
 };
 
-// The probability that an adapter has at a point.
+// The probability of an adapter at a point.
 float adapter_number(uint row, MaterialRecord record, SurfacePoint at) {
   if (!kTextured || (record.header & kMaterialTextured) == 0u) return record.params.z;
   return record.params.z * scalar_factor(fetch_material_textures(row).first, at);
@@ -39,7 +39,7 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
   return largest > 0.0 ? normalize(v / largest) : otherwise;
 }
 
-// The frame of a material that is not the same in all directions: its s follows the first texture coordinate, where the surface has some.
+// The frame of an anisotropic material: s follows the first texture coordinate, if the surface has one.
 ShadingFrame aligned_frame(vec3 n, SurfacePoint at, Primitive geometry) {
   const vec3 u = surface_tangents(at, geometry, 0u).u;
   const vec3 s = unit_or(u - n * dot(n, u), vec3(0.0));
@@ -47,7 +47,8 @@ ShadingFrame aligned_frame(vec3 n, SurfacePoint at, Primitive geometry) {
   return ShadingFrame(s, cross(n, s), n);
 }
 
-// What a picture of normals makes of n, which is that of the surface, or with side −1 its opposite; u is the direction in which texture coordinates grow.
+// The normal from a normal map applied to n, which is that of the surface, or with side −1 its opposite; u is the direction of increasing texture
+// coordinates.
 vec3 normal_by_picture(uint index, vec3 u, vec3 n, float side, SurfacePoint at) {
   if (u == vec3(0.0)) return n;
   const vec3 t = unit_or(u - n * dot(n, u), vec3(0.0));
@@ -57,13 +58,13 @@ vec3 normal_by_picture(uint index, vec3 u, vec3 n, float side, SurfacePoint at) 
   return unit_or(t * c.x + b * c.y + n * c.z, n);
 }
 
-// The same, with the tangents that the vertices have.
+// The same, with vertex tangents.
 vec3 normal_by_vertices(uint index, vec3 n, float side, SurfacePoint at) {
   const vec4 tangent = vertex_tangent(at);
   return normal_by_picture(index, tangent.xyz, n, tangent.w < 0.0 ? -side : side, at);
 }
 
-// What a map makes of the normal n.
+// The normal from a map applied to n.
 vec3 mapped_normal(uint row, MaterialRecord record, vec3 n, float side, SurfacePoint at, Primitive geometry) {
   const uint texture_of = fetch_material_textures(row).first;
   const uint index = texture_of & kTextureOfIndexMask;
@@ -77,10 +78,10 @@ vec3 mapped_normal(uint row, MaterialRecord record, vec3 n, float side, SurfaceP
   return dot(m, n) < 0.0 ? -m : m;
 }
 
-// A normal that is not seen from where the surface is seen lies on the other side of the surface's.
+// A normal that faces away from the side on which the surface is seen.
 vec3 seen_normal(vec3 mapped, vec3 n, vec3 w) { return dot(mapped, w) * dot(n, w) <= 0.0 ? n * (2.0 * dot(n, mapped)) - mapped : mapped; }
 
-// The normal of a material's coat where that keeps its own, whatever maps do to what lies below it.
+// The normal of the coat of a material that keeps it, whatever maps apply to the base.
 vec3 coat_normal(Choice choice, SurfacePoint at, Primitive geometry, vec3 w) {
   const vec3 n = choice.base;
   uint map = kNone;
@@ -93,7 +94,7 @@ vec3 coat_normal(Choice choice, SurfacePoint at, Primitive geometry, vec3 w) {
   return seen_normal(mapped, n, w);
 }
 
-// Goes on from an adapter to a material. `w` points away from the surface, to the side that is looked at; `words` are those of choice_words().
+// Follows an adapter to a material. `w` points away from the surface, to the side from which it is seen; `words` are those of choice_words().
 void go_to_material(inout Choice choice, inout OtherChoice other, SurfacePoint at, Primitive geometry, vec3 w, uvec4 words) {
   for (uint i = 0u; i <= kAdapterDepth; ++i) {
     const MaterialRecord record = fetch_material(choice.material, 1u);

@@ -1,4 +1,4 @@
-// Pixel and random numbers to a camera ray.
+// From pixel and random numbers to a camera ray.
 #ifndef CAMERA_GLSL
 #define CAMERA_GLSL
 
@@ -30,9 +30,9 @@ float sample_filter(float u, out float weight) {
   return x;
 }
 
-// Where rays begin that do not begin at the camera's place: on a plane that camera_origin is the middle of. A far camera's lies before the scene: seen
-// from the camera itself the scene would be as large as the rounding errors of a position; here they are those of a point of the scene, and, as
-// fractions of a pixel, those of `ndc`.
+// Start of rays that do not begin at the camera's position: on a plane with its centre at camera_origin. For a distant camera this plane is in front
+// of the scene: seen from the camera itself, the scene would be as large as the rounding errors of a position; here these are the rounding errors of
+// a point of the scene and, as fractions of a pixel, those of `ndc`.
 vec3 plane_point(vec2 ndc, vec2 lens) {
   MUTATE(kMutantPlaneTooWide, ndc.x *= 1.1);
   MUTATE(kMutantLensTooWide, lens *= 1.02);
@@ -40,7 +40,7 @@ vec3 plane_point(vec2 ndc, vec2 lens) {
   return frame.camera_origin + (frame.camera_x * start.x + frame.camera_y * start.y);
 }
 
-// How far behind its start a camera ray with direction `d` leaves the camera.
+// The distance behind its start at which a camera ray with direction `d` leaves the camera.
 float camera_ray_start(vec3 d) {
   if (kCamera != kCameraPlane && kCamera != kCameraLens) return 0.0;
   // Along d depth grows by the inverse of the length of the vector that reaches depth 1.
@@ -54,7 +54,7 @@ vec2 film_to_ndc(vec2 film) {
   return 1.0 - 2.0 * film / vec2(frame.width, frame.height);
 }
 
-// A point of the aperture, in units of its radius. A polygon's corners lie on the circle; u.x chooses one of the triangles about its centre.
+// A point of the aperture, in units of its radius. A polygon's corners are on the circle; u.x chooses one of the triangles around its centre.
 vec2 lens_point(vec3 u) {
   MUTATE(kMutantBladesIgnored, u.x = u.y; float radius; return square_to_disk(u.yz, radius));
   if (frame.lens_blades == 0u) {
@@ -69,7 +69,7 @@ vec2 lens_point(vec3 u) {
   return weights.y * from + weights.z * to;
 }
 
-// A panorama: longitude runs from +180° at the left edge to −180°, seen from +Z toward +X, polar angle from +Y down.
+// A panorama: longitude runs from +180° at the left edge to −180°, measured from +Z toward +X; polar angle runs from +Y down.
 Ray spherical_ray(vec2 ndc) {
   MUTATE(kMutantPanoramaEven, ndc.y = 1.0 - 2.0 * (0.5 - 0.5 * ndc.y) * (0.5 - 0.5 * ndc.y));
   const vec2 longitude = cos_sin_turn(fract(0.5 * ndc.x));
@@ -79,7 +79,7 @@ Ray spherical_ray(vec2 ndc) {
   return Ray(frame.camera_origin, frame.near_clip * unit, v * (1.0 / unit), frame.far_clip * unit);
 }
 
-// Into the hemisphere that camera +Z is in, distributed like the cosine with the plane's normal.
+// Into the hemisphere that contains camera +Z, distributed by the cosine with the plane's normal.
 Ray irradiance_ray(vec3 o, vec2 u) {
   const vec3 across = normalize(cross(frame.camera_x, frame.camera_y));
   const vec3 n = dot(across, frame.camera_z) < 0.0 ? -across : across;
@@ -87,8 +87,8 @@ Ray irradiance_ray(vec3 o, vec2 u) {
   return Ray(o, frame.near_clip * unit, to_world(make_frame(n), square_to_cosine_hemisphere(u)), frame.far_clip * unit);
 }
 
-// The ray of one sample of one pixel. `u` is for the filter, `lens_u` for the aperture; `weight` is that of the reconstruction filter, times π where
-// the sample is one of irradiance.
+// The ray of one sample of one pixel. `u` is for the filter, `lens_u` for the aperture; `weight` is that of the reconstruction filter, times π if the
+// sample is one of irradiance.
 Ray sample_camera_ray(uvec2 pixel, vec2 u, vec3 lens_u, out float weight) {
   float weight_x, weight_y;
   const vec2 offset = vec2(sample_filter(u.x, weight_x), sample_filter(u.y, weight_y));

@@ -1,6 +1,6 @@
-// Features that most scenes do without. Kernels for those scenes are built once more, with ETENDUE_PLAIN, and do not hold them: the driver
-// reads and optimizes everything in a kernel before it sees what constants rule out, and half of the time to the first sample was that.
-// gpu/kernel_set.cpp knows what a plain kernel does not have.
+// Features that most scenes do not need. Kernels for those scenes are built a second time, with ETENDUE_PLAIN, without these features: the driver
+// reads and optimizes everything in a kernel before it sees what constants rule out, which was half of the time to the first sample.
+// gpu/kernel_set.cpp knows what a plain kernel lacks.
 #ifndef FEATURES_GLSL
 #define FEATURES_GLSL
 

@@ -1,4 +1,4 @@
-// Types, ids, binding numbers and limits shared by C++ and GLSL: typed once, used by both.
+// Types, ids, binding numbers and limits shared by C++ and GLSL: defined once, used by both.
 //
 // Layout rule: every vec3 is followed by a 4-byte scalar, vec2 sits at multiples of 8, sizes are multiples of 16, no bool and no
 // array of vec3. Then std430, std140 and the C++ compiler agree byte for byte; tests/unit/compile_layout.cpp checks it against the
@@ -18,11 +18,11 @@ using vec4 = glm::vec4;
 using uvec4 = glm::uvec4;
 #endif
 
-// Descriptor sets by lifetime. Set 0 lives as long as a scene lies on a device: its tables, read by load_<…> of scene.glsl. A device need not bind more
-// than a few buffers to a kernel, so tables share them, each at a place kConstant…At says.
+// Descriptor sets by lifetime. Set 0 lives as long as a scene is on a device and holds its tables, read by load_<…> of scene.glsl. Since a device
+// need bind only a few buffers to a kernel, tables share them, each at an offset given by kConstant…At.
 const uint kSetScene = 0u;
 const uint kBindingRecords = 0u;   // the tree
-const uint kBindingGeometry = 1u;  // what is looked up by triangle and by vertex: triangle indices, vertex normals
+const uint kBindingGeometry = 1u;  // looked up by triangle and by vertex: triangle indices, vertex normals
 const uint kBindingTables = 2u;    // all others: instances, materials, lights
 // Set 1 is bound for a dispatch: the view, and a film or requests and their results.
 const uint kSetKernel = 1u;
@@ -58,7 +58,7 @@ const uint kConstantLightTreeDepth = 18u;
 const uint kConstantSetBits = 19u;
 const uint kConstantMutant = 20u;  // see mutants.h
 const uint kConstantAnyHit = 21u;
-// Texels at which a table begins in its buffer; the first one of a buffer begins at 0.
+// Texel at which a table begins in its buffer; the first one of a buffer begins at 0.
 const uint kConstantNormalsAt = 22u;
 const uint kConstantLightInstancesAt = 23u;
 const uint kConstantLightPrimitivesAt = 24u;
@@ -106,10 +106,10 @@ const uint kConstantAdapterDepth = 62u;
 const uint kConstantCountPasses = 63u;
 const uint kConstantLightPart = 64u;       // kLightPart…
 const uint kConstantHideBackground = 65u;
-const uint kConstantTwoSidedLights = 68u;  // some light shines on both sides
+const uint kConstantTwoSidedLights = 68u;  // some light emits on both sides
 const uint kConstantInwardSpheres = 69u;
 const uint kConstantTextureUsesAt = 66u;
-const uint kConstantTextureUses = 67u;  // of a material, at most
+const uint kConstantTextureUses = 67u;  // maximum number per material
 const uint kConstantFew = 70u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
@@ -127,34 +127,34 @@ const uint kBsdfThinDielectric = 7u;
 const uint kBsdfPlastic = 8u;
 const uint kBsdfRoughPlastic = 9u;
 const uint kBsdfNull = 10u;
-const uint kBsdfPrincipled = 11u;  // what its record holds, see principled.glsl
+const uint kBsdfPrincipled = 11u;  // for its record see principled.glsl
 const uint kBsdfPrincipledThin = 12u;
 const uint kBsdfGltf = 13u;        // see gltf.glsl
-const uint kBsdfTintedDielectric = 14u;  // a smooth dielectric with factors of what it reflects and lets pass
+const uint kBsdfTintedDielectric = 14u;  // a smooth dielectric with factors for reflection and transmission
 
-// Records of materials that are none, but choose one of them. params.x and params.y are the numbers of what they choose from, params.z is a probability.
-// Of normal maps params.y is 1 where they lie by tangents of vertices.
+// Records of adapters, which are not materials but choose one. params.x and params.y are the numbers of the candidates, params.z is a probability.
+// For normal maps params.y is 1 if they follow vertex tangents.
 const uint kAdapterFirst = 32u;
 const uint kAdapterTwoSided = 32u;
 const uint kAdapterMask = 33u;
 const uint kAdapterBlend = 34u;
 const uint kAdapterNormalMap = 35u;
 const uint kAdapterBumpMap = 36u;  // params.z: height of white, scene units
-const uint kAdaptersPass = 0x80000000u;  // in the constant that has a bit for each kind of adapter: there are surfaces that light may pass
+const uint kAdaptersPass = 0x80000000u;  // in the constant with a bit for each kind of adapter: light may pass some surfaces
 
 // A material's header: its type, kBsdf*, and what holds for it at every point.
 const uint kMaterialTypeMask = 0xffu;
-const uint kMaterialDelta = 0x100u;     // nothing but delta lobes: sampling a light finds nothing
+const uint kMaterialDelta = 0x100u;     // only delta lobes: sampling a light finds nothing
 const uint kMaterialOneSided = 0x200u;  // black seen from behind
 const uint kMaterialTextured = 0x400u;        // a parameter has a texture: see MaterialTextures
 const uint kMaterialAligned = 0x800u;         // its frame follows the texture coordinates of the surface
 const uint kMaterialBeckmann = 0x10000u;      // microfacets by Beckmann's distribution, else GGX
-const uint kMaterialTransmissive = 0x20000u;  // lights on both sides reach it, and not only by delta lobes
-const uint kMaterialVolume = 0x80000u;        // light is absorbed on its way through what it encloses
-const uint kMaterialFilm = 0x100000u;         // iridescent, at some of its points
-const uint kMaterialDispersive = 0x200000u;   // bends light of each colour otherwise
-const uint kMaterialCoatNormal = 0x400000u;   // its coat has a normal of its own, see MaterialTextures
-const uint kMaterialNonlinear = 0x40000u;     // light takes the colour of the base each time that it meets it below a coat
+const uint kMaterialTransmissive = 0x20000u;  // it scatters light from both sides, and not only by delta lobes
+const uint kMaterialVolume = 0x80000u;        // it encloses a medium that absorbs light
+const uint kMaterialFilm = 0x100000u;         // iridescent at some of its points
+const uint kMaterialDispersive = 0x200000u;   // refracts each colour differently
+const uint kMaterialCoatNormal = 0x400000u;   // its coat has its own normal, see MaterialTextures
+const uint kMaterialNonlinear = 0x40000u;     // light takes on the base's colour at each reflection under the coat
 
 // Lobes as folded into the path signature.
 const uint kLobeNone = 0u;
@@ -163,16 +163,16 @@ const uint kLobeDeltaReflection = 2u;
 const uint kLobeDeltaTransmission = 3u;
 const uint kLobeGlossyReflection = 4u;
 const uint kLobeGlossyTransmission = 5u;
-const uint kLobePassed = 6u;  // the surface was as if it were not there
+const uint kLobePassed = 6u;  // the surface was passed
 const uint kLobeDiffuseTransmission = 7u;
 
-// What comes from outside the scene.
+// The environment.
 const uint kEnvironmentNone = 0u;
 const uint kEnvironmentGradient = 1u;
 const uint kEnvironmentPicture = 2u;
-const uint kEnvironmentLight = 0xfffffffeu;  // stands for an instance where the environment is the light that was sampled
+const uint kEnvironmentLight = 0xfffffffeu;  // used instead of an instance if the sampled light is the environment
 
-const uint kDeltaLightSampled = 0xfffffffdu;  // the same for a light without extent, whose number is that of the primitive
+const uint kDeltaLightSampled = 0xfffffffdu;  // the same for a light without extent; the primitive is its number
 
 const uint kIntegratorPath = 0u;
 const uint kIntegratorNormals = 1u;
@@ -202,21 +202,21 @@ const uint kAovNormal = 10u;
 const uint kAovAlbedo = 11u;
 const uint kMaxAovSegments = 64u;  // how far normal and albedo look through mirrors and glass
 
-// Light that is gathered, by how often it was scattered.
+// Parts of the gathered light, by how often it was scattered.
 const uint kLightPartAll = 0u;
 const uint kLightPartDirect = 1u;    // at most once
 const uint kLightPartIndirect = 2u;  // more often
 
 // How a film position becomes a ray, see camera.glsl.
 const uint kCameraPinhole = 0u;
-const uint kCameraPlane = 1u;       // rays begin on a plane, each at the place of its film position: far and orthographic cameras
-const uint kCameraLens = 2u;        // and move with a point of the lens
+const uint kCameraPlane = 1u;       // rays begin on a plane, each at its film position: distant and orthographic cameras
+const uint kCameraLens = 2u;        // and are moved by a point of the lens
 const uint kCameraSpherical = 3u;   // film positions are longitude and latitude
-const uint kCameraIrradiance = 4u;  // from that plane into the hemisphere before it
+const uint kCameraIrradiance = 4u;  // from that plane into the hemisphere in front of it
 
 const uint kFilterBox = 0u;
 const uint kFilterTable = 1u;
-const uint kFilterAlternating = 2u;  // a table of a filter that changes its sign at every whole number of pixels
+const uint kFilterAlternating = 2u;  // table of a filter whose sign changes at every whole number of pixels
 const uint kFilterSteps = 1024u;  // intervals of the tabulated inverse CDF
 
 const uint kPrimitiveTriangle = 0u;
@@ -224,9 +224,9 @@ const uint kPrimitiveSphere = 1u;
 const uint kPrimitiveDisk = 2u;
 const uint kPrimitiveCylinder = 3u;
 
-// The tree: nodes and primitives lie among each other in one array of texels of 16 bytes, so that a traversal step is one fetch whatever it finds.
-// A slot is the place of one of them. A primitive takes three texels, a Record; its a.w has kRecordNode clear because instances number fewer than 2^31.
-// Nodes of either width store their children's boxes in 8 bits, rounded outward: along axis k the plane q lies at origin[k] + q · scale[k]. A missing
+// The tree: nodes and primitives are interleaved in one array of 16-byte texels, so that a traversal step is one fetch, whatever it finds. A slot is
+// the position of one of them. A primitive takes three texels, a Record; its a.w has kRecordNode clear because there are fewer than 2^31 instances.
+// Nodes of either width store their children's boxes in 8 bits, rounded outward: along axis k, the plane q is at origin[k] + q · scale[k]. A missing
 // child has an empty box. Host: src/compile/node_layout.h; kernels: node4.glsl, node8.glsl.
 #ifndef ETENDUE_BVH_WIDTH
 #error "ETENDUE_BVH_WIDTH, children of a node of the tree, must be defined as 4 or 8"
@@ -234,22 +234,22 @@ const uint kPrimitiveCylinder = 3u;
 const uint kBvhWidth = ETENDUE_BVH_WIDTH;
 const uint kRecordTexels = 3u;  // k<Struct>Texels: the size of a struct in texels of its table
 const uint kSlotTexels = kBvhWidth == 8u ? 1u : 3u;  // slot s begins at texel s · kSlotTexels
-const uint kPrimitiveSlots = kRecordTexels / kSlotTexels;       // from one primitive to the next
+const uint kPrimitiveSlots = kRecordTexels / kSlotTexels;       // slots from one primitive to the next
 struct Record {
   uvec4 a, b, c;
 };
 const uint kRecordNode = 0x80000000u;  // in a.w
 
-// A node of 4: a record as large as a primitive's. Child i lies at slot b.w + i, b.w being even; its box spans byte i of b[k] to byte i of c[k].
-// origin = a[k] as a float, scale = 2^(byte k of a.w − 127).
+// A node of 4: a record as large as a primitive's. Child i is in slot b.w + i, with b.w even; its box spans byte i of b[k] to byte i of c[k]. origin
+// = a[k] as a float, scale = 2^(byte k of a.w − 127).
 const uint kNode4CountShift = 28u;  // in a.w, 3 bits: children
 
-// A node of 8 [Ylitie2017]: four texels a, b, c, d, aligned to 64 bytes. Children lie in 64-byte lines from (a.w & kNode8BaseMask) on, nodes before
-// primitives: child i begins 3 i + min(i, number of nodes) texels behind. b, c and d hold the planes along x, y and z: in x and y the bytes of
-// the lower ones of children 0–3 and 4–7, in z and w those of the upper ones. a[k] holds the origin in its upper 27 bits, a signed multiple of
+// A node of 8 [Ylitie2017]: four texels a, b, c, d, aligned to 64 bytes. Children are in 64-byte lines from (a.w & kNode8BaseMask) on, nodes before
+// primitives: child i begins 3 i + min(i, number of nodes) texels later. b, c and d hold the planes along x, y and z: in x and y the bytes of the
+// lower ones of children 0–3 and 4–7, in z and w those of the upper ones. a[k] holds the origin in its upper 27 bits, a signed multiple of
 // kNode8OriginStep, and an exponent e in the lower 5: scale = 2^(e + kNode8ExponentBias − 127).
 const uint kNode8CountShift = 28u;  // in a.w, 3 bits: children − 1
-const uint kNode8InnerShift = 25u;  // 3 bits: children that are nodes; 7 stands for 8, too, as min(i, 7) = min(i, 8)
+const uint kNode8InnerShift = 25u;  // 3 bits: children that are nodes; 7 also means 8, because min(i, 7) = min(i, 8)
 const uint kNode8BaseMask = 0x1ffffffu;
 const uint kNode8ExponentBits = 5u;
 const uint kNode8ExponentBias = 91u;          // scales from 2^-36 to 2^-5: boxes of up to eight units
@@ -257,39 +257,39 @@ const float kNode8OriginStep = 1.0 / 33554432.0;  // 2^-25: origins in [−2, 2)
 
 const uint kMaxTreeDepth = 64u;           // the builder's bound on wide levels
 
-// The primitives that nearly every ray would meet in the tree, the walls of a room and the ground, stand outside it; of a scene of at most so many
-// all do, and there is no tree. They come first in the array, in the order of the scene. Kernels know their floats as specialization constants,
-// kFewFloats a primitive from kConstantFew on, and test one after the other before a ray enters the tree.
+// Primitives that nearly every ray would hit in the tree (the walls of a room, the ground) are kept outside it; a scene of at most this many
+// primitives has no tree. They come first in the array, in the order of the scene. Kernels receive their floats as specialization constants,
+// kFewFloats per primitive from kConstantFew on, and test them one after the other before a ray enters the tree.
 const uint kFewPrimitives = 24u;
 const uint kFewFloats = 9u;
 
-// One analytic primitive, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in p0, its radius in p1.x, and in p1.y 1
-// where its normal points inward, else 0; a disk, or what an affine map makes of it, its centre in p0 and the ends of two conjugate half axes in p1 and p2;
-// the side of a cylinder the ends of its axis in p0 and p1, its radius in p2.x, and in p2.y 1, or −1 where its normal points inward.
+// One analytic primitive, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in p0, its radius in p1.x, and in
+// p1.y 1 if its normal points inward, otherwise 0; a disk (or its affine image) its centre in p0 and the ends of two conjugate half axes in p1 and
+// p2; the side of a cylinder the ends of its axis in p0 and p1, its radius in p2.x, and in p2.y 1, or −1 if its normal points inward.
 struct Primitive {
   vec3 p0;
   uint instance;   // index into instances
   vec3 p1;
   uint primitive;  // triangle index within the mesh; 0 for other shapes
   vec3 p2;
-  uint kind;       // kPrimitive* in the lowest bits; above it the primitive's number among all of the scene, by instance
+  uint kind;       // kPrimitive* in the lowest bits; above it the primitive's number in the whole scene, by instance
 };
 const uint kPrimitiveKindMask = 3u;
 const uint kPrimitiveOrderShift = 2u;
 
-// Shared meshes: a record of the tree may be an instance of one. Its a.w has kRecordInstance beside the number of the instance, b.w is the slot of the
-// root of the mesh's own tree, c.w the number of its Place; a, b and c hold the rows of object_from_world. The primitives of that tree lie in object
-// space, scaled into [−1, 1]; their a.w is 0, and they are numbered within the mesh.
+// Shared meshes: a record of the tree may be an instance of one. Its a.w has kRecordInstance in addition to the number of the instance, b.w is the
+// slot of the root of the mesh's own tree, c.w the number of its Place; a, b and c hold the rows of object_from_world. The primitives of that tree
+// are in object space, scaled to [−1, 1]; their a.w is 0, and they are numbered within the mesh.
 const uint kRecordInstance = 0x40000000u;
 
-// Where an instance puts a shared mesh. A point p of the mesh's space lies at origin + x p.x + y p.y + z p.z.
+// The placement of a shared mesh by an instance. A point p of the mesh's space is at origin + x p.x + y p.y + z p.z.
 struct Place {
   vec3 origin;
-  float error;            // what rounding moves a ray that begins on the instance, against its surface, at most
+  float error;            // bound on the rounding error, relative to the surface, of a ray that begins on the instance
   vec3 x;
-  float relative_error;   // and one from elsewhere, as a share of its length
+  float relative_error;   // and of a ray from elsewhere, as a share of its length
   vec3 y;
-  float side;             // −1 where the instance turns the winding of the triangles around, else 1
+  float side;             // −1 if the instance reverses the winding of the triangles, else 1
   vec3 z;
   float root_determinant; // of the matrix of x, y and z, its magnitude
   vec3 object_x;          // rows of object_from_world
@@ -301,63 +301,64 @@ struct Place {
 };
 const uint kPlaceTexels = 7u;
 
-// What is known of a surface but its geometry.
+// Everything about a surface except its geometry.
 struct Instance {
   vec3 radiance;        // 0 when it does not emit
   float light_prob;     // discrete probability of choosing this instance as a light; 0 when it does not emit
   uint material;        // index into materials
   uint first_triangle;  // into the triangle indices; kNone when there are no vertex normals
-  float light_area;     // total area in normalised coordinates; of a shared mesh in its own; negative where it emits on both sides
-  uint place;           // of an instance of a shared mesh, into places; kNone: its primitives and normals lie in the world
+  float light_area;     // total area in normalised coordinates, for a shared mesh in its own; negative if it emits on both sides
+  uint place;           // for an instance of a shared mesh, index into places; kNone: its primitives and normals are in the world
 };
 const uint kInstanceTexels = 2u;
 
-// A material as it is stored; what the parameters are is up to its type. shaders/bsdf/bsdf.glsl makes a Material of it.
+// A material as it is stored; the meaning of the parameters depends on its type. shaders/bsdf/bsdf.glsl turns it into a Material.
 struct MaterialRecord {
-  vec3 params;  // the diffuse albedo, or what a clear boundary lets pass; dielectric: interior and exterior index of refraction; of adapters see kAdapterFirst
+  vec3 params;  // the diffuse albedo, or the transmittance of a clear boundary; dielectric: interior and exterior index; adapters: see kAdapterFirst
   uint header;  // kMaterial*
-  // What only some types have; those that have none of it do not load it.
+  // Only some types have the following; the others do not load it.
   vec3 specular;  // specular reflectance
-  float share;    // of samples that go to the specular lobe
-  vec3 eta;       // of a metal's complex index of refraction; else the interior and the exterior one; of a rough coat, whether its roughness varies
+  float share;    // of samples taken from the specular lobe
+  vec3 eta;       // real part of a metal's complex index; else the interior and the exterior index; for a rough coat, whether its roughness varies
   float alpha_u;
-  vec3 k;         // of a metal; under a coat: share reflected back inside, (ext/int)², first texel of its table
+  vec3 k;         // for a metal; under a coat: share reflected back inside, (ext/int)², first texel of its table
   float alpha_v;
-  // What glTF's has beside; see gltf.glsl.
+  // Additional data of glTF's material; see gltf.glsl.
   vec4 sheen;
   vec4 scattered;
   vec4 film;
   vec4 volume;
 };
 const uint kMaterialTexels = 8u;
-const uint kRichMaterialTexels = 4u;  // of all others
-// What of light a rough coat lets pass on the way in, at cosines even over [0, 1]: a table behind the materials, four nodes a texel.
+const uint kRichMaterialTexels = 4u;  // for all others
+// The transmittance of a rough coat for light entering it, at cosines evenly spaced over [0, 1]: a table after the materials, four nodes per texel.
 const uint kTransmittanceNodes = 64u;
-// A coat whose roughness is a texture has a table for each of these roughnesses, whose roots are even over [0, 1], and behind each a texel with the share that
-// it reflects back inside.
+// A coat with textured roughness has a table for each of these roughnesses, whose roots are evenly spaced over [0, 1], and after each a texel with
+// the share that it reflects back inside.
 const uint kCoatRoughnesses = 16u;
 const uint kCoatTexels = kTransmittanceNodes / 4u + 1u;
-// And what white sheen reflects, at cosines even over [0, 1], for roughnesses even over [0.1, 1].
+// The albedo of white sheen, at cosines evenly spaced over [0, 1], for roughnesses evenly spaced over [0.1, 1].
 const uint kSheenCosines = 32u;
 const uint kSheenRoughnesses = 16u;
 
 // The textures of a material with kMaterialTextured: a table of its own with the indices of the materials, empty where none has any.
 struct MaterialTextures {
-  uint first;  // kTextureOf… of the first parameter: the albedo, or an adapter's number; kNone where it has none
-  uint begin;  // of all of the material's uses of textures
+  uint first;  // kTextureOf… of the first parameter: the albedo, or an adapter's number; kNone if it has none
+  uint begin;  // first of the material's texture uses
   uint end;
   uint coat_normals;  // kTextureOf… and kTextureOfVertexTangents of a coat's normal map, or kNone
 };
 const uint kMaterialTexturesTexels = 1u;
-// A texture that floats of a MaterialRecord are multiplied with.
+// A texture that multiplies floats of a MaterialRecord.
 struct TextureUse {
   uint texture_of;  // kTextureOf…
-  uint floats;      // bit i: the i-th float of the record. Colours lie at the beginning of a texel
-  float least;      // the range that the product is brought into
+  uint floats;      // bit i: the i-th float of the record. Colours are at the beginning of a texel
+  float least;      // the range that the product is clamped to
   float most;
 };
 const uint kTextureUseTexels = 1u;
-// Which texture a parameter is multiplied with: its index, and above it the channel that a number takes, as in etendue::TextureChannel, or that it is a colour.
+// The texture that multiplies a parameter: its index, and above it the channel to use as a number, as in etendue::TextureChannel, or that it is a
+// colour.
 const uint kTextureOfIndexMask = 0xffffffu;
 const uint kTextureOfChannelShift = 24u;
 const uint kTextureOfColor = 0xfu;
@@ -366,7 +367,7 @@ const uint kTextureOfVertexTangents = 0x80000000u;
 // A texture, see texture.glsl.
 struct TextureRecord {
   uint header;  // kTexture*
-  uint first;   // of a picture, where its first texel lies, in multiples of 16 bytes
+  uint first;   // for a picture, the position of its first texel, in multiples of 16 bytes
   uint width;
   uint height;
   vec3 u_row;   // texture coordinates of the surface (u, v, 1) → those of the texture
@@ -390,21 +391,21 @@ const uint kTextureWrapMask = 3u;
 const uint kTextureWrapRepeat = 0u;
 const uint kTextureWrapMirror = 1u;
 const uint kTextureBilinear = 0x40u;
-const uint kTextureSrgb = 0x80u;       // colours are codes of sRGB
-const uint kTextureFormatShift = 8u;   // 2 bits, log2 of the bytes of a number: 8-bit codes, half and single floats
+const uint kTextureSrgb = 0x80u;       // colours are sRGB-encoded
+const uint kTextureFormatShift = 8u;   // 2 bits, log2 of the bytes of a number: 8 bits, half and single floats
 const uint kTextureFormatMask = 3u;
 const uint kTextureChannelsShift = 10u;  // 3 bits
 const uint kTextureChannelsMask = 7u;
-const uint kTextureTinted = 0x2000u;         // multiplied with the colours of the mesh's vertices
+const uint kTextureTinted = 0x2000u;         // multiplied with the mesh's vertex colours
 const uint kTextureCut = 0x4000u;            // alpha becomes 1 from the cutoff on, else 0
 const uint kTexturePremultiplied = 0x8000u;  // colours are multiplied with alpha, after that
-// What the textures of a scene make use of: kernels are built for that alone, without any texture for nothing.
+// Features used by the textures of a scene: kernels are built for exactly these; a scene without textures pays nothing.
 const uint kTexturesBitmap = 0x1u;
 const uint kTexturesCheckerboard = 0x2u;
 const uint kTexturesAttribute = 0x4u;
 const uint kTexturesBilinear = 0x8u;
 const uint kTexturesSrgb = 0x10u;
-const uint kTexturesThreeChannels = 0x20u;  // a texel may lie in two loads
+const uint kTexturesThreeChannels = 0x20u;  // a texel may span two loads
 const uint kTexturesRadiance = 0x40u;       // an emitter has one
 const uint kTexturesSphere = 0x80u;         // a sphere has one
 const uint kTexturesRich = 0x100u;          // a material has one that is not a diffuse albedo: see TextureUse
@@ -413,13 +414,13 @@ const uint kTexturesCylinder = 0x400u;      // a cylinder has one
 const uint kTexturesTangents = 0x800u;      // a material has kMaterialAligned
 const uint kTexturesCoat = 0x2000u;         // the roughness of a rough coat is one
 const uint kTexturesAlpha = 0x4000u;        // one has kTextureCut or kTexturePremultiplied
-const uint kTexturesVertexTangents = 0x8000u;  // a normal map lies by those of a mesh's vertices
+const uint kTexturesVertexTangents = 0x8000u;  // a normal map follows the mesh's vertex tangents
 const uint kTexturesTinted = 0x10000u;      // one has kTextureTinted
-const uint kTexturesMesh = 0x1000u;         // coordinates of meshes are asked for, with or without textures
+const uint kTexturesMesh = 0x1000u;         // texture coordinates of meshes are needed, with or without textures
 
-// What the textures of an instance need of its shape; empty where the scene has no textures. Each primitive has a block of texels: for each set of
-// texture coordinates (u, v) of the three corners in two texels, then the colours of the corners with their alpha, then that of the face, then the tangents of
-// the corners (xyz, in the world, of shared meshes in their own space; w: which side the bitangent is on). A sphere has the rows of the
+// What the textures of an instance need from its shape; empty if the scene has no textures. Each primitive has a block of texels: for each set of
+// texture coordinates, (u, v) of the three corners in two texels; then the colours of the corners with their alpha; then that of the face; then the
+// tangents of the corners (xyz, in the world, for shared meshes in their own space; w: the side of the bitangent). A sphere has the rows of the
 // rotation from the world into its own space.
 struct InstanceAttributes {
   uint first;             // texel of the attributes
@@ -433,7 +434,7 @@ const uint kAttributesVertexColors = 0x100u;
 const uint kAttributesFaceColors = 0x200u;
 const uint kAttributesSphere = 0x400u;
 const uint kAttributesDisk = 0x800u;
-const uint kAttributesTurned = 0x1000u;  // of a disk: its half axes are stored the other way round
+const uint kAttributesTurned = 0x1000u;  // for a disk: its half axes are stored in reverse order
 const uint kAttributesCylinder = 0x2000u;
 const uint kAttributesTangents = 0x4000u;
 
@@ -446,7 +447,7 @@ struct LightInstance {
 };
 const uint kLightInstanceTexels = 1u;
 
-// A primitive that emits, with its geometry: lights know nothing of the tree. Those of a shared mesh lie in its own space.
+// An emitting primitive with its geometry: lights do not depend on the tree. Those of a shared mesh are in its own space.
 struct LightPrimitive {
   Primitive primitive;
   uint threshold;
@@ -456,7 +457,7 @@ struct LightPrimitive {
 };
 const uint kLightPrimitiveTexels = 4u;
 
-// What a group of lights can do at most.
+// An upper bound for a group of lights.
 struct LightBounds {
   vec3 center;     // of its box
   float radius;    // of the sphere around that box
@@ -464,7 +465,7 @@ struct LightBounds {
   float cos_cone;  // of the cone's half angle
 };
 const uint kLightBoundsTexels = 2u;
-// A branching of the light tree; the first pair is the root's. Both halves together, because the choice between them needs both.
+// A branching of the light tree; the first pair is the root's. Both halves are stored together, because the choice between them needs both.
 struct LightPair {
   LightBounds left_bounds, right_bounds;
   float left_power;  // shares of all lights
@@ -474,13 +475,13 @@ struct LightPair {
 };
 const uint kLightPairTexels = 5u;
 const uint kLightLeaf = 0x80000000u;
-const uint kLightLeafShared = 0x40000000u;  // beside it: the index is that of a light instance, whose mesh is shared
-const uint kLightLeafDelta = 0x20000000u;   // beside kLightLeaf, or of the instance of a light: the index is that of a light without extent
+const uint kLightLeafShared = 0x40000000u;  // in addition to it: the index is that of a light instance with a shared mesh
+const uint kLightLeafDelta = 0x20000000u;   // with kLightLeaf, or in the instance of a light: the index is that of a light without extent
 const uint kMaxLightTreeDepth = 31u;
 
-// The way from the root of the light tree to a primitive.
+// The path from the root of the light tree to a primitive.
 struct LightTrail {
-  uint turns;  // bit i is 1 where level i turns right, and a final 1 follows; 0 where the primitive is no light
+  uint turns;  // bit i is 1 if level i turns right, followed by a final 1; 0 if the primitive is not a light
   float area;  // of the primitive
   uint pad0;
   uint pad1;
@@ -489,16 +490,16 @@ const uint kLightTrailTexels = 1u;
 
 // A light without extent, in normalised coordinates. Those infinitely far away come first in the table.
 struct DeltaLight {
-  vec3 p;             // where it stands; of a directional light the direction toward it
-  float prob;         // of its choice, where lights are chosen by power
+  vec3 p;             // position; for a directional light the direction toward it
+  float prob;         // probability of its choice, if lights are chosen by power
   vec3 intensity;     // irradiance at distance 1 of a surface that faces it
   uint header;        // kDelta…
-  vec3 forward;       // where it shines, unit
+  vec3 forward;       // direction of emission, unit
   float cos_cutoff;   // of a spot's cone
   vec3 across;        // axis of its picture's columns, unit
   float cos_beam;
-  vec2 picture_scale; // half a picture for a slope of 1 across and upward
-  float fade;         // 1 over what lies between beam and cone: turns where it is linear, else a difference of cosines
+  vec2 picture_scale; // half the picture at a slope of 1, horizontally and vertically
+  float fade;         // 1 divided by the difference between beam and cone: in turns if linear, else in cosines
   uint texture_index; // of its picture, or kNone
   uint threshold;     // of a directional light: chosen when `threshold <= word`, the last one that satisfies it
   uint number;        // among those of the scene
@@ -514,16 +515,18 @@ const uint kDeltaSmooth = 0x10u;   // how a spot fades; linearly without either
 const uint kDeltaQuartic = 0x20u;
 const uint kDeltaTextured = 0x40u; // has a picture
 
-// A row of cells of the environment. Its edges are sin²(θ/2), θ being the angle from the pole of its half of the rows: no digits are lost near poles.
+// A row of cells of the environment. Its edges are sin²(θ/2), with θ the angle from the pole of its half of the rows, so that no precision is lost
+// near the poles.
 struct EnvironmentRow {
-  float density;   // w.r.t. solid angle if all of its cells were chosen alike; the choice of the row is in it
+  float density;   // w.r.t. solid angle if all of its cells had equal probability; includes the choice of the row
   float upper_edge;
   float lower_edge;
-  uint column_count;  // cells behind that have no weight
+  uint column_count;  // later cells have no weight
 };
 const uint kEnvironmentRowTexels = 1u;
 
-// A texel of the environment's picture, and how many of 2^32 words choose the cell of the same row and column among those of the row; 0 where all do.
+// A texel of the environment's picture, and the number of words, out of 2^32, that choose the cell of the same row and column within the row; 0 if all
+// do.
 struct EnvironmentTexel {
   vec3 radiance;
   uint words;
@@ -557,8 +560,8 @@ struct Frame {
   int film_exponent;
   uint light_instance_count;
   float filter_zero;      // |x| in pixels beyond which the filter is negative; infinite when it never is
-  // Half the width and height, in camera units, of the plane that rays begin on; 0 where they begin at camera_origin. The clipping distances are
-  // depths beyond that plane.
+  // Half the width and height, in camera units, of the plane on which rays begin; 0 if they begin at camera_origin. The clipping distances are depths
+  // beyond that plane.
   float plane_x;
   float plane_y;
   float plane_depth;      // of that plane; camera units, like the clipping distances
@@ -567,41 +570,41 @@ struct Frame {
   float lens_slope;
   float lens_rotation;    // of the aperture's first corner from camera +X toward +Y, in turns
   uint lens_blades;       // corners of the aperture; 0: a disk
-  vec2 window_offset;     // with kConstantCameraWindow: film position p lies at window_offset − window_scale · p
+  vec2 window_offset;     // with kConstantCameraWindow: film position p is at window_offset − window_scale · p
   vec2 window_scale;
-  // What some integrators are told.
+  // Parameters of some integrators.
   vec3 light_position;
-  float ray_length;       // of an occlusion ray, infinite when it has no end; of distance the share of a camera ray's way to its start that counts
+  float ray_length;       // of an occlusion ray, possibly infinite; for distance the share of a camera ray's way to its start that counts
   vec3 light_intensity;   // Φ/(4π²) at a distance of one scene unit, in normalised units
   uint emitter_samples;
   uint bsdf_samples;
   uint distant_threshold;      // words below it that do not choose the environment choose a directional light
-  float delta_light_limit;     // what a light without extent adds at a vertex, at most
+  float delta_light_limit;     // maximum contribution of a light without extent at a vertex
   uint aov;                    // kAov…
   vec3 sky_x;                  // axes of the sky's own frame in the world
-  uint environment_row_count;  // rows of cells; those behind have no weight
+  uint environment_row_count;  // rows of cells; later ones have no weight
   vec3 sky_y;
   uint environment_threshold;  // words below it choose the environment, others a light
   vec3 sky_z;
   float lights_prob;           // of the latter
-  vec3 scene_center;           // in the world; normalised coordinates are those about it, times distance_scale
+  vec3 scene_center;           // in the world; normalised coordinates are relative to it, times distance_scale
   uint pad0;
 };
 
-// The work of one dispatch: some paths for each of a run of film slots. Its lanes share it out, see integrator/render_lane.glsl.
+// The work of one dispatch: some paths for each of a run of film slots, shared among its lanes, see integrator/render_lane.glsl.
 struct Pass {
   uint first_group;      // of slots, counted over the whole film
   uint first_slot;       // the same within the bound film band
   uint group_count;      // of slots
-  uint paths;            // that each slot is given, fewer where its sets come to an end
-  uint paths_before;     // that each slot was given before
-  uint first_set;        // of those that are rendered; a set is one path, but see sampler.glsl
-  uint sets;             // how many of them there are to the end of this pass
-  uint slots_per_pixel;  // a pixel's sets are dealt round robin to this many slots
+  uint paths;            // given to each slot, fewer where its sets end
+  uint paths_before;     // given to each slot before
+  uint first_set;        // first set to render; a set is one path, but see sampler.glsl
+  uint sets;             // number of sets up to the end of this pass
+  uint slots_per_pixel;  // a pixel's sets are distributed round-robin over this many slots
   uint packed_pixels;    // not 0: slots are packed, pixel = slot % packed_pixels; 0: slots are tiles
-  uint step_budget;      // traversal steps a lane may spend before it hands its path back
-  uint resume;           // 1: lanes go on where the last dispatch of this pass left off
-  uint request_count;    // kernels of requests: how many there are
+  uint step_budget;      // traversal steps that a lane may take before it returns its path
+  uint resume;           // 1: lanes continue where the last dispatch of this pass stopped
+  uint request_count;    // for kernels with requests: their number
 };
 
 // One film slot: the 128 bytes of etendue::FilmPixel.
@@ -619,7 +622,7 @@ struct RejectedEntry {
   uint pad0;
 };
 struct ReportHead {
-  uint unfinished;      // lanes that ran out of step budget
+  uint unfinished;      // lanes that used up their step budget
   uint stuck;           // samples that alone exceed the budget
   uint rejected_count;  // samples rejected since the report was cleared
   uint pad0;
@@ -653,12 +656,12 @@ struct RayResult {
   uint primitive;
   uint steps;
 };
-// What a path did, counted by the render kernel's build for profiles. Of each class of rays: rays, nodes, primitives.
+// What a path did, counted by the profiling build of the render kernel. For each class of rays: rays, nodes, primitives.
 struct PathProfile {
   uvec4 camera, scattered, shadow;
-  vec4 shares;  // x: traversal steps of subgroups that were this lane's share, y: of this lane; z, w: the same of shading
+  vec4 shares;  // x: this lane's share of its subgroup's traversal steps, y: its own steps; z, w: the same for shading
 };
-// bsdf_samples: the push constants and the answers of one material's probe. Queries are directions, one vec4 each.
+// bsdf_samples: push constants and results of one material's probe. Queries are directions, one vec4 each.
 struct BsdfProbePass {
   vec3 wo;
   uint seed;

@@ -10,7 +10,7 @@
 #include "scene.glsl"
 
 layout(constant_id = kConstantHasSpheres) const bool kHasSpheres = true;
-FEATURE(bool, kInwardSpheres, kConstantInwardSpheres, false)  // normals of some point to their centre
+FEATURE(bool, kInwardSpheres, kConstantInwardSpheres, false)  // some have normals toward their centre
 FEATURE(bool, kHasDisks, kConstantHasDisks, false)
 FEATURE(bool, kHasCylinders, kConstantHasCylinders, false)
 // The primitives that are tested before the tree, see kFewPrimitives.
@@ -33,8 +33,8 @@ FOR_EACH_FEW(FEW_VALUES_OF)
 #define FEW_CYLINDER(i) \
   vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), vec3(kFew##i##_3, kFew##i##_4, kFew##i##_5), kFew##i##_6
 
-// A surface that a ray has passed: it goes on from t_min, where that was met. At t_min itself the instances behind it in the order of the scene are still
-// before the ray; its own surface goes on beyond t_own only, or a ray through an edge would meet both of its triangles.
+// A surface that a ray has passed: the ray continues from t_min, the distance of that hit. At t_min itself, instances later in the order of the scene
+// still count; its own surface counts only beyond t_own, or a ray through an edge would hit both of its triangles.
 struct Passed {
   uint instance;  // kNone: nothing
   float t_own;
@@ -55,7 +55,7 @@ bool is_inward(Primitive sphere) { return kInwardSpheres && sphere.p1.y != 0.0; 
 #define is_disk(prim) (kHasDisks && ((prim).kind & kPrimitiveKindMask) == kPrimitiveDisk)
 #define is_cylinder(prim) (kHasCylinders && ((prim).kind & kPrimitiveKindMask) == kPrimitiveCylinder)
 
-// A ray with the plane it is seen along: every primitive is projected onto (s, t), perpendicular to the ray, and tested in 2D.
+// A ray with the plane perpendicular to it: every primitive is projected onto (s, t) and tested in 2D.
 struct RayFrame {
   Ray ray;
   vec3 s, t;
@@ -66,8 +66,8 @@ RayFrame make_ray_frame(Ray ray) {
   return RayFrame(ray, f.s, f.t);
 }
 
-// A ray whose direction is not of unit length. Distances are dot products with d / d², so that is what the ray of its frame carries. `unit` and `size`,
-// direction and length of d, are what the frame was made of: boxes must see the same direction as triangles, or rounding parts them.
+// A ray whose direction is not of unit length. Distances are dot products with d / d², so that is what the ray of its frame carries. The frame was
+// computed from `unit` and `size`, direction and length of d: boxes must use the same direction as triangles, or rounding separates them.
 struct ScaledRay {
   RayFrame rf;
   vec3 unit;
@@ -83,8 +83,8 @@ ScaledRay make_scaled_ray(Ray ray) {
   return ScaledRay(RayFrame(scaled, f.s, f.t), unit, size);
 }
 
-// Barycentric weights of the point where the ray meets a triangle's plane; a, b, c are its vertices seen from the ray's origin. None of them is
-// negative where the ray meets the triangle. Seen edge-on, or without area, it has none: they are infinite or no numbers.
+// Barycentric weights of the point where the ray hits a triangle's plane; a, b, c are its vertices relative to the ray's origin. None of them is
+// negative if the ray hits the triangle. If it is seen edge-on, or has no area, they are infinite or NaN.
 //
 // Watertight: a vertex shared by two triangles projects to the same 2D point and the edge function of a shared edge is the exact negative
 // seen from the other side, so no ray passes between them (the idea of [Woop2013], with a rotation in place of their shear). `precise`
@@ -97,7 +97,7 @@ vec3 triangle_weights(RayFrame rf, vec3 a, vec3 b, vec3 c) {
   return areas * (1.0 / (areas.x + areas.y + areas.z));
 }
 
-// Points on an edge count as hits; a triangle without weights is never hit, as infinities have both signs and comparisons with what is no number fail.
+// Points on an edge count as hits; a triangle without weights is never hit, because infinities have both signs and comparisons with NaN fail.
 bool intersect_triangle(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out float t) {
   const vec3 a = p0 - rf.ray.o;
   const vec3 b = p1 - rf.ray.o;
@@ -119,8 +119,8 @@ bool intersect_disk(RayFrame rf, vec3 p0, vec3 p1, vec3 p2, float t_max, out flo
   return r2 <= 1.0 && t > rf.ray.t_min && t < t_max;
 }
 
-// Nearest intersection beyond t_min; the quadratic is solved about the point of the ray nearest to the centre, which keeps its precision
-// for small or distant spheres [Haines2019].
+// Nearest intersection beyond t_min; the quadratic is solved about the point of the ray nearest to the centre, which preserves precision for small or
+// distant spheres [Haines2019].
 bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float t) {
   const vec3 f = ray.o - center;
   const float b = -dot(f, ray.d);
@@ -136,8 +136,8 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
   return discriminant >= 0.0 && t > ray.t_min && t < t_max;
 }
 
-// Tests a primitive record and takes it when it is nearer, or as near and earlier in the scene: which of two coincident surfaces is seen must not
-// depend on the order of the walk.
+// Tests a primitive record and accepts it if it is nearer, or equally near and earlier in the scene: which of two coincident surfaces is visible must
+// not depend on the order of the walk.
 bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, Passed passed, inout Nearest nearest) {
   const Primitive prim = to_primitive(record);
   if (kPassable && instance > passed.instance)
@@ -157,8 +157,8 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, P
   return found;
 }
 
-// The primitives outside the tree: everything about them is a constant, so nothing is loaded, vertices that triangles share are
-// projected once, and no lane waits for another. In the order of the scene, so the first of equally near ones stays.
+// The primitives outside the tree: everything about them is a constant, so nothing is loaded, vertices shared by triangles are projected once, and no
+// lane waits for another. They are tested in the order of the scene, so the first of equally near ones is kept.
 #define TEST_FEW(i)                                                                                                       \
   if (i < kFewCount) {                                                                                                    \
     bool found;                                                                                                           \

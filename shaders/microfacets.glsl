@@ -1,5 +1,5 @@
-// Microfacets: how their normals are distributed, how much of them a direction sees, and which of those that it sees is met.
-// docs/conventions.md, "Microfacets", fixes all of it. Directions are local, w on the side z > 0.
+// Microfacets: the distribution of their normals, how much of them is visible from a direction, and which visible one is hit. docs/conventions.md,
+// "Microfacets", defines all of it. Directions are local, w on the side z > 0.
 #ifndef MICROFACETS_GLSL
 #define MICROFACETS_GLSL
 
@@ -25,7 +25,7 @@ float facet_density(Facets f, vec3 h) {
   const float sin2 = dot(s, s);
   const float cos2 = h.z * h.z;
   const float scale = 1.0 / (kPi * f.alpha.x * f.alpha.y);
-  // Cut off where it is 2e-22 of its peak, before it underflows: whether light arrives at all must not depend on the precision.
+  // Cut off at 2e-22 of its peak, before it underflows: whether light arrives at all must not depend on the precision.
   if (f.beckmann) return h.z > 0.0 && sin2 <= 50.0 * cos2 ? scale * exp(-sin2 / cos2) / (cos2 * cos2) : 0.0;
   const float sum = cos2 + sin2;
   return h.z > 0.0 ? scale / (sum * sum) : 0.0;
@@ -49,7 +49,7 @@ float scaled_erfc(float z) {
          t * (-0.182617593 + t * 0.0501878442))))))));
 }
 
-// What w sees of all microfacets: the integral of D(h) max(0, w·h), exactly. w.z over it is the exact masking.
+// The visible area of all microfacets from w: the integral of D(h) max(0, w·h), exactly. w.z divided by it is the exact masking.
 float visible_area(Facets f, vec3 w) {
   const float sin2 = stretched_sin2(f, w);
   if (!f.beckmann) return 0.5 * (w.z + sqrt(w.z * w.z + sin2));
@@ -107,7 +107,7 @@ float visible_slope(float c, float s, float u) {
   return x;
 }
 
-// Normals of roughness 1 that w sees. Beckmann's: slopes along and across w's azimuth are independent [Heitz2014].
+// Normals of roughness 1 visible from w. Beckmann's: slopes along and across w's azimuth are independent [Heitz2014].
 vec3 sample_beckmann(vec3 w, vec2 u) {
   const float s = length(w.xy);
   const vec2 azimuth = s > 0.0 ? w.xy / s : vec2(1.0, 0.0);
@@ -125,7 +125,7 @@ vec3 sample_ggx(vec3 w, vec2 u) {
   return vec3(sqrt(max(0.0, drop * (2.0 - drop))) * cos_sin_turn(u.y) + w.xy, (1.0 - u.x) * (1.0 + w.z));
 }
 
-// The normal of a microfacet that w (w.z > 0) sees, chosen by the area it sees of it [Heitz2014, Heitz2018].
+// The normal of a microfacet visible from w (w.z > 0), chosen by its visible area [Heitz2014, Heitz2018].
 vec3 sample_facet(Facets f, vec3 w, vec2 u) {
   const vec3 flat_w = normalize(vec3(f.alpha * w.xy, w.z));
   vec3 h;

@@ -12,7 +12,7 @@ uint children_left(StackEntry e) { return (e >> 6u) & 3u; }
 uint next_child(StackEntry e) { return ((e >> 7u) & 0x1fffffeu) + (e & 3u); }
 StackEntry without_next(StackEntry e) { return (e & 0xffffff00u) | ((children_left(e) - 1u) << 6u) | ((e & 0x3fu) >> 2u); }
 
-// The children of a node that a ray meets: how many, the slot of the nearest and, when there are more, the entry of the others.
+// The children of a node that a ray hits: their number, the slot of the nearest and, if there are more, the entry of the others.
 struct NodeVisit {
   uint hits;
   uint nearest;

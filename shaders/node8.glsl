@@ -4,8 +4,8 @@
 
 #include "slabs.glsl"
 
-// A node's children still to be visited. x: the node's a.w without its count, which is where its children lie; y: their number from bit 21 on and
-// their indices, nearest first, three bits each from bit 0.
+// A node's children still to be visited. x: the node's a.w without its count, which gives the position of its children; y: their number from bit 21
+// on and their indices, nearest first, three bits each from bit 0.
 #define StackEntry uvec2
 
 // The slot of a node's child, from the node's a.w.
@@ -18,7 +18,7 @@ uint children_left(StackEntry e) { return e.y >> 21u; }
 uint next_child(StackEntry e) { return child_slot(e.x, e.y & 7u); }
 StackEntry without_next(StackEntry e) { return StackEntry(e.x, ((children_left(e) - 1u) << 21u) | ((e.y & 0x1fffffu) >> 3u)); }
 
-// The children of a node that a ray meets: how many, the slot of the nearest and, when there are more, the entry of the others.
+// The children of a node that a ray hits: their number, the slot of the nearest and, if there are more, the entry of the others.
 struct NodeVisit {
   uint hits;
   uint nearest;
@@ -67,7 +67,7 @@ ChildKeys sort_keys(ChildKeys k) {
 uint count_hits(uvec4 k) { return uint(k.x != kMissKey) + uint(k.y != kMissKey) + uint(k.z != kMissKey) + uint(k.w != kMissKey); }
 
 NodeVisit visit_node(Walk walk, Record node) {
-  // Of a primitive this loads what lies behind it; nothing comes of it.
+  // For a primitive this over-reads one texel; the value is unused.
   const uvec4 planes_z = load_record(walk.current + 3u);
   const ChildKeys k = sort_keys(child_keys(walk, node, planes_z));
   const uint hits = count_hits(k.low) + count_hits(k.high);

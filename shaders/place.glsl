@@ -1,4 +1,4 @@
-// Where instances put shared meshes: points, normals and areas to the world, rays the other way.
+// Placement of shared meshes by instances: points, normals and areas to the world, rays the other way.
 #ifndef PLACE_GLSL
 #define PLACE_GLSL
 
@@ -23,7 +23,7 @@ Primitive place_triangle(Place place, Primitive object, uint instance) {
   return Primitive(place_point(place, object.p0), instance, place_point(place, object.p1), object.primitive, place_point(place, object.p2), object.kind);
 }
 
-// How much larger an area with normal ng is in the world than in the mesh's space: |det M| / |Mᵀ ng|.
+// Ratio of an area with normal ng in the world to that in the mesh's space: |det M| / |Mᵀ ng|.
 float place_area_factor(Place place, vec3 ng) {
   return place.root_determinant / length(vec3(dot(place.x, ng), dot(place.y, ng), dot(place.z, ng))) * place.root_determinant;
 }

@@ -10,7 +10,7 @@
 
 #ifdef ETENDUE_PROFILE_SUBGROUPS
 #extension GL_KHR_shader_subgroup_ballot : require
-// This lane's share of a step that its subgroup takes together: over the active lanes the shares add up to 1.
+// This lane's share of a step that its subgroup takes together: over the active lanes, the shares add up to 1.
 float subgroup_share() { return 1.0 / float(subgroupBallotBitCount(subgroupBallot(true))); }
 #else
 float subgroup_share() { return 0.0; }

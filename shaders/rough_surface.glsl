@@ -1,4 +1,4 @@
-// What rough materials have in common: microfacets that reflect, over a base that is diffuse, clear or black. One function for all of them, because a SIMD
+// Common code of rough materials: reflecting microfacets over a base that is diffuse, clear or black. One function for all of them, because a SIMD
 // machine computes each material of the scene for all lanes. Included by bsdf/bsdf.glsl.
 
 // Value and density of a pair of directions.
@@ -7,7 +7,7 @@ struct Scattering {
   float pdf;
 };
 
-// How much a microfacet reflects that is met at wo_h, the cosine of the angle to its normal; of a clear boundary with relative index eta.
+// Reflectance of a microfacet at wo_h, the cosine of the angle to its normal; for a clear boundary with relative index eta.
 vec3 facet_reflectance(Material m, float wo_h, float eta, out float clear_share) {
   vec3 reflectance = vec3(0.0);
   clear_share = 0.0;
@@ -24,16 +24,16 @@ vec3 facet_reflectance(Material m, float wo_h, float eta, out float clear_share)
 
 Facets facets_of(Material m) { return Facets(m.alpha, material_has(m, kMaterialBeckmann)); }
 
-// The materials with two sides see the one that wo is on as z > 0.
+// The materials with two sides see the side that wo is on as z > 0.
 float rough_side(Material m, vec3 wo) { return bsdf_is(m, kBsdfRoughDielectric) && wo.z < 0.0 ? -1.0 : 1.0; }
 
-// n_i/n_o of what passes a clear boundary; 1 for all others.
+// n_i/n_o for transmission through a clear boundary; 1 for all others.
 float rough_eta(Material m, float side) {
   const float eta = m.int_ior / m.ext_ior;
   return bsdf_is(m, kBsdfRoughDielectric) ? (side > 0.0 ? eta : 1.0 / eta) : 1.0;
 }
 
-// Below the microfacets.
+// The base under the microfacets.
 Scattering rough_base(Material m, float cos_o, float cos_i, float share) {
   Scattering s = Scattering(m.albedo * (kInvPi * cos_i), (1.0 - share) * (kInvPi * cos_i));
   if (bsdf_is(m, kBsdfRoughPlastic)) {
@@ -53,7 +53,7 @@ float facet_share(Material m, float cos_o) {
   return share;
 }
 
-// wo is on the side z > 0. h is the half vector: where it was sampled, as it was sampled, because a narrow lobe would feel its rounding.
+// wo is on the side z > 0. h is the half vector: if it was sampled, exactly as sampled, because rounding would affect a narrow lobe.
 Scattering rough_scattering(Material m, vec3 wo, vec3 wi, vec3 h, float eta) {
   const Facets f = facets_of(m);
   const float wo_h = dot(wo, h);

@@ -36,8 +36,8 @@ uvec4 pcg4d(uvec4 v) {
   return v;
 }
 
-// What an adapter at vertex k decides is a hash of what is met there, whatever else is met on the way; docs/conventions.md, "Adapters". `flags` has 1 for
-// the side behind the geometric normal, 2 for a shadow ray that began at the vertex.
+// The decision of an adapter at vertex k is a hash of what is hit there, independent of other hits on the way; docs/conventions.md, "Adapters".
+// `flags` has 1 for the side behind the geometric normal, 2 for a shadow ray that began at the vertex.
 uvec4 choice_words(uint seed, uint pixel, uint path, uint k, uint instance, uint primitive, uint flags) {
   MUTATE(kMutantSampleIndexIgnored, path = 0u);
   return pcg4d(uvec4(pixel, path, 0x82000000u + (k & 0xffffffu), seed)) + uvec4(instance, primitive, flags, 0u);
@@ -79,7 +79,7 @@ uvec4 sobol_point(uint seed, uint pixel, uint path, uint block) {
 
 uvec4 sobol_words(uint seed, uint pixel, uint path, uint block) {
   const uvec4 point = sobol_point(seed, pixel, path, block);
-  // Dimensions 1 and 2 go where two numbers make a point of the film, of a light, a direction.
+  // Dimensions 1 and 2 are used where two numbers give a point on the film, on a light, or a direction.
   return block == kBlockCamera ? point : (block & 1u) != 0u ? point.zwxy : point.zxyw;
 }
 

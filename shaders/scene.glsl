@@ -9,9 +9,9 @@
 #include "gpu_types.h"
 
 layout(set = kSetKernel, binding = kBindingFrame, std140) uniform FrameBlock { Frame frame; };
-// load_<buffer>(i): 16 bytes of a buffer of tables. Tables come through texel buffers: one 128-bit load a texel where storage buffers are loaded word by word
-// (lavapipe), the texture cache on GPUs, and up to 2^27 texels where a storage buffer may end at 128 MiB. A second build reads storage buffers,
-// for devices whose texel buffers are too short.
+// load_<buffer>(i): 16 bytes of a buffer of tables. Tables are read through texel buffers: one 128-bit load per texel, where storage buffers are
+// loaded word by word (lavapipe); the texture cache on GPUs; and up to 2^27 texels, where a storage buffer may end at 128 MiB. A second build reads
+// storage buffers, for devices whose texel buffers are too short.
 #ifdef ETENDUE_STORAGE_TABLES
 #define TABLE(name, table_binding)                                                                                         \
   layout(set = kSetScene, binding = table_binding, std430) readonly buffer name##_block { uvec4 name##_quads[]; };                 \
@@ -24,7 +24,7 @@ layout(set = kSetKernel, binding = kBindingFrame, std140) uniform FrameBlock { F
 TABLE(record, kBindingRecords)
 TABLE(geometry, kBindingGeometry)
 TABLE(table, kBindingTables)
-// Where tables begin, in texels. The triangle indices are the first of the geometry, the instances of the tables.
+// Start of each table, in texels. The triangle indices come first in the geometry, the instances first in the tables.
 layout(constant_id = kConstantNormalsAt) const uint kNormalsAt = 0u;
 layout(constant_id = kConstantMaterialsAt) const uint kMaterialsAt = 0u;
 layout(constant_id = kConstantMaterialTexturesAt) const uint kMaterialTexturesAt = 0u;

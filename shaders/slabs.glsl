@@ -2,7 +2,7 @@
 #ifndef SLABS_GLSL
 #define SLABS_GLSL
 
-// A ray in the grid of a node's boxes: the plane q of an axis is met at distance q · a + b, but for rounding.
+// A ray in the grid of a node's boxes: plane q of an axis is at distance q · a + b, up to rounding.
 struct GridRay {
   vec3 a;
   vec3 b_near, b_far;
@@ -31,8 +31,8 @@ void test_slabs(GridRay g, uvec3 q_near, uvec3 q_far, float t, out ivec4 near, o
   far = floatBitsToInt(intBitsToFloat(far_exact) * (1.0 + 1e-6));
 }
 
-// The sort key of a box that is not met. Others have the bits of the entry distance (non-negative floats order like integers), with the child's
-// index in the lowest bits.
+// The sort key of a box that is not hit. Others have the bits of the entry distance (non-negative floats order like integers), with the child's index
+// in the lowest bits.
 const uint kMissKey = 0xffffffffu;
 
 #endif

@@ -1,4 +1,4 @@
-// A pass over film slots: which paths it gives each of them, and where their samples lie until the film takes them.
+// A pass over film slots: which paths it gives to each of them, and where their samples are stored until they are added to the film.
 #ifndef SLOTS_GLSL
 #define SLOTS_GLSL
 
@@ -15,7 +15,7 @@ layout(set = kSetKernel, binding = kBindingReport, std430) buffer ReportBuffer {
 
 const uint kSetMask = (1u << kSetBits) - 1u;
 
-// Where a slot is. `pixel` is kNone for padding; `layer` tells which of the pixel's slots it is.
+// Position of a slot. `pixel` is kNone for padding; `layer` is its index among the pixel's slots.
 struct SlotPlace {
   uint pixel, layer;
   uvec2 xy;

@@ -1,4 +1,4 @@
-// What a hit point looks like to materials and lights.
+// A hit point as materials and lights see it.
 #ifndef SURFACE_GLSL
 #define SURFACE_GLSL
 
@@ -8,8 +8,8 @@
 
 layout(constant_id = kConstantVertexNormals) const bool kVertexNormals = true;  // of any mesh
 
-// What a ray met: identity, distance and, on a triangle or a disk, the barycentric weights of its vertices. The primitive comes along because whoever found
-// the hit has it at hand.
+// What a ray hit: identity, distance and, on a triangle or a disk, the barycentric weights of its vertices. The primitive is included because whoever
+// found the hit has already loaded it.
 struct Hit {
   uint instance;   // kNone: nothing
   uint primitive;  // triangle within the mesh; 0 on other shapes
@@ -18,7 +18,7 @@ struct Hit {
   Primitive geometry;
 };
 
-// The weights are found once more: carried along from the test they would cost every step of a walk.
+// The weights are computed again: carrying them along from the test would cost every step of a walk.
 Hit make_hit(Ray ray, float t, bool found, Primitive prim) {
   Hit hit;
   hit.instance = found ? prim.instance : kNone;
@@ -29,8 +29,8 @@ Hit make_hit(Ray ray, float t, bool found, Primitive prim) {
   return hit;
 }
 
-// The same on a primitive of a shared mesh: its weights are found in the mesh's space, as the walk found them; whoever asks for them later cannot tell
-// the hit from another. Weights and vertices keep the order that they have in the mesh, also where the instance turns the winding around.
+// The same on a primitive of a shared mesh: its weights are computed in the mesh's space, as during the walk, so that the hit is indistinguishable
+// from others. Weights and vertices keep the order that they have in the mesh, even if the instance reverses the winding.
 Hit make_shared_hit(Ray ray, float t, bool found, uint instance, Primitive prim) {
   Hit hit = make_hit(ray, t, found, prim);
   const uint place_index = found ? fetch_instance_place(instance) : kNone;
@@ -87,14 +87,14 @@ vec3 shading_normal(Instance instance, uint primitive, vec3 weights, vec3 ng) {
   return len > 0.0 ? n * (1.0 / len) : ng;
 }
 
-// Barycentric weights kept a little inside the triangle: a few units in the last place of its size. A point that rounds onto an edge may lie beyond
-// the neighbour across the edge, and a ray from there would leave a closed box.
+// Barycentric weights kept slightly inside the triangle, by a few units in the last place of its size. A point rounded onto an edge may be beyond the
+// neighbour across the edge, and a ray from there would leave a closed box.
 vec3 inner_weights(vec3 weights) {
   const vec3 b = max(weights, vec3(1.0 / 4194304.0));
   return b * (1.0 / (b.x + b.y + b.z));
 }
 
-// The weights of a hit as textures want them: on a cylinder those of the ends of its axis.
+// The weights of a hit as needed by textures: on a cylinder those of the ends of its axis.
 vec3 attribute_weights(Hit hit, Surface s) {
   if (!is_cylinder(hit.geometry)) return hit.weights;
   const vec3 axis = hit.geometry.p1 - hit.geometry.p0;
@@ -138,7 +138,7 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
   return s;
 }
 
-// For a ray that goes on behind a surface met at t.
+// For a ray that continues behind a surface hit at t.
 Passed pass_behind(Surface s, float t, vec3 d) {
   const float cosine = max(abs(dot(s.ng, d)), 0.01);
   return Passed(s.instance, t + 2.0 * s.error / cosine);

@@ -24,7 +24,7 @@ struct SurfacePoint {
 // (b, a) shifted right by `bits` < 32: the low word.
 uint funnel(uint a, uint b, uint bits) { return a >> bits | (b << 1u) << (31u - bits); }
 
-// The bytes from `at` on behind the 16 bytes number `first`: as many as a texel has; what follows them is anything.
+// The bytes from `at` on after the 16 bytes number `first`: as many as a texel has; the rest is undefined.
 uvec4 load_texel(uint first, uint at, uint bytes) {
   const uvec4 a = fetch_picture(first + at / 16u);
   uvec4 b = a;
@@ -78,14 +78,14 @@ vec4 texel(TextureRecord t, uint x, uint y) {
   return v;
 }
 
-// A texture coordinate brought into one period of its wrap: a subtraction without rounding but for tiny negative ones, however large it is.
+// A texture coordinate reduced to one period of its wrap mode: a subtraction that is exact, except for tiny negative ones, for any size.
 float into_period(float u, uint wrap) {
   if (wrap == kTextureWrapRepeat) return u - floor(u);
   if (wrap == kTextureWrapMirror) return u - 2.0 * floor(0.5 * u);
   return clamp(u, 0.0, 1.0);
 }
 
-// The texel that stands at place i of a row of n, for i from −1 to one behind the period.
+// The texel at position i of a row of n, for i from −1 to one past the period.
 uint wrap_texel(int i, int n, uint wrap) {
   MUTATE(kMutantWrapOffByOne, i = i >= n && wrap == kTextureWrapRepeat ? n - 1 : i);
   if (wrap == kTextureWrapRepeat) i = i < 0 ? i + n : i >= n ? i - n : i;
@@ -169,7 +169,7 @@ vec4 vertex_tangent(SurfacePoint at) {
   return t;
 }
 
-// A picture or checkerboard at texture coordinates (u, v, 1) of what it lies on.
+// A picture or checkerboard at texture coordinates (u, v, 1) of its surface.
 vec4 texture_at(TextureRecord t, vec3 surface) {
   vec2 uv = vec2(dot(t.u_row, surface), dot(t.v_row, surface));
   MUTATE(kMutantUvTransformInverted, uv = inverse(mat2(t.u_row.x, t.v_row.x, t.u_row.y, t.v_row.y)) * (surface.xy - vec2(t.u_row.z, t.v_row.z)));
@@ -177,7 +177,7 @@ vec4 texture_at(TextureRecord t, vec3 surface) {
   return textures_have(kTexturesBitmap) ? bitmap_value(t, uv) : vec4(0.0);
 }
 
-// What becomes of a texture's value by its flags.
+// Applies the flags of a texture to its value.
 vec4 derived_value(TextureRecord t, vec4 value, InstanceAttributes a, SurfacePoint at) {
   if (textures_have(kTexturesTinted) && (t.header & kTextureTinted) != 0u) value *= attribute_value(a, at, kTextureVertexColor);
   if (textures_have(kTexturesAlpha)) {
@@ -197,7 +197,7 @@ vec4 texture_value(uint index, SurfacePoint at) {
   return derived_value(t, value, a, at);
 }
 
-// What a parameter is multiplied with: 1 where it has no texture.
+// The factor of a parameter: 1 if it has no texture.
 vec3 color_factor(uint texture_of, SurfacePoint at) { return texture_of == kNone ? vec3(1.0) : texture_value(texture_of & kTextureOfIndexMask, at).xyz; }
 
 float channel_of(vec4 value, uint texture_of) {
@@ -215,7 +215,8 @@ vec4 texture_factor(uint texture_of, SurfacePoint at) {
   return texture_of >> kTextureOfChannelShift == kTextureOfColor ? vec4(value.xyz, 1.0) : vec4(channel_of(value, texture_of));
 }
 
-// How a number of a picture changes with the surface's texture coordinates: the slope of its bilinear interpolation, however it is filtered.
+// The derivative of a number of a picture with respect to the surface's texture coordinates: the slope of its bilinear interpolation, whatever the
+// filter.
 vec2 bitmap_gradient(uint texture_of, SurfacePoint at) {
   const TextureRecord t = fetch_texture(texture_of & kTextureOfIndexMask);
   const vec3 surface = vec3(surface_uv(fetch_instance_attributes(at.instance), at, t.uv_set), 1.0);
@@ -231,9 +232,9 @@ vec2 bitmap_gradient(uint texture_of, SurfacePoint at) {
   return vec2(g.x * t.u_row.x + g.y * t.v_row.x, g.x * t.u_row.y + g.y * t.v_row.y);
 }
 
-// How the point of a surface moves with its texture coordinates.
+// The derivative of the surface point with respect to its texture coordinates.
 struct Tangents {
-  vec3 u, v;  // 0 where the coordinates say nothing
+  vec3 u, v;  // 0 where the coordinates are degenerate
 };
 
 Tangents sphere_tangents(InstanceAttributes a, SurfacePoint at, float radius) {

@@ -25,7 +25,7 @@ struct Film {
   vec3 r0;
 };
 
-// Nothing reflects more along the normal, whatever the thickness.
+// Upper bound of the reflectance along the normal, for any thickness.
 vec3 film_bound(Film film) {
   const vec3 base = (1.0 + sqrt(min(film.r0, vec3(0.9999)))) / (1.0 - sqrt(min(film.r0, vec3(0.9999))));
   const vec3 below = abs(base - film.index) / (base + film.index);

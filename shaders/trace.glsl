@@ -1,5 +1,5 @@
-// Rays through the scene: one resumable walk for closest and any hit. begin_walk, advance_walk, walk_done and walk_hit are all that others may use;
-// addresses within the tree stay in here.
+// Rays through the scene: one resumable walk for closest and any hit. Other files may use only begin_walk, advance_walk, walk_done and walk_hit;
+// addresses within the tree stay in this file.
 #ifndef TRACE_GLSL
 #define TRACE_GLSL
 
@@ -9,7 +9,8 @@
 #include "profile.glsl"
 #include "surface.glsl"
 
-// Levels of the tree, so that the stack cannot overflow; where meshes are shared, one for the way into a mesh's tree and those of the deepest besides.
+// Levels of the tree, so that the stack cannot overflow; if meshes are shared, plus one for the entry into a mesh's tree and the levels of the
+// deepest.
 layout(constant_id = kConstantStackSize) const uint kStackSize = 16u;
 layout(constant_id = kConstantTreeRoot) const uint kTreeRoot = 0u;   // slot of the root; kNone for a scene without a tree
 
@@ -25,7 +26,7 @@ struct Walk {
   uint current;
   bool any_hit;
   Passed passed;
-  // Where meshes are shared: the instance whose mesh's tree the walk is in, kNone in the world, and the ray in the world. In there rf and inv_d are
+  // If meshes are shared: the instance whose mesh's tree the walk is in, or kNone in the world, and the ray in the world. Inside, rf and inv_d are
   // those of the ray in the mesh's space, and one entry of the stack leads out again.
   uint instance;
   vec3 world_o, world_d;
@@ -37,7 +38,7 @@ vec3 safe_inverse(vec3 d) {
   return 1.0 / mix(d, mix(-tiny, tiny, greaterThanEqual(d, vec3(0.0))), lessThan(abs(d), tiny));
 }
 
-// What the tree's nodes look like, and how the walk remembers the children it has not visited yet.
+// The layout of the tree's nodes, and how the walk remembers children that it has not visited yet.
 #if ETENDUE_BVH_WIDTH == 8
 #include "node8.glsl"
 #else
@@ -53,7 +54,7 @@ Walk begin_walk(Ray ray, bool any_hit, Passed passed) {
   walk.rf = make_ray_frame(ray);
   walk.inv_d = safe_inverse(ray.d);
   walk.nearest = Nearest(ray.t_max, kNone, 0u, 0u);
-  // A ray that is no ray would meet every box of the tree, or none, as the driver's min and max please: it misses.
+  // A non-finite ray misses. Without this test the result would depend on the driver's min/max: it would hit every box of the tree, or none.
   walk.current = is_finite(ray.o + ray.d) ? (kHasFew ? kBeforeTree : kTreeRoot) : kNone;
   walk.any_hit = any_hit;
   walk.passed = passed;
@@ -66,17 +67,17 @@ Walk begin_walk(Ray ray, bool any_hit, Passed passed) {
 
 // True once the walk has ended.
 bool walk_done(Walk walk) { return walk.current == kNone; }
-// Whether anything was met: all that is known of a walk for any hit.
+// Whether anything was hit: the only result of an any-hit walk.
 bool walk_found(Walk walk) { return walk.nearest.slot != kNone; }
 
-// What a walk for the closest hit found.
+// The result of a closest-hit walk.
 Hit walk_hit(Walk walk) {
   const Primitive prim = to_primitive(fetch_record(walk_found(walk) ? walk.nearest.slot : 0u));
   if (kInstanced) return make_shared_hit(walk.rf.ray, walk.nearest.t, walk_found(walk), walk.nearest.instance, prim);
   return make_hit(walk.rf.ray, walk.nearest.t, walk_found(walk), prim);
 }
 
-// The step before the tree, for walks that have not taken it: the primitives that most rays would meet there anyhow.
+// The step before the tree, for walks that have not taken it yet: the few primitives, which most rays would hit in the tree anyway.
 void test_few_primitives(inout Walk walk) {
   if (!kHasFew || walk.current != kBeforeTree) return;
   PROFILE(profile_step(0u, kFewCount));
@@ -86,7 +87,7 @@ void test_few_primitives(inout Walk walk) {
   walk.current = walk.any_hit && walk_found(walk) ? kNone : kTreeRoot;
 }
 
-// Into the tree of the mesh that an instance's record names. The caller puts an entry without children onto the stack.
+// Enters the tree of the mesh named by an instance's record. The caller pushes an entry without children onto the stack.
 void enter_instance(inout Walk walk, Record record) {
   const vec3 r0 = uintBitsToFloat(record.a.xyz), r1 = uintBitsToFloat(record.b.xyz), r2 = uintBitsToFloat(record.c.xyz);
   const vec3 o = to_place(r0, r1, r2, walk.world_o - fetch_place_origin(record.c.w));
@@ -97,7 +98,7 @@ void enter_instance(inout Walk walk, Record record) {
   walk.instance = record.a.w & ~kRecordInstance;
 }
 
-// Back into the world, where the stack's top says so: takes that entry off.
+// Returns to the world when the top of the stack says so, and pops that entry.
 void leave_instance(inout Walk walk) {
   RayFrame world = make_ray_frame(Ray(walk.world_o, walk.rf.ray.t_min, walk.world_d, walk.rf.ray.t_max));
   MUTATE(kMutantInstanceNotLeft, world = walk.rf);
@@ -128,17 +129,17 @@ void walk_step(inout Walk walk) {
   const bool push = hits > 1u || enter;
   const bool pop = hits == 0u && !enter;
   if (kInstanced) {
-    // Within a mesh's tree an entry without children is the way out, not the end.
+    // Within a mesh's tree, an entry without children means leaving the mesh, not the end of the walk.
     if (pop && walk.instance != kNone && children_left(walk_stack[0]) == 0u) leave_instance(walk);
   }
   const StackEntry top = walk_stack[0];
   const uint left = children_left(top);
   const bool drop = pop && left <= 1u;
   const uint next = pop ? next_child(top) : enter ? record.b.w : visit.nearest;
-  // The entry below the new top: the rest of the node's children, or the top without the child that is taken now.
+  // The entry below the new top: the remaining children of the node, or the top without the child that is taken now.
   const StackEntry taken = without_next(top);
   StackEntry below = StackEntry(0u);
-  // A signed counter: lavapipe does not unroll a loop that counts an unsigned one down, and then the stack lies in memory.
+  // A signed counter: lavapipe does not unroll a loop that counts an unsigned one down, and then keeps the stack in memory.
   [[unroll]] for (int i = int(kStackSize) - 1; i > 0; --i) {
     const StackEntry here = walk_stack[i];
     walk_stack[i] = push ? walk_stack[i - 1] : drop ? below : here;
@@ -151,7 +152,7 @@ void walk_step(inout Walk walk) {
   }
 }
 
-// Takes up to `steps` records, after the few primitives if they have not been tested.
+// Visits up to `steps` records, after the few primitives if they have not been tested.
 void advance_walk(inout Walk walk, uint steps) {
   test_few_primitives(walk);
   for (uint i = 0u; i < steps; ++i) {
@@ -165,7 +166,7 @@ Walk trace(Ray ray, bool any_hit, Passed passed, uint step_budget, inout uint st
   Walk walk = begin_walk(ray, any_hit, passed);
   test_few_primitives(walk);
   if (kHasFew) ++steps;
-  // The exit is tested at the top as well: a loop that can only leave at its bottom loses lanes on some drivers.
+  // The exit is also tested at the top: a loop that can be left only at its bottom loses lanes on some drivers.
   while (!walk_done(walk)) {
     if (steps > step_budget) break;
     ++steps;

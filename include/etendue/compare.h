@@ -1,4 +1,4 @@
 #pragma once
-/// How far apart two pictures are, and whether chance explains it: compare_images().
+/// How far apart two pictures are, and whether chance explains the difference: compare_images().
 
 #include "validate/compare.h"

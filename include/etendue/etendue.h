@@ -5,8 +5,8 @@
 ///     const etendue::FilmFile film = etendue::render(scene, {.samples = 64});
 ///     etendue::write_exr("cornell.exr", etendue::picture_of(film));
 ///
-/// Functions throw etendue::Error: a sentence, and the kind of the trouble. Messages and progress are dropped unless a
-/// sink is set (log.h); `TerminalLog` is one for programs.
+/// Functions throw etendue::Error, which has a one-sentence message and a kind. Messages and progress are discarded
+/// unless a sink is set (log.h); `TerminalLog` is one for programs.
 
 #include "core/errors.h"
 #include "core/log.h"

@@ -1,6 +1,6 @@
 #pragma once
-/// What comes out: `Film` (exact sums of samples), `FilmFile` (a film with what it says about itself), `Image` (a
-/// picture with its standard error), their files, and pictures without noise.
+/// Results: `Film` (exact sums of samples), `FilmFile` (a film with its metadata), `Image` (a picture with its standard
+/// error), their files, and denoised pictures.
 
 #include "image/denoiser.h"
 #include "image/film.h"
@@ -10,7 +10,7 @@
 
 namespace etendue {
 
-/// The picture that a film shows, with the film's metadata.
+/// The picture of a film, with the film's metadata.
 inline Image picture_of(const FilmFile& film) {
   return image_from_film(film);
 }

@@ -1,8 +1,8 @@
 #pragma once
 /// Renderers and renders.
 ///
-/// render() does a whole job: it opens one or several devices, renders, keeps a checkpoint, and returns the film.
-/// open_renderer() opens one device for a program that wants to ask for samples itself.
+/// render() does a whole job: it opens one or several devices, renders, writes checkpoints, and returns the film.
+/// open_renderer() opens one device for programs that request samples themselves.
 
 #include <cstdint>
 #include <memory>
@@ -25,28 +25,28 @@ struct DeviceDescription {
   std::string name;
   std::string type;     ///< "discrete GPU", "CPU", …
   std::string driver;   ///< name and version
-  std::string missing;  ///< why it cannot render; empty: it can
+  std::string missing;  ///< why it cannot render; empty if it can
 };
 
-/// All of them, in the order of their numbers. Throws Error(device) when there is no Vulkan loader.
+/// All devices, in the order of their numbers. Throws Error(device) if there is no Vulkan loader.
 std::vector<DeviceDescription> list_devices();
 
 /// Where to render.
 struct DeviceSelection {
-  /// "auto"; the number of a device or a part of its name; "reference": the double-precision renderer on the host;
-  /// numbers with commas between them, or "all": several devices that share the work.
+  /// "auto"; the number of a device or a part of its name; "reference", the double-precision renderer on the host;
+  /// numbers separated by commas, or "all", for several devices that share the work.
   std::string selector = "auto";
-  std::optional<double> max_wait_seconds{};  ///< a dispatch that takes longer means that the device hangs
+  std::optional<double> max_wait_seconds{};  ///< a device whose dispatch takes longer counts as hanging
   std::uint32_t pass_samples = 0;            ///< not 0: samples of each lane per dispatch, for tests
 };
 
-/// Makers of renderers, one for each device selected. Throws Error(device) when "all" finds none; a maker throws what
-/// opening its device throws.
+/// Factories for renderers, one for each selected device. Throws Error(device) if "all" finds none; a factory throws
+/// whatever opening its device throws.
 std::vector<RendererFactory> renderer_factories(const DeviceSelection& devices);
 
-/// Opens one device with a scene, which must outlive the renderer. Give a `SharedScene` to several calls, and what is
-/// compiled of the scene is compiled once. Throws Error(usage) when the selector names several devices, Error(scene)
-/// for a scene that breaks an invariant (scene/invariants.h), Error(device, lost).
+/// Opens one device with a scene, which must outlive the renderer. If the same `SharedScene` is passed to several
+/// calls, it is compiled only once. Throws Error(usage) if the selector names several devices, Error(scene) for a scene
+/// that violates an invariant (scene/invariants.h), Error(device, lost).
 std::unique_ptr<Renderer> open_renderer(const SharedScene& scene, const DeviceSelection& device = {},
                                         const RenderSettings& settings = {});
 
@@ -54,23 +54,23 @@ std::unique_ptr<Renderer> open_renderer(const SharedScene& scene, const DeviceSe
 struct RenderRequest {
   DeviceSelection devices;
   std::uint32_t seed = 0;
-  std::uint32_t samples = 0;  ///< paths a pixel, rounded up to whole sets; 0: as many as the scene says
-  std::uint32_t first = 0;    ///< path to begin with, of a whole set: for pieces that are merged (image/merge.h)
+  std::uint32_t samples = 0;  ///< paths per pixel, rounded up to whole sets; 0: as in the scene
+  std::uint32_t first = 0;    ///< first path, at the start of a set; for pieces to be merged (image/merge.h)
   std::optional<std::vector<Aov>> aovs{};  ///< beside the picture; nothing: those that the scene asks for
-  std::string checkpoint{};                ///< film file that keeps what is done; empty: none
-  std::optional<FilmFile> start{};         ///< goes on from this film, of the same render
+  std::string checkpoint{};                ///< film file for the samples rendered so far; empty: none
+  std::optional<FilmFile> start{};         ///< continues this film of the same render
   SessionOptions session{};                ///< budgets; its set_size is taken from the scene
   SessionHooks hooks{};                    ///< progress, and requests to stop
 };
 
-/// Renders. The film says which samples it holds: fewer than asked for when a budget or a hook ended the render. Throws
-/// Error(scene) for a scene that breaks an invariant, Error(usage) for a request that cannot be met, Error(device,
-/// lost, file) for what fails; the checkpoint, if there is one, then holds what was done. The same scene, seed and kind
-/// of device give the same bytes, whatever happened on the way.
+/// Renders. The film records which samples it holds: fewer than requested if a budget or a hook ended the render.
+/// Throws Error(scene) for a scene that violates an invariant, Error(usage) for an impossible request, Error(device,
+/// lost, file) for failures; the checkpoint, if there is one, then holds what was done. The same scene, seed and kind
+/// of device give the same bytes, whatever happened during the render.
 FilmFile render(const SharedScene& scene, const RenderRequest& request = {});
 
-/// A render in steps that are looked at: devices stay open between them. After each step the film is the one that
-/// render() gives for as many samples, to the byte.
+/// A render in steps, between which the film can be inspected and devices stay open. After each step the film is byte
+/// for byte the one that render() gives for the same number of samples.
 class ProgressiveRender {
  public:
   /// Opens the devices. Throws what render() throws.
@@ -79,14 +79,14 @@ class ProgressiveRender {
   ProgressiveRender(const ProgressiveRender&) = delete;
   ProgressiveRender& operator=(const ProgressiveRender&) = delete;
 
-  /// Renders on until the film holds `samples` paths a pixel, rounded up to whole sets, at most all of the request's;
-  /// or until a budget or a hook ends the step. Throws like render(); the film then holds what was done.
+  /// Continues until the film holds `samples` paths per pixel, rounded up to whole sets and at most those of the
+  /// request, or until a budget or a hook ends the step. Throws like render(); the film then holds what was done.
   SessionEnd advance(std::uint32_t samples);
-  /// The same to the end of the request.
+  /// Continues to the end of the request.
   SessionEnd finish();
-  /// What is done.
+  /// The film so far.
   const FilmFile& film() const;
-  /// Paths a pixel: in the film, and of the whole request.
+  /// Paths per pixel: in the film, and in the whole request.
   std::uint64_t done() const;
   std::uint64_t total() const;
 

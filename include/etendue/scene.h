@@ -1,9 +1,8 @@
 #pragma once
-/// Scenes: read from a file, or put together in memory.
+/// Scenes: read from a file, or built in memory.
 ///
-/// `Scene` is a plain struct of tables: fill it, by `add` for instance, and hand it to a renderer, which refuses what
-/// breaks an invariant. read_scene() makes one of a file, read_scene_objects() one
-/// of objects in memory.
+/// `Scene` is a plain struct of tables: fill it, for instance with `add`, and pass it to a renderer, which refuses
+/// scenes that violate an invariant. read_scene() makes one from a file, read_scene_objects() from objects in memory.
 
 #include "formats/read_scene.h"
 #include "formats/scene_objects.h"

@@ -1,5 +1,5 @@
 #pragma once
-/// What a picture should be, by theory: the t-tests of a file with a `<test type="ttest">`.
+/// Comparison with theory: the t-tests of a file with a `<test type="ttest">`.
 
 #include <string>
 
@@ -8,9 +8,9 @@
 
 namespace etendue {
 
-/// Runs the tests of a file that read_scene_file() has read, of scenes or of materials; `file` is for the report.
-/// Throws Error(usage) when the selector names several devices or references and scenes differ in number, and whatever
-/// a renderer throws.
+/// Runs the tests, of scenes or of materials, of a file that read_scene_file() has read; `file` is for the report.
+/// Throws Error(usage) if the selector names several devices or if the numbers of references and scenes differ, and
+/// whatever a renderer throws.
 TTestReport run_ttest(const TTest& test, const std::string& file, const DeviceSelection& device,
                       const TTestOptions& options = {});
 

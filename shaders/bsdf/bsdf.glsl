@@ -15,7 +15,7 @@
 #include "../scene.glsl"
 #include "../texture.glsl"
 
-// A material at a point, its parameters evaluated there: all that sample, eval and pdf know of it.
+// A material at a point, with its parameters evaluated there: the only input of sample, eval and pdf.
 struct Material {
   uint header;  // kMaterial*
   vec3 albedo;
@@ -23,19 +23,19 @@ struct Material {
   float ext_ior;
   vec2 alpha;     // of microfacets
   vec3 specular;  // specular reflectance
-  float share;    // of samples that go to microfacets, the others go to the diffuse base
+  float share;    // of samples taken from the microfacets; the others are from the diffuse base
   vec3 eta;       // complex index of refraction of a metal
   vec3 k;         // see MaterialRecord
   vec4 sheen;     // see gltf.glsl
   vec4 scattered;
   vec4 film;
   vec4 volume;
-  vec3 coat;      // the normal of a coat that keeps its own
+  vec3 coat;      // the normal of a coat with its own normal
 };
 
 const float kLeastRoughness = 1e-3;  // etendue::kMinRoughness
 
-FEATURE(uint, kTextureUses, kConstantTextureUses, 0u)  // of a material, at most
+FEATURE(uint, kTextureUses, kConstantTextureUses, 0u)  // maximum number per material
 
 struct BsdfSample {
   vec3 wi;
@@ -49,11 +49,11 @@ const BsdfSample kNoBsdfSample = BsdfSample(vec3(0.0), 0.0, vec3(0.0), kLobeNone
 
 bool is_delta(uint lobe) { return lobe == kLobeDeltaReflection || lobe == kLobeDeltaTransmission; }
 
-// The scene's materials, bit i for kBsdf… = i. A constant, because a SIMD machine computes all materials for all lanes: those that no
-// surface has should not be there.
+// The scene's materials, bit i for kBsdf… = i. A constant, because a SIMD machine computes all materials for all lanes: materials that no surface has
+// should not be in the kernel.
 layout(constant_id = kConstantBsdfsUsed) const uint kBsdfsUsed = 0xffffffffu;
 
-// What is not built, and what no surface has, is known here already, not in the function: then nothing of it is left to read for the driver.
+// Materials that are not built or that no surface has are excluded here, before the function, so that the driver has nothing of them to read.
 #define bsdf_is(m, bsdf) ((kBsdfsBuilt & 1u << (bsdf)) != 0u && (kBsdfsUsed & 1u << (bsdf)) != 0u && has_bsdf(m, bsdf))
 #define bsdf_among(m, types) ((kBsdfsBuilt & (types)) != 0u && (kBsdfsUsed & (types)) != 0u && has_bsdf_among(m, types))
 
@@ -92,18 +92,18 @@ bool has_bsdf_among(Material m, uint types) {
 #include "principledthin.glsl"
 #include "gltf.glsl"
 
-// One without parameters beyond the first texel.
+// A material without parameters beyond the first texel.
 Material plain_material(uint header, vec3 params) {
   return Material(header, params, params.x, params.y, vec2(1.0), vec3(0.0), 0.0, vec3(1.0), vec3(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec3(0.0, 0.0, 1.0));
 }
 
-// A metal keeps its index in eta and k, a dielectric its two where a metal has the first components of them.
+// A metal has its index in eta and k; a dielectric has its two indices where a metal has their first components.
 Material rich_material(MaterialRecord r) {
   return Material(r.header, r.params, r.eta.x, r.eta.y, vec2(r.alpha_u, r.alpha_v), r.specular, r.share, r.eta, r.k, r.sheen, r.scattered, r.film, r.volume,
                   vec3(0.0, 0.0, 1.0));
 }
 
-// What follows from parameters at a point.
+// Values derived from the parameters at a point.
 void resolve_material(inout Material m) {
   if (bsdf_is(m, kBsdfMicrofacet)) {
     m.share = 1.0 - max_component(m.albedo);
@@ -135,7 +135,7 @@ vec4 textured(vec4 floats, uint bits, vec4 factor, TextureUse use) {
   return mix(floats, clamp(floats * factor, use.least, use.most), chosen);
 }
 
-// A loop, because what is in it is large: a kernel with a copy for each parameter takes seconds to build.
+// A loop, because its body is large: a kernel with a copy for each parameter takes seconds to build.
 void apply_textures(inout MaterialRecord r, uint row, SurfacePoint at) {
   const MaterialTextures textures = fetch_material_textures(row);
   for (uint i = 0u; i < kTextureUses; ++i) {
@@ -170,20 +170,20 @@ Material evaluate_material(uint row, SurfacePoint at) {
   return m;
 }
 
-// One of glTF's materials absorbs: its bit, and that of the flag. (Of a constant made with && glslang loses the place.)
+// Some glTF material absorbs: its bit, and that of the flag. (glslang loses the position of a constant made with &&.)
 const bool kVolumes = (kBsdfsUsed & kBsdfsBuilt & 1u << kBsdfGltf & kMaterialFlagsSome / kMaterialVolume << kBsdfGltf) != 0u;
 
-// One of them has a coat with a normal of its own, or disperses light.
+// Some glTF material has a coat with a normal of its own, or disperses light.
 const bool kCoatNormals = (kBsdfsUsed & kBsdfsBuilt & 1u << kBsdfGltf & kMaterialFlagsSome / kMaterialCoatNormal << kBsdfGltf) != 0u;
 const bool kDispersive = (kBsdfsUsed & kBsdfsBuilt & 1u << kBsdfGltf & kMaterialFlagsSome / kMaterialDispersive << kBsdfGltf) != 0u;
 
-// Absorption, per scene unit, where light goes on in the direction wi that was in `current` before.
+// Absorption, per scene unit, where light continues in the direction wi, having been in `current` before.
 vec3 absorption_toward(Material m, vec3 wi, vec3 current) {
   if (!bsdf_is(m, kBsdfGltf) || gltf_is_sheet(m) || !material_has(m, kMaterialTransmissive)) return current;
   return wi.z < 0.0 ? m.volume.xyz : vec3(0.0);
 }
 
-// Beer's law; what comes from infinitely far away does not get through.
+// Beer's law; light from infinitely far away does not get through.
 vec3 transmittance(vec3 absorption, float distance) {
   MUTATE(kMutantVolumeClear, return vec3(1.0));
   const vec3 passed = exp(-absorption * (distance / frame.distance_scale));

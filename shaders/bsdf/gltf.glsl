@@ -1,8 +1,8 @@
-// The material of glTF 2.0; docs/conventions.md, "glTF". Of a Material `specular` holds the reflectance along the normal of what is not metal, `share` that at
-// grazing angles, `eta` (index of refraction, roughness, metallic), `k` (transmission, diffuse transmission, clearcoat), `ext_ior` the coat's roughness, `sheen`
-// its colour and roughness, `scattered` the colour that scattered light passes in, and the share of the film, `film` (index, thickness in nanometres, turn of
-// the tangent, first texel of the sheen's albedo), `volume` the absorption of a solid, and where there is one 1 plus what the index of blue
-// is larger, as a share of the index less 1.
+// The material of glTF 2.0; docs/conventions.md, "glTF". In a Material, `specular` holds the reflectance at normal incidence of the non-metallic
+// part, `share` that at grazing angles, `eta` (index of refraction, roughness, metallic), `k` (transmission, diffuse transmission, clearcoat),
+// `ext_ior` the coat's roughness, `sheen` its colour and roughness, `scattered` the colour of diffusely transmitted light and the share of the film,
+// `film` (index, thickness in nanometres, rotation of the tangent, first texel of the sheen's albedo), `volume` the absorption of a solid and, if
+// there is one, 1 plus the excess of the index for blue, as a share of the index minus 1.
 #include "../fresnel.glsl"
 #include "../microfacets.glsl"
 #include "../mutants.h"
@@ -10,7 +10,7 @@
 #include "../thin_film.glsl"
 #include "../warp.glsl"
 
-// What the stored numbers mean at a point.
+// The meaning of the stored numbers at a point.
 void resolve_gltf(inout Material m) {
   const float alpha = m.eta.y * m.eta.y, anisotropy = m.alpha.x, coat = m.alpha.y;
   const float root = (m.eta.x - 1.0) / (m.eta.x + 1.0);
@@ -23,13 +23,13 @@ void resolve_gltf(inout Material m) {
 bool gltf_is_sheet(Material m) { return m.volume.w == 0.0; }
 vec2 turned(vec2 v, vec2 turn) { return vec2(v.x * turn.x - v.y * turn.y, v.x * turn.y + v.y * turn.x); }
 
-// No less than the mean of (1 − c)⁵ that GGX microfacets show to a direction of this cosine, for any of its azimuths: fitted for this purpose.
+// An upper bound for the mean of (1 − c)⁵ over GGX microfacets visible from a direction of this cosine, for any azimuth: fitted for this purpose.
 float grazing_share(float cosine, float alpha) {
   const float x = max(0.0, 1.0 - cosine);
   return min(min(fifth_power(x), x * x / (1.0 + 16.0 * alpha)) + 0.0026, 1.0);
 }
 
-// What is not metal reflects at most, of light from a direction of this cosine.
+// An upper bound for the reflectance of the non-metallic part for light from a direction of this cosine.
 float gltf_boundary(Material m, float cosine) {
   const float grazing = grazing_share(cosine, min(m.alpha.x, m.alpha.y));
   const float along = max_component(m.specular), bare = along + (m.share - along) * grazing;
@@ -64,7 +64,7 @@ float sheen_lobe(float alpha, float cos_o, float cos_i, float cos_h) {
   return density / ((1.0 + sheen_lambda(cos_o, alpha) + sheen_lambda(cos_i, alpha)) * 4.0 * cos_o);
 }
 
-// Of white sheen, from a table: linear between cosines and between roughnesses.
+// Albedo of white sheen, from a table: linear between cosines and between roughnesses.
 float sheen_row(uint first, float cosine) {
   const float x = min(cosine, 1.0) * float(kSheenCosines - 1u);
   const uint node = min(uint(x), kSheenCosines - 2u);
@@ -76,7 +76,7 @@ float sheen_albedo(Material m, float cosine) {
   return mix(sheen_row(first, cosine), sheen_row(first + kSheenCosines / 4u, cosine), y - float(row));
 }
 
-// What coat and sheen leave to the layers below them, where light arrives or leaves through them in front.
+// The light that coat and sheen leave to the layers below them, where it arrives or leaves through them in front.
 struct Layers {
   float below_coat;
   float below_sheen;
@@ -95,7 +95,7 @@ Layers gltf_layers(Material m, float cos_o, float cos_i, float coat_o, float coa
   return layers;
 }
 
-// How much is sampled of the microfacets, of the diffuse base in front and behind, of the coat, and of the sheen; not normalised.
+// Sampling weights of the microfacets, of the diffuse base in front and behind, of the coat, and of the sheen; not normalised.
 struct GltfLobes {
   float facets, front, behind, coat, sheen;
 };
@@ -108,7 +108,7 @@ GltfLobes gltf_lobes(Material m, float cos_o, float coat_o, bool front) {
 }
 float lobes_total(GltfLobes l) { return l.facets + l.front + l.behind + l.coat + l.sheen; }
 
-// Of microfacets that are met at wo_h: the cosine outside, by which they reflect, and the probability of passing one of them.
+// For microfacets hit at wo_h: the cosine outside, by which they reflect, and the probability of transmission.
 float gltf_outer(Material m, float wo_h, float eta) {
   float cos_t;
   fresnel_dielectric(wo_h, eta, cos_t);
@@ -123,8 +123,8 @@ float gltf_passing(Material m, GltfLobes lobes, float outer, float eta) {
 // A pair of directions seen from the side of wo.
 struct GltfPair {
   vec3 wo, wi, h;  // h: the half vector, 0 where there is none that microfacets could have
-  float eta;       // n_i/n_o of what is bent; 1 of sheets
-  vec3 coat;       // the normal of a coat that keeps its own
+  float eta;       // n_i/n_o for refraction; 1 for sheets
+  vec3 coat;       // the normal of a coat with its own normal
   bool front;      // that side has all layers
 };
 
@@ -145,7 +145,7 @@ Layers pair_layers(Material m, GltfPair p) {
   return p.front ? gltf_layers(m, p.wo.z, abs(p.wi.z), coat_cosine(m, p, p.wo), coat_cosine(m, p, p.wi)) : Layers(1.0, 1.0, 1.0);
 }
 
-// The diffuse base below the boundary, without what lies above it.
+// The diffuse base below the boundary, without the layers above it.
 Scattering gltf_base(Material m, GltfPair p, GltfLobes lobes) {
   const float cos_i = abs(p.wi.z);
   float unreflected = 1.0 - max(gltf_boundary(m, p.wo.z), gltf_boundary(m, cos_i));
@@ -155,7 +155,7 @@ Scattering gltf_base(Material m, GltfPair p, GltfLobes lobes) {
   return p.front ? Scattering(m.albedo * (base * (1.0 - m.k.y)), lobes.front * kInvPi * cos_i) : Scattering(vec3(0.0), 0.0);
 }
 
-// What microfacets reflect or let pass.
+// Reflection and transmission of microfacets.
 Scattering gltf_facets(Material m, GltfPair p, GltfLobes lobes) {
   const bool through = p.wi.z < 0.0, sheet = gltf_is_sheet(m);
   const Facets facets = Facets(m.alpha, false);
@@ -217,7 +217,7 @@ Scattering gltf_scattering(Material m, GltfPair p) {
   return total > 0.0 ? Scattering(s.value, s.pdf / total) : Scattering(vec3(0.0), 0.0);
 }
 
-// n_i/n_o of what is bent, seen from a side.
+// n_i/n_o for refraction, seen from a side.
 float gltf_bending(Material m, float side) { return gltf_is_sheet(m) ? 1.0 : side > 0.0 ? m.eta.x : 1.0 / m.eta.x; }
 
 // Half vector of directions seen from the side of wo; behind a sheet that of the mirror image.
@@ -238,7 +238,7 @@ Scattering gltf_evaluate(Material m, vec3 wo, vec3 wi) {
   return gltf_scattering(m, GltfPair(wo, wi, gltf_half_vector(m, wo, wi, eta), eta, gltf_coat_normal(m, side, turn), side > 0.0 || gltf_is_sheet(m)));
 }
 
-// A direction by microfacets, with the normal that was met.
+// A direction sampled from microfacets, with the normal that was hit.
 uint gltf_facet_direction(Material m, inout GltfPair p, GltfLobes lobes, float x, vec2 u) {
   p.h = sample_facet(Facets(m.alpha, false), p.wo, u);
   const float wo_h = dot(p.wo, p.h);

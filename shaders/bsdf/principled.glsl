@@ -10,7 +10,7 @@ vec2 principled_alpha(float roughness, float anisotropic) {
   return max(vec2(squared / aspect, squared * aspect), vec2(kLeastRoughness));
 }
 
-// What the stored numbers mean at a point: roughness along and across the tangent, and that of the coat.
+// The meaning of the stored numbers at a point: roughness along and across the tangent, and that of the coat.
 void resolve_principled(inout Material m) {
   m.ext_ior = mix(0.1, 0.001, m.alpha.x);
   m.alpha = principled_alpha(m.eta.y, m.share);
@@ -18,7 +18,7 @@ void resolve_principled(inout Material m) {
 
 float principled_clear(Material m) { return (1.0 - m.specular.x) * m.specular.y; }
 
-// How much is sampled of the microfacets, the diffuse base with its sheen, and the coat; not normalised. Behind there are microfacets only.
+// Sampling weights of the microfacets, the diffuse base with its sheen, and the coat; not normalised. Behind there are only microfacets.
 vec3 principled_lobes(Material m, float cos_o, float side) {
   if (side < 0.0) return vec3(1.0, 0.0, 0.0);
   float cos_t;
@@ -27,7 +27,7 @@ vec3 principled_lobes(Material m, float cos_o, float side) {
   return vec3(metallic + (1.0 - metallic) * (trans + (1.0 - trans) * mirrored), (1.0 - metallic) * (1.0 - trans + 0.25 * m.k.x), 0.25 * m.k.z);
 }
 
-// Probability that light passes a microfacet that lets 1 − f pass.
+// Probability of transmission at a microfacet that transmits 1 − f.
 float principled_passing(Material m, float f, float facets, float side) {
   return side < 0.0 ? 1.0 - f : principled_clear(m) * (1.0 - f) / facets;
 }
@@ -61,21 +61,21 @@ vec3 principled_base(Material m, float base_share, float sheen_share, float cos_
   return (base + sheen) * cos_i;
 }
 
-// What a dielectric microfacet reflects that is met at wo_h, by Fresnel's equations f, in part in the tint of the base. Schlick's fit takes the cosine on the
-// side of the lesser index.
+// Reflectance of a dielectric microfacet at wo_h, by Fresnel's equations f, partly tinted by the base. Schlick's fit uses the cosine on the side of
+// the smaller index.
 vec3 tinted_reflectance(Material m, float tint, float wo_h, float f, float cos_t) {
   const float root = (m.eta.x - 1.0) / (m.eta.x + 1.0);
   return (1.0 - tint) * f + tint * schlick(principled_tint(m) * (root * root), m.eta.x < 1.0 ? cos_t : wo_h);
 }
 
-// What a microfacet reflects that is met at wo_h, where a dielectric one reflects f.
+// Reflectance of a microfacet at wo_h, where a dielectric one reflects f.
 vec3 principled_reflectance(Material m, float wo_h, float f, float cos_t, float side) {
   if (side < 0.0) return vec3(principled_clear(m) * f);
   const float metallic = m.specular.x;
   return (1.0 - metallic) * tinted_reflectance(m, m.specular.z, wo_h, f, cos_t) + metallic * schlick(m.albedo, wo_h);
 }
 
-// wo is on the side z > 0; h the half vector, eta n_i/n_o of what passes.
+// wo is on the side z > 0; h is the half vector, eta is n_i/n_o for transmission.
 Scattering principled_scattering(Material m, vec3 wo, vec3 wi, vec3 h, float eta, float side) {
   const Facets facets = Facets(m.alpha, false);
   const float wo_h = dot(wo, h), wi_h = dot(wi, h);

@@ -12,10 +12,11 @@ vec3 area_radiance(Instance instance, vec3 ns, vec3 w) {
   return shines_on_both_sides(instance) || dot(w, ns) > 0.0 ? instance.radiance : vec3(0.0);
 }
 
-// What the radiance of a lamp is multiplied with at a point of it.
+// The factor of a lamp's radiance at a point of it.
 vec3 radiance_factor(SurfacePoint at) { return color_factor(fetch_instance_attributes(at.instance).radiance_texture, at); }
 
-// 1 − cos of the half angle of the cone that the shining side of a sphere fills: 0 when p is not outside. Inward ones fill all directions of what is inside.
+// 1 − cos of the half angle of the cone subtended by the emitting side of a sphere: 0 if p is not outside. Inward ones subtend all directions from
+// inside.
 float sphere_one_minus_cos(vec3 p, Primitive sphere) {
   const vec3 v = sphere.p0 - p;
   const float radius = sphere.p1.x;
@@ -28,15 +29,14 @@ float sphere_one_minus_cos(vec3 p, Primitive sphere) {
   return d2 > radius * radius ? sin2 / (1.0 + sqrt(max(0.0, 1.0 - sin2))) : 0.0;
 }
 
-// How a primitive came to be chosen: the probability of its instance, its own within it, and the area over which the weights of multiple importance
-// sampling spread the first.
+// How a primitive was chosen: the probability of its instance, its own within it, and the area over which the MIS weights spread the former.
 struct LightChoice {
   float instance_prob;
   float primitive_prob;
   float mis_area;
 };
 
-// Or on a disk: the two differ in where their points lie in the plane of p0, p1 and p2, and how many there are.
+// Or on a disk: the two differ in the position and number of their points in the plane of p0, p1 and p2.
 LightSample area_sample_flat(vec3 p, Primitive tri, Instance instance, LightChoice choice, vec2 u) {
   vec3 b = square_to_triangle(u);
   float share = 0.5;  // of the area of the parallelogram of p1 − p0 and p2 − p0
@@ -59,7 +59,7 @@ LightSample area_sample_flat(vec3 p, Primitive tri, Instance instance, LightChoi
   const vec3 v = ls.p - p;
   const float d2 = dot(v, v);
   ls.wi = v * inversesqrt(d2);
-  // The shading normal decides on which side the light shines, the geometric one how large it looks.
+  // The shading normal decides on which side the light emits, the geometric normal how large it appears.
   bool facing = dot(ls.wi, kLightNormals ? shading_normal(instance, tri.primitive, b, ls.ng) : ls.ng) < 0.0;
   facing = facing || shines_on_both_sides(instance);
   MUTATE(kMutantEmitterTwoSided, facing = true);
@@ -118,7 +118,7 @@ LightSample area_sample_cylinder(vec3 p, Primitive prim, LightChoice choice, vec
   return ls;
 }
 
-// Weights of the point that area_sample takes, as textures want them.
+// Weights of the point that area_sample chooses, as needed by textures.
 vec3 sampled_weights(Primitive prim, vec2 u) {
   if (is_cylinder(prim)) return vec3(1.0 - u.x, u.x, 0.0);
   if (!is_disk(prim)) return square_to_triangle(u);

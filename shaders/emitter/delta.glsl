@@ -1,11 +1,11 @@
-// Lights without extent: points, spots, projectors and light from one direction. docs/conventions.md, "Lights without extent".
+// Lights without extent: points, spots, projectors and directional lights. docs/conventions.md, "Lights without extent".
 #include "../features.glsl"
 #include "../mutants.h"
 
 FEATURE(uint, kDeltaLights, kConstantDeltaLights, 0u)      // kDelta… of all of them
 FEATURE(uint, kDistantLights, kConstantDistantLights, 0u)  // the first ones of the table are infinitely far away
 
-// In place of a density that no other strategy has a share in: the weights of multiple importance sampling are 1 and 0.
+// Instead of a density, since no other strategy can find these lights: the MIS weights are 1 and 0.
 const float kDeltaDensity = 1e30;
 
 #define delta_lights_are(flags) ((kDeltaLights & (flags)) != 0u)
@@ -23,7 +23,7 @@ float spot_share(DeltaLight light, vec3 w) {
   return clamp(t, 0.0, 1.0);
 }
 
-// What the light's picture shows in direction w; a projector is black beside it.
+// The value of the light's picture in direction w; a projector is black outside it.
 vec3 picture_of_light(DeltaLight light, vec3 w) {
   const float z = dot(light.forward, w);
   const vec2 slope = vec2(dot(light.across, w), dot(cross(light.forward, light.across), w)) / z;
@@ -48,7 +48,7 @@ vec3 delta_intensity(DeltaLight light, vec3 w) {
   return intensity;
 }
 
-// One that stands somewhere, chosen with probability `prob`.
+// A light with a position, chosen with probability `prob`.
 LightSample sample_delta_light(vec3 p, DeltaLight light, float prob) {
   const vec3 v = light.p - p;
   const float d2 = dot(v, v);
@@ -67,7 +67,7 @@ LightSample sample_delta_light(vec3 p, DeltaLight light, float prob) {
   return ls;
 }
 
-// One infinitely far away: the last one whose threshold is <= word.
+// A light infinitely far away: the last one whose threshold is <= word.
 LightSample sample_distant_light(uint word) {
   uint first = 0u;
   for (uint count = kDistantLights; count > 1u; count -= count >> 1u) {

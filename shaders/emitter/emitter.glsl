@@ -1,4 +1,4 @@
-// Choosing a light and sampling a point on it; what emission by chance would have been sampled with.
+// Choosing a light and sampling a point on it, and the density with which a light hit by chance would have been sampled.
 #ifndef EMITTER_GLSL
 #define EMITTER_GLSL
 
@@ -27,12 +27,12 @@ layout(constant_id = kConstantLightNormals) const bool kLightNormals = true;  //
 #include "area.glsl"
 #include "delta.glsl"
 
-// Rounds of the bisections below: ceil(log2) of the number of emitting instances, and of the primitives of the one with most. As constants, because
-// an exit test would not save the lanes of a SIMD group anything.
+// Number of rounds of the bisections below: ceil(log2) of the number of emitting instances, and of the largest number of primitives in one.
+// Constants, because an exit test would not save the lanes of a SIMD group anything.
 layout(constant_id = kConstantLightInstanceRounds) const uint kLightInstanceRounds = 32u;
 layout(constant_id = kConstantLightPrimitiveRounds) const uint kLightPrimitiveRounds = 32u;
 
-// Last entry whose threshold is <= word, by bisection: integers, so every device chooses alike. Further rounds change nothing.
+// Last entry whose threshold is <= word, by bisection: integers, so every device makes the same choice. Additional rounds change nothing.
 uint choose_light_instance(uint word) {
   uint first = 0u, count = frame.light_instance_count;
   for (uint i = 0u; i < kLightInstanceRounds; ++i) {
@@ -110,7 +110,7 @@ float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, Instance instance, Primitive
   float prob = instance.light_prob;
   float area = light_area_of(instance);
   if (kLightTree) {
-    // No walk for what does not emit: the loop ends at once when that holds for all lanes.
+    // No walk for surfaces that do not emit: the loop ends at once if this is true for all lanes.
     const LightTrail trail = instance.light_prob > 0.0 ? fetch_light_trail(s.instance, kInstanced && instance.place != kNone ? 0u : s.primitive) : LightTrail(0u, 1.0, 0u, 0u);
     prob = light_choice_prob(p, n, trail.turns);
     area = trail.area;
@@ -120,7 +120,7 @@ float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, Instance instance, Primitive
   return area_pdf(p, wi, s, prim, prob, area);
 }
 
-// Of all densities of lights: what comes from outside is chosen before them.
+// Factor of all densities of lights: the environment is chosen before them.
 float lights_prob() {
   MUTATE(kMutantLightsShareForgotten, return 1.0);
   return kHasOutside ? frame.lights_prob : 1.0;

@@ -1,4 +1,4 @@
-// Light from outside the scene: what a direction sees, how directions are sampled and with which density. docs/conventions.md, "Environment".
+// Light from outside the scene: its radiance in a direction, how directions are sampled, and with which density. docs/conventions.md, "Environment".
 #include "../mutants.h"
 
 layout(constant_id = kConstantEnvironment) const uint kEnvironment = kEnvironmentNone;
@@ -23,7 +23,7 @@ float environment_first_row() { return kEnvironmentBands ? 0.5 : 0.0; }
 float environment_row_range() { return float(kEnvironmentBands ? kEnvironmentTexelRows : kEnvironmentTexelRows - 1u); }
 const uint kGradientRows = 32u;  // above the horizon
 
-// A cell and the place in it, both from 0 to 1.
+// A cell and the position in it, from 0 to 1.
 struct EnvironmentPlace {
   uint column;
   uint row;
@@ -167,7 +167,7 @@ vec3 sky_from_world(vec3 w) {
   return vec3(dot(frame.sky_x, w), dot(frame.sky_y, w), dot(frame.sky_z, w));
 }
 
-// What arrives from direction w of the world; `pdf_w` is the density with which sample_environment finds it.
+// The radiance from direction w of the world; `pdf_w` is the density with which sample_environment finds it.
 vec3 environment_radiance(vec3 w, out float pdf_w) {
   const vec3 d = sky_from_world(w);
   const EnvironmentPlace at = environment_place(d);
@@ -176,13 +176,13 @@ vec3 environment_radiance(vec3 w, out float pdf_w) {
   return gradient_radiance(d);
 }
 
-// Whether the words choose the environment, not a light.
+// Whether the words choose the environment rather than a light.
 bool chooses_environment(uvec4 words) { return kHasEnvironment && (kEnvironmentAlone || words.x < frame.environment_threshold); }
 
-// Whether they choose a directional light, where they do not choose the environment.
+// Whether they choose a directional light, if they do not choose the environment.
 #define chooses_distant_light(words) (kDistantLights > 0u && (frame.light_instance_count == 0u || (words).x < frame.distant_threshold))
 
-// A direction, as a light that lies infinitely far away.
+// A direction, as a light at infinity.
 LightSample sample_environment(uvec4 words) {
   EnvironmentPlace at;
   at.row = choose_environment_row(words.x);

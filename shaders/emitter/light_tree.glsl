@@ -1,4 +1,4 @@
-// Choosing among many lights by what each can contribute to a point: docs/conventions.md, "Light tree" [Conty2018].
+// Choosing among many lights by their possible contribution to a point: docs/conventions.md, "Light tree" [Conty2018].
 #include "../material_flags.glsl"
 #include "../mutants.h"
 
@@ -6,12 +6,11 @@
 layout(constant_id = kConstantLightTreeDepth) const uint kLightTreeDepth = 0u;
 const bool kLightTree = kLightTreeDepth > 0u;
 
-// How high a group lies above a plane, for a choice: its middle at `middle`, the rest up to `reach` above and below that. 0 only where all of it lies
-// below. The highest point is rarely the one that counts: 0.7 and 0.1 are docs/conventions.md's.
+// Height of a group above a plane, for the choice: its middle is at `middle`, the rest up to `reach` above and below. 0 only if all of it is below.
+// The highest point is rarely the one that counts: 0.7 and 0.1 are from docs/conventions.md.
 float usual_height(float middle, float reach) { return middle + reach > 0.0 ? max(middle + 0.7 * reach, 0.1 * reach) : 0.0; }
 
-// What a group of lights is likely to send to a surface at p with normal n, up to a factor that all groups share: power · cos · cos / d². 0 only
-// where nothing arrives.
+// Likely contribution of a group of lights to a surface at p with normal n, up to a common factor: power · cos · cos / d². 0 only if nothing arrives.
 float light_importance(LightBounds bounds, float power, vec3 p, vec3 n) {
   const vec3 v = bounds.center - p;
   const float d2 = dot(v, v);
@@ -21,7 +20,7 @@ float light_importance(LightBounds bounds, float power, vec3 p, vec3 n) {
   const float sin_cone = sqrt(max(0.0, 1.0 - bounds.cos_cone * bounds.cos_cone));
   const float above_light = along >= bounds.cos_cone * d ? d : bounds.cos_cone * along + sin_cone * across;  // over the cone of normals
   float above_surface = dot(n, v);
-  // Light from either side reaches a surface that lets some pass: n is 0 there, and the angle to the surface does not count.
+  // Light from either side reaches a transmissive surface: n is 0 there, and the angle to the surface does not count.
   if ((kMaterialFlagsSome & kMaterialTransmissive) != 0u && dot(n, n) == 0.0) above_surface = d;
   MUTATE(kMutantTreeCullsTooMuch, above_surface -= 0.3 * d + bounds.radius);
   const float reach = bounds.radius + 1e-5 * d;  // rounding must not lose a light at the horizon
@@ -29,15 +28,15 @@ float light_importance(LightBounds bounds, float power, vec3 p, vec3 n) {
   return power * (usual_height(above_light, reach) * inv) * (usual_height(above_surface, reach) * inv);
 }
 
-// Probability of the left one, or −1 where neither can contribute.
+// Probability of the left one, or −1 if neither can contribute.
 float left_share(LightPair pair, vec3 p, vec3 n) {
   const float left = light_importance(pair.left_bounds, pair.left_power, p, n);
   const float right = light_importance(pair.right_bounds, pair.right_power, p, n);
   return left + right > 0.0 ? left / (left + right) : -1.0;
 }
 
-// The number that decides at a level: a fresh one after every sixth, because stretching what is left of a number magnifies its rounding, and
-// other devices would then choose other lights.
+// The number that decides at a level: a new one after every sixth, because stretching the rest of a number magnifies its rounding error, and other
+// devices would then choose other lights.
 const uint kLevelsPerWord = 6u;
 uint light_word(uint level, uint word) {
   uint x = word + level * 0x9e3779b9u;

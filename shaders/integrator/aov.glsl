@@ -1,9 +1,10 @@
-// Numbers beside the picture; docs/conventions.md, "AOVs". They take the way of light through path.glsl: masks, hidden emitters and maps are where the
-// picture has them.
+// AOVs; docs/conventions.md, "AOVs". They take the same path as light in path.glsl, so masks, hidden emitters and maps are the same as in the
+// picture.
 #ifndef AOV_GLSL
 #define AOV_GLSL
 
-// Of the values of samples: that of the picture's filter where all samples are averaged. Of a set of paths the first one is what is not averaged.
+// Weight of a sample's value: that of the picture's filter if all samples are averaged. For values that are not averaged, the first path of a set
+// counts.
 float aov_weight(Path path) {
   if (frame.aov >= kAovInstance && frame.aov <= kAovMaterial) {
     const uint mask = (1u << kSetBits) - 1u;
@@ -35,7 +36,7 @@ vec2 first_uv(SurfacePoint at) {
   return has ? surface_uv(a, at, 0u) : vec2(0.0);
 }
 
-// What is known where the ray arrives.
+// The AOVs that are known where the ray arrives.
 vec3 value_at_hit(Path path, Surface s, Instance instance, SurfacePoint at) {
   if (frame.aov == kAovDepth) return vec3(distance_to_camera(path, s), 0.0, 0.0);
   MUTATE(kMutantAovPlaceNotMoved, if (frame.aov == kAovPosition) return s.p / frame.distance_scale);
@@ -49,12 +50,12 @@ vec3 value_at_hit(Path path, Surface s, Instance instance, SurfacePoint at) {
   return vec3(1.0);
 }
 
-// Lamps and sky are what is seen, up to white.
+// Lamps and sky count with their colour, up to white.
 void see_emission(inout Path path, vec3 le) {
   if (frame.aov == kAovAlbedo) path.radiance = max(path.radiance, min(path.beta * le, 1.0));
 }
 
-// At the first vertex that is no mirror and no glass: its reflectance, by one sample of the material.
+// At the first vertex that is neither mirror nor glass: its reflectance, by one sample of the material.
 void end_at_albedo(inout Path path, Decisions decisions) {
   if (decisions.lobe != kLobeNone) path.radiance = max(path.radiance, min(path.beta, 1.0));
   path.alive = false;

@@ -5,13 +5,13 @@
 #ifndef DIRECT_GLSL
 #define DIRECT_GLSL
 
-const float kWhittedSurvival = 0.95;  // chance to go on behind a mirror or glass, as after [Whitted1980]
+const float kWhittedSurvival = 0.95;  // probability of continuing behind a mirror or glass, after [Whitted1980]
 
 bool is_camera_segment(Path path) { return kIntegrator == kIntegratorDirect ? (path.segment & 1u) == 1u : path.segment == 1u; }
 
 uint direct_round(Path path) { return (path.segment - 1u) >> 1u; }
 
-// What the camera sees by itself counts once, in the first round, or not at all.
+// Emission seen directly by the camera counts once, in the first round, or not at all.
 bool no_light_to_camera(Path path) {
   if (kHideEmitters && is_camera_segment(path)) return true;
   return kIntegrator == kIntegratorDirect && is_camera_segment(path) && path.segment > 1u;
@@ -37,7 +37,7 @@ bool hidden_from_camera(Path path, Instance instance) {
   return kHideEmitters && is_camera_segment(path) && instance.radiance != vec3(0.0);
 }
 
-// The camera ray goes on behind an emitter that is hidden from it.
+// The camera ray continues behind an emitter that is hidden from it.
 void pass_through(inout Path path, Surface s, Hit hit) {
   Ray ray = spawn_ray(s.p, s.ng, s.error, path.ray.d);
   ray.t_max = path.ray.t_max - hit.t;

@@ -1,10 +1,10 @@
-// The integrators that look at the first surface alone: normals, depth, distance, simple, ao, av; docs/conventions.md, "Integrators".
+// The integrators that look only at the first surface: normals, depth, distance, simple, ao, av; docs/conventions.md, "Integrators".
 #ifndef FIRST_HIT_GLSL
 #define FIRST_HIT_GLSL
 
 #include "../warp.glsl"
 
-// A point light that only this integrator knows: Φ/(4π²) cos θ/d² where nothing lies between.
+// A point light used only by this integrator: Φ/(4π²) cos θ/d² if nothing is in between.
 void shade_simple(inout Path path, Surface s) {
   const vec3 v = frame.light_position - s.p;
   const float d2 = dot(v, v);

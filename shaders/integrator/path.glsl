@@ -1,6 +1,6 @@
-// The path estimator of docs/conventions.md, "Path estimator", as steps between rays: arrive() shades the end of a path segment and says which
-// rays come next, settle_light() takes the answer of a shadow ray. Who traces the rays, and when, is up to the caller, so that one
-// traversal site can serve both kinds.
+// The path estimator of docs/conventions.md, "Path estimator", as steps between rays: arrive() shades the end of a path segment and determines the
+// next rays; settle_light() handles the result of a shadow ray. The caller decides who traces the rays, and when, so that one traversal site can
+// serve both kinds.
 #ifndef PATH_GLSL
 #define PATH_GLSL
 
@@ -24,7 +24,7 @@ const bool kGathersLight = kIntegrator == kIntegratorPath || kIntegrator == kInt
 struct Path {
   Ray ray;
   vec3 beta;           // throughput; the filter's weight is not part of it
-  vec3 absorption;     // of what the ray goes through, per scene unit
+  vec3 absorption;     // of the medium that the ray is in, per scene unit
   float bsdf_pdf;      // solid-angle density of the ray's direction; meaningless after a delta lobe
   vec3 n;              // shading normal at the ray's origin, for the density of light sampling there
   vec3 radiance;       // gathered so far
@@ -35,21 +35,21 @@ struct Path {
   uint sample_index;
   float filter_weight;
   bool alive;          // `ray` is still to be traced
-  // The light sample of the last vertex: counts if `shadow_ray` meets nothing.
+  // The light sample of the last vertex: counts if `shadow_ray` hits nothing.
   bool shadow_pending;
   Ray shadow_ray;
   vec3 shadow_value;
-  // Where there are surfaces that light may pass: what the rays have passed, and how many more segments the shadow ray may have.
+  // For scenes with surfaces that light may pass: what the rays have passed, and how many more segments the shadow ray may have.
   Passed passed;
   Passed shadow_passed;
   uint shadow_segments;
-  uint shadow_vertex;  // where it began
+  uint shadow_vertex;  // vertex where the shadow ray began
   uint bounces;        // how often the path was scattered
-  uint channel;        // of a path that has met what disperses light: 1 red, 2 green, 3 blue
+  uint channel;        // after the first dispersing material: 1 red, 2 green, 3 blue
 };
 
-// Decisions taken at the end of a segment; kNone where nothing was decided. Folded into signatures or written out by the kernels that
-// want them, optimised away in the others.
+// Decisions taken at the end of a segment; kNone where nothing was decided. Kernels that need them fold them into signatures or write them out; in
+// the others they are optimised away.
 struct Decisions {
   uint instance, primitive;
   uint light_instance, light_primitive, light_contributed;
@@ -66,7 +66,7 @@ Ray camera_ray(uint pixel, uvec2 xy, uint sample_index, out float weight) {
   return sample_camera_ray(xy, to_unit(words.xy), lens, weight);
 }
 
-// Places in the film come apart into columns and rows.
+// Splits a position in the film into column and row.
 uvec2 film_place(uint pixel) { return divide(pixel, frame.width).yx; }
 
 Path begin_path(uint pixel, uvec2 xy, uint sample_index) {
@@ -85,15 +85,15 @@ Path begin_path(uint pixel, uint sample_index) { return begin_path(pixel, film_p
 // The value of a finished path's sample.
 vec3 path_value(Path path) { return (kIntegrator == kIntegratorAov ? aov_weight(path) : path.filter_weight) * path.radiance; }
 
-// Whether light that was scattered so often is gathered.
+// Whether light that was scattered this many times is gathered.
 bool part_counts(uint bounces) {
   MUTATE(kMutantLightPartLate, return kLightPart == kLightPartAll || (kLightPart == kLightPartIndirect) == (bounces > 2u));
   if (kLightPart == kLightPartDirect) return bounces <= 1u;
   return kLightPart == kLightPartAll || bounces > 1u;
 }
 
-// Power heuristic with exponent 2 [Veach1997], as the weight of the strategy with density `own`. A ratio, so that large densities
-// do not overflow.
+// Power heuristic with exponent 2 [Veach1997]: the weight of the strategy with density `own`. Written with a ratio, so that large densities do not
+// overflow.
 float power_heuristic(float own, float other) {
   const float ratio = other / own;
   return 1.0 / (1.0 + ratio * ratio);
@@ -112,7 +112,7 @@ vec3 surface_emission(Path path, Surface s, Instance instance, SurfacePoint at) 
   return le;
 }
 
-// Step 2: emission met by chance.
+// Step 2: emission hit by chance.
 vec3 gather_emission(Path path, vec3 le, Surface s, Instance instance, Primitive prim) {
   if (!part_counts(path.bounces)) return vec3(0.0);
   MUTATE(kMutantEmissionTwice, return path.beta * le);
@@ -125,7 +125,7 @@ vec3 gather_emission(Path path, vec3 le, Surface s, Instance instance, Primitive
   return path.beta * le * power_heuristic(bsdf_sample_count() * path.bsdf_pdf, light_sample_count() * pdf_light);
 }
 
-// Step 1: light from outside.
+// Step 1: light from the environment.
 vec3 gather_environment(Path path, vec3 le, float pdf_light) {
   if (!part_counts(path.bounces)) return vec3(0.0);
   MUTATE(kMutantEnvironmentTwice, return path.beta * le);
@@ -151,37 +151,37 @@ LightSample sample_environment_or_light(Path path, Surface s, vec3 n) {
   return light;
 }
 
-// A material, the surface as it sees it, and the direction toward which it scatters.
+// A material, the surface in its frame, and the direction toward which it scatters.
 struct Scatterer {
   Surface s;
   Material material;
   vec3 wo;
 };
 
-// The other half of a mixture: a blend chose one of the two with the probability that is its share, and the mixture reflects
-// `share f₁ + (1 − share) f₂`, whichever was chosen.
+// The other half of a mixture: a blend chose one of the two with a probability equal to its share, and the mixture reflects `share f₁ + (1 − share)
+// f₂`, whichever was chosen.
 struct OtherHalf {
   Scatterer scatterer;
-  float share;  // of the one that was chosen; below 0 where there is no other
+  float share;  // of the chosen half; below 0 if there is no other half
 };
 #define is_mixed(other) (kBlended && (other).share >= 0.0)
 
 // The normal by which lights are chosen: 0 where light from both sides counts.
 vec3 light_normal(Surface s, Material material) { return material_has(material, kMaterialTransmissive) ? vec3(0.0) : s.frame.n; }
-// Of a mixture it does not depend on which half was chosen.
+// For a mixture it does not depend on which half was chosen.
 vec3 light_normal(Scatterer chosen, OtherHalf other) {
   const vec3 n = light_normal(chosen.s, chosen.material);
   if (!is_mixed(other)) return n;
   return n == light_normal(other.scatterer.s, other.scatterer.material) ? n : vec3(0.0);
 }
 
-// Where a map has turned the normal, directions on whose side it and the normal before do not agree carry no light, ...
+// If a map has turned the normal, directions on different sides of it and of the normal before carry no light, ...
 bool sides_agree(Surface s, vec3 w, float cosine) {
   MUTATE(kMutantMapsShineThrough, return true);
   return !kPerturbed || dot(w, s.base) * cosine > 0.0;
 }
 
-// ... and of others there is what microfacets as steep as the turned normal would not shadow [Conty2019].
+// ... and the others are shadowed like microfacets as steep as the turned normal [Conty2019].
 float turned_share(Surface s, vec3 w) {
   if (!kPerturbed) return 1.0;
   const float turn = dot(s.base, s.frame.n), across = dot(s.base, w);
@@ -196,11 +196,11 @@ vec3 scattering(Scatterer m, vec3 w) {
 }
 float scattering_pdf(Scatterer m, vec3 w) { return bsdf_pdf(m.material, m.wo, to_local(m.s.frame, w)); }
 
-// Of a mixture, a number of each half.
+// For a mixture, one number for each half.
 float mixed(OtherHalf other, float a, float b) { return other.share * a + (1.0 - other.share) * b; }
 vec3 mixed(OtherHalf other, vec3 a, vec3 b) { return other.share * a + (1.0 - other.share) * b; }
 
-// What has been chosen at a surface, and what of it light sees that looks from w.
+// The material chosen at a surface, and the part of it seen from w.
 Scatterer scatterer_of(Choice choice, Surface s, SurfacePoint at, Primitive geometry, vec3 w) {
   Material material = evaluate_material(choice.material, at);
   s.frame = choice.frame;
@@ -215,7 +215,7 @@ bool is_black(Scatterer m, vec3 w) {
   return (material_has(m.material, kMaterialOneSided) && m.wo.z <= 0.0) || !sides_agree(m.s, w, m.wo.z);
 }
 
-// What disperses light bends each colour otherwise: from there on a path carries one of the three. `u` chooses it.
+// A dispersing material refracts each colour differently: from there on a path carries one of the three, chosen by `u`.
 void disperse(inout Path path, inout Material m, float u) {
   if (!material_has(m, kMaterialDispersive)) return;
   if (path.channel == 0u) {
@@ -227,7 +227,7 @@ void disperse(inout Path path, inout Material m, float u) {
 
 bool absorbs_behind(Material m) { return kVolumes && material_has(m, kMaterialVolume) && material_has(m, kMaterialTransmissive); }
 
-// What a blend has not chosen, for a mixture with what it has. None where that lets the ray pass or is black, or where light is absorbed behind either.
+// The half that a blend has not chosen, for a mixture. There is none if it lets the ray pass or is black, or if light is absorbed behind either half.
 OtherHalf other_half(Scatterer chosen, OtherChoice choice, SurfacePoint at, Primitive geometry, vec3 w, uvec4 words) {
   OtherChoice nested = choice;
   go_to_material(choice.choice, nested, at, geometry, w, words);
@@ -264,7 +264,7 @@ void sample_direct_light(inout Path path, Scatterer chosen, OtherHalf other, ino
   path.shadow_value = path.beta * reflected * (w_light / (light_sample_count() * light.pdf_w));
   if (kVolumes)
     path.shadow_value *= transmittance(absorption_toward(chosen.material, to_local(s.frame, light.wi), path.absorption), path.shadow_ray.t_max);
-  // Near a point light has no bound; nearer than single precision tells places apart, this is one.
+  // The contribution is unbounded near a point; this caps it closer than single precision can distinguish positions.
   if (kDeltaLights != 0u && light.instance == kDeltaLightSampled) path.shadow_value = min(path.shadow_value, vec3(frame.delta_light_limit));
   if (!part_counts(path.bounces + 1u)) path.shadow_value = vec3(0.0);
   path.shadow_passed = kNothingPassed;
@@ -272,15 +272,14 @@ void sample_direct_light(inout Path path, Scatterer chosen, OtherHalf other, ino
   path.shadow_vertex = path.segment - 1u;
 }
 
-// Words for the choice of what stands at vertex k, or where a shadow ray from there has met a surface; d is the direction of the ray, `flags` as in
-// choice_words().
+// Words for the choice at vertex k, or at a surface hit by a shadow ray from there; d is the direction of the ray, `flags` as in choice_words().
 uvec4 choice_words_at(Path path, uint k, Surface s, vec3 d, uint flags) {
   uint side = dot(d, s.ng) > 0.0 ? 1u : 0u;
   MUTATE(kMutantMaskSidesTogether, side = 0u);
   return choice_words(frame.seed, path.pixel, path.sample_index, k, s.instance, s.primitive, side | flags);
 }
 
-// Whether the shadow ray, which has met a surface, goes on behind it.
+// Whether the shadow ray, which has hit a surface, continues behind it.
 bool shadow_passes(inout Path path, Ray ray, Hit hit) {
   MUTATE(kMutantMaskShadowsAll, return false);
   bool limited = kCountPasses;
@@ -298,7 +297,8 @@ bool shadow_passes(inout Path path, Ray ray, Hit hit) {
   return true;
 }
 
-// Whether a shadow ray that has arrived goes on, because it may pass what it met. Where none may, any hit ends it; else what is nearest is asked first.
+// Whether a shadow ray that has arrived continues, because it may pass what it hit. If no surface may be passed, any hit ends it; otherwise the
+// nearest one is tested first.
 const bool kShadowRaysEnd = !kPassable || !kGathersLight;
 bool shadow_ray_goes_on(inout Path path, Walk walk) {
   return !kShadowRaysEnd && walk_found(walk) && shadow_passes(path, path.shadow_ray, walk_hit(walk));
@@ -310,7 +310,7 @@ void settle_light(inout Path path, bool occluded) {
   path.shadow_pending = false;
 }
 
-// Step 6: ends the path or makes up for the paths that ended.
+// Step 6: ends the path, or compensates for the paths that ended.
 bool survive_roulette(inout Path path, float u) {
   float q = min(max_component(path.beta) * path.eta_scale, 0.99);
   if (kIntegrator == kIntegratorWhitted) q = kWhittedSurvival;
@@ -356,7 +356,7 @@ void scatter(inout Path path, Scatterer chosen, OtherHalf other, inout Decisions
   if (path.alive) ++path.segment;
 }
 
-// The same ray goes on behind a surface that it passes.
+// The same ray continues behind a surface that it passes.
 void pass_surface(inout Path path, Surface s, float t, inout Decisions decisions) {
   decisions.lobe = kLobePassed;
   path.ray.t_min = t;
@@ -370,7 +370,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   decisions = Decisions(kNone, kNone, kNone, kNone, kNone, kNone, kNone);
   path.alive = false;
   path.shadow_pending = false;
-  // A ray that has passed a surface begins there.
+  // A ray that has passed a surface starts there.
   if (kVolumes) path.beta *= transmittance(path.absorption, (hit.instance == kNone ? kInfinity : hit.t) - path.ray.t_min);
   if (hit.instance == kNone) {
     bool hidden = no_light_to_camera(path) || (kHideBackground && path.bounces == 0u);

@@ -15,7 +15,7 @@ layout(set = kSetKernel, binding = kBindingSamples, std430) writeonly buffer Sam
 layout(set = kSetKernel, binding = kBindingSamples, std430) writeonly buffer SampleBuffer { vec4 samples[]; };
 #endif
 
-// What a lane does: the paths of one slot, then those of the same slot in a later group. Lanes of a workgroup are those of a group of slots.
+// The work of a lane: the paths of one slot, then those of the same slot in a later group. Lanes of a workgroup are those of a group of slots.
 struct Item {
   uint group;  // of slots, within the pass
   uint path;   // of those that the pass gives each slot
@@ -31,22 +31,22 @@ Item item_after(Item item) {
 }
 uint items_before(Item item, uint lane_group) { return (item.group - lane_group) / gl_NumWorkGroups.x * pass.paths + item.path; }
 
-// Where there is none, because the slot has no pixel or no path left, the path is over before it begins, and so are those that would follow it.
+// If there is none, because the slot has no pixel or no path left, the path is over before it begins, and so are those that would follow.
 Path begin_item(inout Item item, uint lane) {
   const SlotPlace place = slot_place(item.group, lane);
   Path path = begin_path(place.pixel, place.xy, path_number(place.layer, item.path));
   path.alive = place.pixel != kNone && has_path(place.layer, item.path) && item.group < pass.group_count;
-  path.ray.d = path.alive ? path.ray.d : vec3(kInfinity);  // which is no ray
+  path.ray.d = path.alive ? path.ray.d : vec3(kInfinity);  // not a ray
   item.path = path.alive ? item.path : pass.paths - 1u;
   return path;
 }
 
-// The lane's paths with a single traversal site: every round of the loop takes some traversal steps, then shades the lanes whose ray has arrived. A lane
-// never waits for another lane's path or ray to end. A shadow ray that has arrived needs little, so a round has two turns of steps: usually the shadow ray
-// of the last vertex in the first and the next segment in the second.
+// The lane's paths with a single traversal site: every round of the loop takes some traversal steps, then shades the lanes whose ray has arrived. A
+// lane never waits for another lane's path or ray to end. A shadow ray that has arrived needs little work, so a round has two turns of steps: usually
+// the shadow ray of the last vertex in the first and the next segment in the second.
 //
-// Loops are bounded: the iterations of a round are counted alike by all lanes of a group. A path that does not fit into the budget is given up: lanes_done
-// remembers where to go on, and the host dispatches again. So the budget changes when a sample is computed, never its value.
+// Loops are bounded: all lanes of a group count the iterations of a round alike. A path that does not fit into the budget is given up: lanes_done
+// records where to continue, and the host dispatches again. So the budget changes when a sample is computed, never its value.
 void render_lane(uint lane_group, uint lane) {
   Item item = first_item(lane_group, lane);
   const uint done_before = items_before(item, lane_group);
@@ -79,7 +79,7 @@ void render_lane(uint lane_group, uint lane) {
 #ifdef ETENDUE_PROFILE
     if (over) samples[at] = path_profile();
 #else
-    // Of every path, ended or not: lavapipe asks for each lane and word whether it stores, and guesses wrong where some do.
+    // For every path, ended or not: lavapipe checks for each lane and word whether it stores, and guesses wrong if only some do.
     samples[at] = vec4(path_value(path), uintBitsToFloat(path.segment));
 #endif
     if (over) {

@@ -1,12 +1,12 @@
 #pragma once
-/// The one exception type of the project: a sentence for the user, and of what kind the trouble is.
+/// The one exception type of the project: a sentence for the user, and a kind.
 
 #include <stdexcept>
 #include <string>
 
 namespace etendue {
 
-/// What went wrong. A program decides by it what to do next; etendue itself makes its exit code of it.
+/// What went wrong. A program decides by it what to do next; etendue itself derives its exit code from it.
 enum class ErrorKind {
   usage,        ///< a wrong option or argument: the caller can do better
   scene,        ///< bad scene or mesh
@@ -18,8 +18,8 @@ enum class ErrorKind {
   bug,          ///< an error in the project itself
 };
 
-/// An error the user can do something about. `what()` is one sentence that names the place, the thing, the number and
-/// what would be right.
+/// An error that the user can do something about. `what()` is one sentence that names the place, the thing, the number
+/// and what would be right.
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, const std::string& sentence) : std::runtime_error(sentence), kind_(kind) {}
@@ -29,13 +29,13 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
-/// The driver gave the device up. The same work may well succeed on a freshly opened one.
+/// The driver gave up on the device. The same work may succeed on a reopened one.
 class DeviceLost : public Error {
  public:
   explicit DeviceLost(const std::string& sentence) : Error(ErrorKind::lost, sentence) {}
 };
 
-/// The device did not finish in time. It may be at work for ever, so it was left as it is: the process must end without
+/// The device did not finish in time. It may never finish, so it was left as it is: the process must end without
 /// closing it.
 class DeviceHung : public Error {
  public:

@@ -1,6 +1,6 @@
 #pragma once
-/// What a library has to tell the person who waits for it: messages, and how far a long computation has come. All of it
-/// goes to a sink of the program's choice; without one it is dropped. Nothing here throws.
+/// Messages and progress that a library reports to the person who waits. All of it goes to a sink chosen by the
+/// program; without one it is discarded. Nothing here throws.
 
 #include <string_view>
 
@@ -8,7 +8,7 @@ namespace etendue::log {
 
 enum class Level { error, warning, info, debug };
 
-/// Receives what is told. Its functions are called one at a time, from any thread; they must not log themselves.
+/// Receives messages and progress. Its functions are called one at a time, from any thread; they must not log.
 class Sink {
  public:
   virtual ~Sink() = default;
@@ -16,11 +16,11 @@ class Sink {
   virtual void message(Level level, std::string_view sentence) noexcept = 0;
   /// The task `what` ("Building the tree") is done to this fraction, 0 to 1; at most five times a second.
   virtual void progress(std::string_view what, double fraction) noexcept = 0;
-  /// No more is told about a task that progress() was called for.
+  /// There will be no more progress for this task.
   virtual void progress_ended(std::string_view what) noexcept = 0;
 };
 
-/// Sends everything to `sink` from now on, or nowhere if it is null, as in the beginning. The sink must live until
+/// Sends everything to `sink` from now on, or nowhere if it is null, which is the default. The sink must live until
 /// another one is set.
 void set_sink(Sink* sink) noexcept;
 

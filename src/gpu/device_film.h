@@ -1,5 +1,5 @@
 #pragma once
-/// Film slots in device memory and their way back into a Film.
+/// Film slots in device memory, and copying them back into a Film.
 
 #include <optional>
 #include <vector>
@@ -12,9 +12,9 @@
 
 namespace etendue {
 
-/// How pixels map to film slots. Slots are usually 8 × 8 tiles, row by row. When an image has too few pixels to fill
-/// the device, slots are packed and each pixel has several: slot i belongs to pixel i % pixels and takes every
-/// `layers`-th of its samples (sums are integers, so adding slots up later changes nothing).
+/// How pixels map to film slots. Slots are usually 8 × 8 tiles, row by row. If an image has too few pixels to fill the
+/// device, slots are packed and each pixel has several: slot i belongs to pixel i % pixels and takes every `layers`-th
+/// of its samples (sums are integers, so adding slots up later changes nothing).
 struct SlotLayout {
   std::uint32_t width = 0, height = 0;
   std::uint32_t tiles_x = 0, tiles_y = 0;
@@ -27,7 +27,7 @@ struct SlotLayout {
   bool operator==(const SlotLayout&) const = default;
   /// Pixel of lane `lane` of group `group`, or ~0u for padding.
   std::uint32_t pixel(std::uint64_t group, std::uint32_t lane) const;
-  /// Which of its pixel's slots that is; 0 for padding.
+  /// Index of the slot among those of its pixel; 0 for padding.
   std::uint32_t layer(std::uint64_t group, std::uint32_t lane) const;
 };
 
@@ -53,7 +53,7 @@ class FilmBand {
 class DeviceFilm {
  public:
   DeviceFilm(std::shared_ptr<GpuDevice> device, const SlotLayout& layout, std::uint32_t set_bits);
-  /// True when a film of this layout needs no other buffers.
+  /// True if a film of this layout needs no other buffers.
   bool fits(const SlotLayout& layout, std::uint32_t set_bits) const {
     return layout == layout_ && set_bits == set_bits_;
   }
@@ -69,7 +69,7 @@ class DeviceFilm {
   std::vector<FilmBand> bands_;
 };
 
-/// What a film takes on a device.
+/// Device memory of a film.
 DeviceNeed film_need(const SlotLayout& layout);
 
 /// Workgroups whose slots fit into one binding of the device.

@@ -1,5 +1,5 @@
 #pragma once
-/// Holding a render against what a device can take, before anything is uploaded.
+/// Checks a render against the device limits before anything is uploaded.
 
 #include <cstdint>
 #include <span>
@@ -14,20 +14,20 @@ struct DeviceNeed {
   enum class Kind {
     table,    ///< one allocation; choose_table_loads has found a way to read it
     storage,  ///< one allocation, bound whole as a storage buffer
-    memory,   ///< cut into pieces that fit; only the sum counts
+    memory,   ///< split into pieces that fit; only the sum counts
   };
   const char* what;  ///< for messages: "tree", "film"
   std::uint64_t bytes = 0;
   Kind kind = Kind::table;
 };
 
-/// The limits that count, by their names in Vulkan.
+/// The relevant limits, by their names in Vulkan.
 struct DeviceLimits {
   std::string device;
   std::uint64_t max_storage_buffer_range = 0;
   std::uint64_t max_memory_allocation_size = 0;
-  std::uint64_t memory = 0;  ///< bytes that are there for this process
-  std::string memory_name;   ///< what says so
+  std::uint64_t memory = 0;  ///< bytes available to this process
+  std::string memory_name;   ///< where that number comes from
 };
 DeviceLimits limits_of(const vulkan::Context& context);
 

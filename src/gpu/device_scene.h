@@ -12,8 +12,8 @@
 
 namespace etendue {
 
-/// Texel buffers, unless a table of the scene is too long for those of the device and not for its storage buffers.
-/// Throws Error(lost) naming limits, needed and available when neither will do, or `wanted` will not.
+/// Texel buffers, unless a table of the scene is too long for those of the device but not for its storage buffers.
+/// Throws Error(lost) with the limits, the need and what is available if neither is possible, or `wanted` is not.
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
                               std::optional<TableLoads> wanted = {});
 
@@ -27,16 +27,16 @@ struct LoopRounds {
   explicit LoopRounds(const CompiledScene& scene);
 };
 
-/// Where tables begin in the buffers that they share: specialization constants of every kernel.
+/// Start of each table in the shared buffers: specialization constants of every kernel.
 std::vector<vulkan::Specialization> table_places(const CompiledScene& scene, const CompiledMaterials& materials);
 
 /// Specialization constants of every kernel that traces rays: those places, tree, lights, and the few primitives
 /// outside the tree. All but that of the light tree's depth: whether the tree is used is up to the view.
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, const CompiledMaterials& materials);
 
-/// What a scene takes on a device.
+/// Device memory of a scene.
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene);
-/// The part of it that is known before the scene is compiled: vertex normals and the triangles that name them.
+/// The part of it that is known before the scene is compiled: vertex normals and the triangles that refer to them.
 DeviceNeed least_scene_need(const Scene& scene);
 
 /// What kernels that read tables in one way are bound by.

@@ -1,5 +1,5 @@
 #pragma once
-/// Which device renders, and how its work is cut up.
+/// Which device renders, and how its work is divided.
 
 #include <cstdint>
 #include <memory>
@@ -15,19 +15,19 @@ struct KernelSet;  // kernel_set.h
 /// How kernels read the tables of the scene, see shaders/scene.glsl.
 enum class TableLoads { texel_buffer, storage_buffer };
 
-/// From the environment, and with what our kernels ask of a device.
+/// From the environment, and with the requirements of our kernels.
 vulkan::ContextOptions gpu_context_options();
 
 struct GpuOptions {
   std::string device = "auto";  ///< see vulkan::Context
   vulkan::ContextOptions context = gpu_context_options();
-  std::shared_ptr<const vulkan::Context> open;  ///< not null: a device that is open already, instead of `device`
-  double pass_seconds = 0.1;        ///< a dispatch is sized to take about this long, so that no watchdog fires
+  std::shared_ptr<const vulkan::Context> open;  ///< not null: a device that is already open, instead of `device`
+  double pass_seconds = 0.1;                    ///< target duration of a dispatch, so that no watchdog fires
   std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
   std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
   std::optional<TableLoads> loads;  ///< see choose_table_loads; for tests and measurements
   std::shared_ptr<const KernelSet>
-      kernels;  ///< not null: in place of the kernels that render pictures; they read texel buffers
+      kernels;  ///< not null: instead of the kernels that render pictures; they read texel buffers
 
   /// The choice of `loads` that is open.
   std::optional<TableLoads> wanted_loads() const { return kernels ? TableLoads::texel_buffer : loads; }

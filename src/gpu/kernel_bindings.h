@@ -1,6 +1,6 @@
 #pragma once
-/// What kernels are bound to: set 0 holds a scene, set 1 a view and the work of a dispatch. The numbers are those of
-/// shaders/gpu_types.h; what a device must be able to bind is counted here and nowhere else.
+/// Bindings of kernels: set 0 holds a scene, set 1 a view and the work of a dispatch. The numbers are those of
+/// shaders/gpu_types.h; what a device must be able to bind is counted only here.
 
 #include <cstdint>
 #include <vector>
@@ -12,7 +12,7 @@ namespace etendue {
 
 /// Buffers of the scene's tables.
 std::vector<vulkan::Binding> scene_bindings(TableLoads loads);
-/// Set 1 of the kernels that render, and of the one by which the film takes samples.
+/// Set 1 of the kernels that render, and of the one that adds samples to the film.
 std::vector<vulkan::Binding> film_bindings();
 /// Set 1 of all other kernels: requests and results.
 std::vector<vulkan::Binding> request_bindings();
@@ -20,7 +20,7 @@ std::vector<vulkan::Binding> request_bindings();
 /// Bytes of push constants, of every kernel.
 std::uint32_t push_constant_bytes();
 
-/// What a device must be able to do for the kernels that read tables in this way.
+/// The device requirements of kernels that read tables in this way.
 vulkan::Requirements kernel_requirements(TableLoads loads);
 
 /// Set 1 of one kind of kernels, and their pipelines' layout.

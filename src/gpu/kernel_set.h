@@ -1,5 +1,5 @@
 #pragma once
-/// Which build of the kernels a renderer runs.
+/// Selects the build of the kernels that a renderer uses.
 
 #include <cstdint>
 #include <span>
@@ -20,12 +20,12 @@ struct KernelSet {
   std::vector<vulkan::Specialization> constants;  ///< to be added to those of the scene
 };
 
-/// Whether a scene with these constants asks for none of the features that plain kernels lack.
+/// Whether a scene with these constants needs none of the features that plain kernels lack.
 bool is_plain(std::span<const vulkan::Specialization> constants);
 
 /// The kernels that render pictures.
 KernelSet kernel_set(TableLoads loads);
-/// Those of the options, if they bring some.
+/// Those of the options, if given.
 KernelSet kernel_set(const GpuOptions& options, TableLoads loads);
 
 }  // namespace etendue

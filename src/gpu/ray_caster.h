@@ -1,5 +1,5 @@
 #pragma once
-/// The device's walk of the tree on its own: the kernel trace_rays.
+/// The device's tree traversal on its own: the kernel trace_rays.
 
 #include "gpu/gpu_renderer.h"
 #include "render/ray_caster.h"

@@ -1,5 +1,5 @@
 #pragma once
-/// One or several devices that render one job together and survive the loss of a device.
+/// One or several devices that render a job together and survive the loss of a device.
 
 #include <functional>
 #include <memory>
@@ -16,7 +16,7 @@ namespace etendue {
 /// Opens a renderer of the job's scene on one device; called again when that device was lost.
 using OpenRenderer = std::function<std::unique_ptr<Renderer>()>;
 
-/// What is rendered beside the picture, of the same samples.
+/// The AOVs to render, from the same samples.
 struct AovPlan {
   View view;  ///< the picture's
   RenderSettings settings;
@@ -27,40 +27,39 @@ struct AovPlan {
 struct FinishedSamples {
   SampleRange range;
   const Film* film = nullptr;                  ///< exactly these samples of every pixel
-  const std::vector<AovFilm>* aovs = nullptr;  ///< of what is not averaged the first of them
+  const std::vector<AovFilm>* aovs = nullptr;  ///< for AOVs that are not averaged, the first of them
   const Renderer* renderer = nullptr;
   const std::vector<RejectedSample>* rejected = nullptr;
 };
 
 class DeviceTeam {
  public:
-  /// Fresh devices that are tried, one after the other, before a lost device is given up. The count starts anew when
-  /// samples are finished.
+  /// Number of attempts to reopen a lost device before it is given up. The count restarts when samples are finished.
   static constexpr int kRetries = 3;
 
   /// Opens every device.
   explicit DeviceTeam(std::vector<OpenRenderer> open, AovPlan aovs = {});
 
-  /// Renders the queue empty, or until `go_on` returns false; what was taken and not rendered is back in the queue
-  /// then. Both functions are called under one lock: `deliver` for samples that are finished, `go_on` after every pass
-  /// with the pixel samples done by this call.
+  /// Renders the queue until it is empty, or until `go_on` returns false; samples that were taken but not rendered are
+  /// then back in the queue. Both functions are called under one lock: `deliver` for finished samples, `go_on` after
+  /// every pass with the pixel samples done in this call.
   ///
-  /// A lost device (DeviceLost) loses what it had not delivered; it is opened afresh and the samples are rendered
-  /// again. When one is lost for good, the others take over its work; DeviceLost is thrown when none is left. Any other
-  /// error ends the work of all devices after their pass and is thrown.
+  /// A lost device (DeviceLost) loses what it had not delivered; it is reopened, and the samples are rendered again. If
+  /// one is lost for good, the others take over its work; DeviceLost is thrown when none is left. Any other error ends
+  /// the work of all devices after their pass and is thrown.
   void render(SampleQueue& queue, std::uint32_t width, std::uint32_t height, int film_exponent,
               const std::function<void(const FinishedSamples&)>& deliver,
               const std::function<bool(std::uint64_t done)>& go_on);
 
-  /// Renders the same scene from another view from now on, which is the scene's own by now: a device that is opened
-  /// afresh sees it, too.
+  /// Renders the same scene from another view from now on, which is already the scene's own: a reopened device uses it,
+  /// too.
   void look_at(AovPlan plan);
 
   /// Renders another scene from now on, on the devices that are open. `open` opens renderers of that scene, as many as
   /// before.
   void show(const SharedScene& scene, std::vector<OpenRenderer> open, AovPlan plan);
 
-  /// One renderer per device that works.
+  /// One renderer per working device.
   std::vector<Renderer*> renderers() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// A render that can be cut into pieces: what is wanted, what is done, and the film of it.
+/// A render that can be split into pieces: what is requested, what is done, and its film.
 
 #include <cstdint>
 #include <functional>
@@ -16,12 +16,12 @@ class RenderJob {
   /// `identity`: size, exponent and metadata of this render, without samples.
   RenderJob(const FilmHeader& identity, SampleRanges wanted);
 
-  /// Goes on from a film. Throws Error(file) when `film` belongs to another render and Error(usage) when it holds
-  /// samples that are not wanted. `name` is for messages.
+  /// Continues a film. Throws Error(file) if `film` belongs to another render and Error(usage) if it holds samples that
+  /// were not requested. `name` is for messages.
   void resume(FilmFile film, const std::string& name);
 
-  /// Renders what is wanted and not done, up to `target` samples in all, or until `go_on` (given the pixel samples of
-  /// this call) returns false. Whatever it throws, the state stays whole and holds every sample that was delivered.
+  /// Renders what is requested and not done, up to `target` samples in total, or until `go_on` (called with the pixel
+  /// samples of this call) returns false. Whatever it throws, the state stays valid and holds every delivered sample.
   void advance(DeviceTeam& team, std::uint64_t target, const std::function<bool(std::uint64_t done)>& go_on);
 
   std::uint64_t done() const { return sample_count(state_.samples); }  ///< sample indices

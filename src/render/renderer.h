@@ -1,5 +1,5 @@
 #pragma once
-/// What both renderers promise: a pure function of (scene, seed, sample range). Callers choose a renderer and never
+/// The interface of both renderers: a pure function of (scene, seed, sample range). Callers choose a renderer and never
 /// look inside.
 
 #include <atomic>
@@ -39,14 +39,14 @@ struct SampleId {
   std::uint32_t sample = 0;
 };
 
-/// Outcome of one sample; `signature` folds its decisions (docs/conventions.md, "Path signature").
+/// Result of one sample; `signature` is a hash of its decisions (docs/conventions.md, "Path signature").
 struct SampleRecord {
   glm::vec3 radiance{0.0f};
   std::uint32_t signature = 0;
   std::uint32_t segments = 0;  ///< segments traced, shadow rays not counted
 };
 
-/// One segment of a path and what was decided at its end; `kNone` where nothing was decided.
+/// One segment of a path and the decisions at its end; `kNone` where nothing was decided.
 struct PathVertex {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   static constexpr std::uint32_t kEnvironment = 0xfffffffeu;  ///< as light_instance: light from outside
@@ -54,7 +54,7 @@ struct PathVertex {
   std::uint32_t instance = kNone;                             ///< kNone: the ray left the scene
   std::uint32_t primitive = kNone;                            ///< triangle in the mesh, 0 for a sphere
   std::uint32_t light_instance = kNone;
-  std::uint32_t light_primitive = kNone;    ///< of the environment its cell, of a light without extent its number
+  std::uint32_t light_primitive = kNone;    ///< for the environment its cell, for a light without extent its number
   std::uint32_t light_contributed = kNone;  ///< 0 or 1
   std::uint32_t lobe = kNone;               ///< one of reference::Lobe, kLobe… on devices
   std::uint32_t survived = kNone;           ///< 0 or 1
@@ -69,7 +69,7 @@ struct RejectedSample {
   std::uint32_t segments = 0;  ///< path length at which it ended
 };
 
-/// Called from time to time with the number of pixel samples done of this call; returns false to stop after the current
+/// Called from time to time with the number of pixel samples done in this call; returns false to stop after the current
 /// pass.
 using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
 
@@ -82,8 +82,8 @@ class Renderer {
   virtual std::string device_name() const = 0;
   virtual std::string driver_name() const = 0;
 
-  /// Renders with another camera, film size, sampler, integrator or seed from now on. Compiles nothing of the scene
-  /// again. Throws what making a renderer throws.
+  /// Changes the camera, film size, sampler, integrator or seed for subsequent renders. Does not recompile the scene.
+  /// Throws what making a renderer throws.
   virtual void set_view(const View& view, const RenderSettings& settings) = 0;
 
   /// Renders with other numbers of the scene's materials from now on. Compiles nothing of the scene again; a kernel is
@@ -96,13 +96,12 @@ class Renderer {
   /// scenes differ in what kernels are built for. Throws what making a renderer throws; then it is of no use any more.
   virtual void set_scene(const SharedScene& scene, const RenderSettings& settings) = 0;
 
-  /// Adds samples [range.begin, end) of every pixel to `film` and returns `end`: range.end, or less when `progress`
-  /// asked to stop. The samples added are exactly those of whole indices. Rejected samples are listed in `rejected`
-  /// (the first 64).
+  /// Adds samples [range.begin, end) of every pixel to `film` and returns `end`: range.end, or less if `progress` asked
+  /// to stop. It adds exactly the samples of whole indices. Rejected samples are listed in `rejected` (the first 64).
   virtual std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
                                std::vector<RejectedSample>& rejected) = 0;
 
-  /// Evaluates single samples, in the order asked.
+  /// Evaluates single samples, in the given order.
   virtual std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) = 0;
 
   /// The decisions of one path, vertex by vertex (at most 256).

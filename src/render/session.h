@@ -1,6 +1,6 @@
 #pragma once
-/// One run of a render job on this machine: rounds, checkpoints, budgets. Who wants it to stop, who looks at its
-/// progress and where pictures go is the caller's business: the session knows neither signals nor a terminal.
+/// One run of a render job on this machine: rounds, checkpoints, budgets. The caller decides when to stop, who sees the
+/// progress and where pictures go: the session knows nothing about signals or terminals.
 
 #include <chrono>
 #include <functional>
@@ -18,15 +18,16 @@ struct SessionOptions {
   std::optional<double> time_seconds;  ///< stop in time, counted from `start`
   std::optional<double> max_error;     ///< stop when stopping_error is at most this
   std::uint32_t set_size = 1;          ///< paths of a film sample, see Sampler::set_size
-  std::uint64_t most_samples = std::numeric_limits<std::uint64_t>::max();  ///< film samples with which to stop for now
+  std::uint64_t most_samples =
+      std::numeric_limits<std::uint64_t>::max();  ///< stop for now at this number of film samples
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 };
 
-/// What a session asks and tells while it runs. Any function may be empty; one at a time is called, by any thread.
+/// Callbacks of a running session. Any function may be empty; only one at a time is called, from any thread.
 struct SessionHooks {
   std::function<bool()> stop_asked;
   std::function<bool()> picture_asked;           ///< true: the round ends and `write_picture` is called
-  std::function<void()> write_picture;           ///< writes what is done; must take the request back
+  std::function<void()> write_picture;           ///< writes what is done; must clear the request
   std::function<void(std::uint64_t)> progress;   ///< paths of all pixels done, those of earlier runs included
   std::function<void(const std::string&)> warn;  ///< a sentence about a checkpoint that could not be written
 };
@@ -39,9 +40,9 @@ class Session {
   /// All of them must outlive the session.
   Session(RenderJob& job, Checkpoint& checkpoint, const SessionOptions& options, SessionHooks hooks);
 
-  /// Renders until the job is complete or there is a reason to stop; checkpoints are written on the way. One that
-  /// cannot be written does not end the render: the last one stays, and it is tried again. Whatever is thrown, what was
-  /// delivered is in the job, and in the checkpoint if that can be written.
+  /// Renders until the job is complete or there is a reason to stop, writing checkpoints on the way. A checkpoint that
+  /// cannot be written does not end the render: the previous one is kept, and writing is tried again. If anything is
+  /// thrown, what was delivered is in the job, and in the checkpoint if that can be written.
   SessionEnd run(DeviceTeam& team);
 
  private:

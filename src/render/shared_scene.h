@@ -1,5 +1,5 @@
 #pragma once
-/// A scene and what renderers make of it, made once for all of them.
+/// A scene and what renderers compile from it, made once for all of them.
 
 #include <map>
 #include <memory>
@@ -10,9 +10,8 @@
 
 namespace etendue {
 
-/// Copies share the scene and what was made. What a renderer compiles of a scene it keeps here, so that another
-/// renderer, on a second device or on one that was opened afresh, compiles nothing again. Safe to use from several
-/// threads.
+/// Copies share the scene and the compiled data. A renderer keeps what it compiles here, so that another renderer, on a
+/// second device or on a reopened one, compiles nothing again. Thread-safe.
 class SharedScene {
  public:
   /// Borrows: the scene must outlive every copy, and not change.
@@ -24,7 +23,7 @@ class SharedScene {
 
   const Scene& scene() const { return *scene_; }
 
-  /// The T that `make(scene())` makes. It is called once for each type T; who asks meanwhile waits.
+  /// The T made by `make(scene())`. It is called once for each type T; concurrent callers wait.
   template <typename T, typename Make>
   std::shared_ptr<const T> once(const Make& make) const {
     const std::lock_guard lock(cache_->mutex);

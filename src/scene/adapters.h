@@ -1,6 +1,6 @@
 #pragma once
-/// What stands between a surface and the materials that scatter light there: at each hit it chooses one of them, or
-/// turns the normal. Members named after materials are rows of Scene::materials, each before the adapter's own row.
+/// Adapters between a surface and the materials that scatter light there: at each hit an adapter chooses one of them,
+/// or turns the normal. Members named after materials are rows of Scene::materials, each before the adapter's own row.
 /// docs/conventions.md, "Adapters".
 
 #include <cstdint>
@@ -11,17 +11,17 @@
 
 namespace etendue {
 
-/// `front` on the side of the shading normal; behind it `back`, as if that were the front. Neither lets light through.
+/// `front` on the side of the shading normal; behind it `back`, as if that were the front. Neither may transmit light.
 struct TwoSidedAdapter {
   std::uint32_t front = 0;
   std::uint32_t back = 0;
 };
-/// `inner` with the probability `opacity`, in [0,1]; else light passes as if there were nothing.
+/// `inner` with the probability `opacity`, in [0,1]; otherwise light passes unchanged.
 struct MaskAdapter {
   ScalarParameter opacity{0.5};
   std::uint32_t inner = 0;
 };
-/// `second` with the probability `weight`, in [0,1]; else `first`.
+/// `second` with the probability `weight`, in [0,1]; otherwise `first`.
 struct BlendAdapter {
   ScalarParameter weight{0.5};
   std::uint32_t first = 0;
@@ -35,7 +35,7 @@ struct NormalMapAdapter {
   std::uint32_t inner = 0;
   bool vertex_tangents = false;
 };
-/// `inner` with the shading normal of a surface that is raised by `height`, a picture times a number, in scene units.
+/// `inner` with the shading normal of a surface displaced by `height`, a picture times a number, in scene units.
 struct BumpMapAdapter {
   ScalarParameter height{1.0};
   std::uint32_t inner = 0;
@@ -43,7 +43,7 @@ struct BumpMapAdapter {
 
 using Adapter = std::variant<TwoSidedAdapter, MaskAdapter, BlendAdapter, NormalMapAdapter, BumpMapAdapter>;
 
-/// Calls f(row) for what the adapter may choose.
+/// Calls f(row) for each row that the adapter may choose.
 template <typename F>
 void each_choice(const Adapter& adapter, F&& f) {
   std::visit(

@@ -1,5 +1,5 @@
 #pragma once
-/// Boxes around what a scene holds.
+/// Boxes around the contents of a scene.
 
 #include <limits>
 #include <vector>
@@ -29,13 +29,13 @@ Bounds transformed(const Bounds& box, const glm::dmat4& world_from_object);
 Bounds bounds_of(const Scene& scene, const Instance& instance);
 /// Of all instances; empty where there are none. Instances of shared meshes count by their transformed boxes.
 Bounds bounds_of(const Scene& scene);
-/// How far the bulk of a scene reaches: the lower median, over all instances, of the larger of two numbers, half the
-/// diagonal of its box and the distance of the box's middle from the median middle (each coordinate for itself). A
-/// large floor does not count for more than anything else. 0 where there are none.
+/// How far the bulk of a scene extends: the lower median, over all instances, of the larger of two numbers, half the
+/// diagonal of its box and the distance of the box's centre from the median centre (per coordinate). A large floor
+/// counts no more than anything else. 0 if there are no instances.
 double typical_radius(const Scene& scene);
 
-/// Of each instance: as exact as `bounds_of(scene, instance)` but where its mesh is shared, then around the transformed
-/// box of the mesh, which costs nothing however many instances there are.
+/// Box of each instance: as exact as `bounds_of(scene, instance)`, or around the transformed box of the mesh if that is
+/// shared, which costs nothing for any number of instances.
 std::vector<Bounds> instance_bounds(const Scene& scene, const Sharing& sharing);
 
 }  // namespace etendue

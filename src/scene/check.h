@@ -1,5 +1,5 @@
 #pragma once
-/// What is legal in a scene but probably not meant.
+/// Checks for what is legal in a scene but probably not intended.
 
 #include "scene/diagnostics.h"
 #include "scene/scene_file.h"
@@ -8,7 +8,7 @@ namespace etendue {
 
 /// Adds warnings about a scene that was read without errors: no light, emitters that face away from everything, a
 /// camera inside glass, vertex normals against the winding, glass that is not closed, shapes too small for single
-/// precision, parameters without effect, pixels too small to be resolved. Linear in the number of triangles, but for
+/// precision, parameters without effect, pixels too small to be resolved. Linear in the number of triangles, except for
 /// sorting the edges of dielectric meshes.
 void check_scene(const Scene& scene, Diagnostics& diagnostics);
 /// The same for every scene of a file.

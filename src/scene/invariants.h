@@ -1,5 +1,5 @@
 #pragma once
-/// What must hold for every scene, whoever made it: a reader, a test, a program that uses the library.
+/// The invariants of every scene, whoever made it: a reader, a test, a program that uses the library.
 
 #include <functional>
 #include <optional>
@@ -11,13 +11,13 @@
 
 namespace etendue {
 
-/// Where a field of the object at `object` stands in its file, by its name in scene.h; nothing where the file does not
-/// give it.
+/// Position of a field of the object at `object` in its file, by its name in scene.h; nothing if the file does not give
+/// it.
 using LocateField = std::function<std::optional<SourcePosition>(const SourcePosition& object, std::string_view field)>;
 
-/// Reports as errors what renderers rely on and the scene breaks: indices within their tables, finite numbers within
-/// the limits of scene/limits.h, near < far, invertible transforms, emitters with an area. Linear in the size of the
-/// scene. Without `locate` a finding has the position of its object.
+/// Reports as errors all violations of what renderers rely on: indices within their tables, finite numbers within the
+/// limits of scene/limits.h, near < far, invertible transforms, emitters with an area. Linear in the size of the scene.
+/// Without `locate` a finding has the position of its object.
 void check_invariants(const Scene& scene, Diagnostics& diagnostics, const LocateField& locate = {});
 
 /// The part of it that a change of a material's numbers may break.

@@ -1,5 +1,5 @@
 #pragma once
-/// The table of materials seen from one of its rows: an adapter's choices lie before it.
+/// The table of materials seen from one of its rows: an adapter's choices come before it.
 
 #include <cstdint>
 #include <vector>
@@ -26,7 +26,7 @@ inline bool is_aligned(const Roughness& roughness) {
   const ScalarParameter &u = roughness.alpha_u, &v = roughness.alpha_v;
   return u.value != v.value || u.texture != v.texture || (u.texture && u.channel != v.channel);
 }
-/// Whether a material looks different when its surface is turned about the normal: its frame follows the first texture
+/// Whether a material looks different when its surface is rotated about the normal: its frame follows the first texture
 /// coordinates of the surface.
 template <typename T>
 bool is_aligned(const T& bsdf) {
@@ -39,19 +39,19 @@ inline bool is_aligned(const Material& material) {
   return !material.adapter && std::visit([](const auto& bsdf) { return is_aligned(bsdf); }, material.bsdf);
 }
 
-/// Whether what it reflects and lets pass is less than all.
+/// Whether it reflects and transmits less than everything.
 inline bool is_tinted(const DielectricBsdf& bsdf) {
   const auto white = [](const ColorParameter& c) { return !c.texture && c.value == glm::dvec3(1.0); };
   return !white(bsdf.specular_reflectance) || !white(bsdf.specular_transmittance);
 }
 
-/// Whether some of the light that meets it is refracted.
+/// Whether it refracts some of the light.
 inline bool may_refract(const PrincipledBsdf& bsdf) {
   const bool metal = !bsdf.metallic.texture && bsdf.metallic.value == 1.0;
   return !metal && (bsdf.spec_trans.texture || bsdf.spec_trans.value > 0.0);
 }
 
-/// The same of a sheet, which light passes without being bent, or scattered.
+/// The same for a sheet, which transmits light without refraction, or scattered.
 inline bool may_refract(const PrincipledThinBsdf&) {
   return true;
 }
@@ -61,14 +61,14 @@ inline bool may_refract(const GltfBsdf& bsdf) {
   return !metal && (some(bsdf.transmission) || some(bsdf.diffuse_transmission));
 }
 
-/// Whether it bends light of each colour otherwise.
+/// Whether it refracts each colour differently.
 inline bool disperses(const GltfBsdf& bsdf) {
   return bsdf.dispersion > 0.0 && !bsdf.thin && may_refract(bsdf);
 }
 
-/// Whether light may pass a surface of this material as if there were nothing.
+/// Whether light may pass a surface of this material unchanged.
 bool may_pass(const Scene& scene, std::uint32_t row);
-/// The same of any instance of the scene.
+/// The same for any instance of the scene.
 bool may_pass(const Scene& scene);
 
 }  // namespace etendue

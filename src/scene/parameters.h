@@ -1,6 +1,6 @@
 #pragma once
-/// The parameters of materials and emitters that may be textured, so that whoever wants all of them need not know the
-/// types: hashing, invariants, evaluation at a point.
+/// The parameters of materials and emitters that may be textured, so that code that needs all of them (hashing,
+/// invariants, evaluation at a point) does not depend on the types.
 
 #include <concepts>
 #include <limits>
@@ -128,7 +128,7 @@ template <MaybeConst<Adapter> T, typename F>
 void each_parameter(T& adapter, F&& f) {
   std::visit([&](auto& of_type) { each_parameter(of_type, f); }, adapter);
 }
-/// Of its own row alone.
+/// Only for its own row.
 template <MaybeConst<Material> T, typename F>
 void each_parameter(T& material, F&& f) {
   if (material.adapter) {
@@ -166,11 +166,11 @@ void each_parameter(T& light, F&& f) {
   f("intensity", light.intensity);
 }
 
-/// What values of textures are brought into: the range that constants have, or the part of it that makes sense.
+/// The range that textured values are clamped to: that of constants, or the meaningful part of it.
 struct ParameterRange {
   double least, most;
 };
-/// Of a parameter by its name in each_parameter(). The albedo of diffuse materials alone is what the texture says.
+/// The range of a parameter by its name in each_parameter(). Only the albedo of diffuse materials is not clamped.
 template <typename T>
 constexpr ParameterRange parameter_range(const T&, std::string_view name) {
   if (name == "coat_normals")

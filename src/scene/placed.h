@@ -1,6 +1,6 @@
 #pragma once
-/// Shapes as their instances put them into the world. Points are transformed as they are asked for, so that a large
-/// mesh is in memory once.
+/// Shapes placed in the world by their instances. Points are transformed on demand, so that a large mesh is in memory
+/// only once.
 
 #include <array>
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace etendue {
 
-/// True where the instance turns its shape's winding around: a mirror does, and so does flip_normals.
+/// True if the instance reverses its shape's winding, as a mirror or flip_normals does.
 bool turns_winding(const Instance& instance);
 
-/// A mesh in world space. The winding of its triangles is that of their normals: where the instance turns it around,
-/// the second and third vertex of each triangle are exchanged. Refers to the mesh.
+/// A mesh in world space. The winding of its triangles agrees with their normals: if the instance reverses it, the
+/// second and third vertex of each triangle are exchanged. Refers to the mesh.
 class PlacedMesh {
  public:
   PlacedMesh(const TriangleMesh& mesh, const Instance& instance);
@@ -72,7 +72,7 @@ struct PlacedCylinder {
 };
 PlacedCylinder placed_cylinder(const Cylinder& cylinder, const Instance& instance);
 
-/// Area of a triangle of the mesh in object space; 0 exactly where every instance of it has none.
+/// Area of a triangle of the mesh in object space; 0 exactly if it has none in any instance.
 double triangle_area(const TriangleMesh& mesh, const glm::uvec3& triangle);
 /// Area of a triangle in squared units of its vertices.
 double triangle_area(const std::array<glm::dvec3, 3>& p);

@@ -1,5 +1,5 @@
 #pragma once
-/// Which instances show a mesh that is kept once, in object space, for all of them: docs/conventions.md, "Shared
+/// Which instances show a mesh that is stored once, in object space, for all of them: docs/conventions.md, "Shared
 /// meshes".
 
 #include <cstddef>
@@ -9,22 +9,22 @@
 
 namespace etendue {
 
-/// Primitives, instance by instance, up to which a scene is better laid out in world space: one tree is walked faster
-/// than two levels.
+/// Number of primitives, counted instance by instance, up to which a scene is flattened into world space: one tree is
+/// walked faster than two levels.
 inline constexpr std::size_t kFlattenAtMost = std::size_t{1} << 20;
-/// Triangles from which on a mesh is worth a tree of its own; an instance takes as much memory as a few triangles.
+/// Minimum number of triangles for a mesh to get its own tree; an instance takes as much memory as a few triangles.
 inline constexpr std::size_t kLeastShared = 32;
-/// Largest condition of a transform (see transform_condition) by which rays are carried into object space: they lose as
+/// Largest condition of a transform (see transform_condition) for transforming rays into object space: they lose that
 /// many digits.
 inline constexpr double kMostCondition = 256.0;
-/// Largest ratio of the scales of two axes, about: their squares must fit into single precision.
+/// Largest ratio, approximately, of the scales of two axes: their squares must fit into single precision.
 inline constexpr double kMostRatio = 0x1p40;
 
-/// The largest row sum of |M| |M⁻¹|, M the linear part: how much rounding in object space is magnified in the world,
-/// whatever the units of either. 1 for axes that are scaled, at most 3 for a rotation.
+/// The largest row sum of |M| |M⁻¹|, with M the linear part: how much rounding in object space is magnified in the
+/// world, in whatever units. 1 for axis-aligned scaling, at most 3 for a rotation.
 double transform_condition(const glm::dmat4& world_from_object);
 
-/// Decided for a whole scene. Both renderers follow it, because it decides how lights are chosen.
+/// The decision for a whole scene. Both renderers follow it, because it determines how lights are chosen.
 class Sharing {
  public:
   explicit Sharing(const Scene& scene);

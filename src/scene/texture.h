@@ -1,6 +1,6 @@
 #pragma once
-/// Numbers that vary over a surface: textures, and the parameters of materials and emitters that may refer to them.
-/// docs/conventions.md, "Textures", says what they are at a point.
+/// Values that vary over a surface: textures, and the parameters of materials and emitters that may refer to them.
+/// docs/conventions.md, "Textures", defines their value at a point.
 
 #include <cstdint>
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace etendue {
 
-/// What a picture is beyond [0,1).
+/// How a picture continues outside [0,1).
 enum class TextureWrap : std::uint32_t { repeat, mirror, clamp };
 enum class TextureFilter : std::uint32_t { nearest, bilinear };
 
@@ -24,28 +24,28 @@ struct BitmapTexture {
   std::uint32_t bitmap = 0;  ///< index into Scene::bitmaps
   TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
   TextureFilter filter = TextureFilter::bilinear;
-  std::optional<ColorSpace> color_space;  ///< in place of the bitmap's own
+  std::optional<ColorSpace> color_space;  ///< instead of the bitmap's own
 };
 /// Squares of side 1/2: `color0` where floor(2u) + floor(2v) is even.
 struct CheckerboardTexture {
   glm::dvec3 color0{0.4};
   glm::dvec3 color1{0.2};
 };
-/// Colours that a mesh brings along: those of vertices are interpolated, those of faces are not.
+/// Colours stored with a mesh: vertex colours are interpolated, face colours are not.
 struct AttributeTexture {
   enum class Source : std::uint32_t { vertex_color, face_color };
   Source source = Source::vertex_color;
 };
 
-/// A function of a surface point whose value is red, green, blue and alpha. Pictures of one channel are grey; without
-/// alpha it is 1. What it is multiplied with, and what becomes of its alpha, follow in the order of the members.
+/// A function of a surface point whose value is red, green, blue and alpha. Pictures with one channel are grey; without
+/// alpha it is 1. Multiplications and alpha operations are applied in the order of the members.
 struct Texture {
   std::variant<BitmapTexture, CheckerboardTexture, AttributeTexture> source;
   glm::dmat3 uv_transform{1.0};  ///< texture coordinates of the surface (u, v, 1) → those of the texture; affine
-  std::uint32_t uv_set = 0;      ///< which of the mesh's
-  bool vertex_tint = false;      ///< times the colours, and the alpha, of the mesh's vertices
-  std::optional<double> alpha_cutoff{};  ///< alpha becomes 1 from here on, and 0 below
-  bool premultiplied = false;            ///< its colours are multiplied with its alpha
+  std::uint32_t uv_set = 0;      ///< index of the mesh's texture coordinates
+  bool vertex_tint = false;      ///< multiply with the colours and alpha of the mesh's vertices
+  std::optional<double> alpha_cutoff{};  ///< alpha becomes 1 from this value on, 0 below it
+  bool premultiplied = false;            ///< multiply the colours with alpha
   std::string name;                      ///< for messages: the file name of a picture, or the type
   SourcePosition position;
 
@@ -53,7 +53,7 @@ struct Texture {
   bool is_derived() const { return vertex_tint || alpha_cutoff || premultiplied; }
 };
 
-/// What the values of a texture are, as one number.
+/// How the values of a texture are turned into one number.
 enum class TextureChannel : std::uint32_t { red, green, blue, alpha, luminance };
 
 /// A colour: `value`, or `value` times a texture.

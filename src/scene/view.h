@@ -1,5 +1,5 @@
 #pragma once
-/// How a scene is looked at: what may change without anything being compiled again.
+/// How a scene is viewed: settings that may change without recompiling anything.
 
 #include <string>
 
@@ -10,7 +10,8 @@ namespace etendue {
 struct View {
   Camera camera;  ///< with the size of the film and its filter
   Sampler sampler;
-  Integrator integrator;  ///< `light_sampler` is the scene's: it decides what is compiled, and is not looked at here
+  Integrator integrator;  ///< `light_sampler` is taken from the scene, where it determines what is compiled; here it is
+                          ///< ignored
 };
 
 /// The scene's own.
@@ -18,10 +19,10 @@ inline View view_of(const Scene& scene) {
   return {scene.camera, scene.sampler, scene.integrator};
 }
 
-/// What renders an AOV beside the picture of `view`: the same samples, looked at by another integrator.
+/// The integrator for an AOV of `view`: the same samples, with another integrator.
 View aov_view(const View& view, Aov aov);
 
-/// Why the AOV cannot be rendered beside what the integrator computes; "" where it can.
+/// Why the AOV cannot be rendered with this integrator; "" if it can.
 std::string aov_complaint(const Integrator& integrator, Aov aov);
 
 }  // namespace etendue
