@@ -27,7 +27,7 @@ struct EnvironmentTables {
   std::vector<std::uint64_t> distant_thresholds;  ///< of the directional lights, in their order, and one behind
   std::vector<gpu::EnvironmentRow> rows;
   std::vector<gpu::EnvironmentTexel>
-      texels;  ///< of a picture, row by row: as many rows as the larger of its two numbers
+      texels;                      ///< of a picture, row by row: as many rows as the larger of its two numbers
   std::vector<gpu::uvec4> search;  ///< of the rows, then of a picture's columns for each of them: see SearchTree
 };
 
