@@ -20,6 +20,7 @@ struct Choice {
   ShadingFrame frame;
   vec3 base;      // the normal before maps turned it, on the side that is looked at
   float side;     // of frame.n, against the normal of the surface
+  bool shadowed;  // no map on the way leaves out the shadows of turned normals
 };
 
 // The material that the first blend on the way did not choose.
@@ -69,7 +70,7 @@ vec3 mapped_normal(uint row, MaterialRecord record, vec3 n, float side, SurfaceP
   const uint texture_of = fetch_material_textures(row).first;
   const uint index = texture_of & kTextureOfIndexMask;
   const bool picture = adapter_is(record.header, kAdapterNormalMap);
-  if (textures_have(kTexturesVertexTangents) && picture && record.params.y != 0.0) return normal_by_vertices(index, n, side, at);
+  if (textures_have(kTexturesVertexTangents) && picture && (uint(record.params.y) & kMapVertexTangents) != 0u) return normal_by_vertices(index, n, side, at);
   const Tangents d = surface_tangents(at, geometry, fetch_texture(index).uv_set);
   if (picture) return normal_by_picture(index, d.u, n, side, at);
   if (d.u == vec3(0.0)) return n;
@@ -86,6 +87,7 @@ vec3 coat_normal(Choice choice, SurfacePoint at, Primitive geometry, vec3 w) {
   const vec3 n = choice.base;
   uint map = kNone;
   if (kTextured) map = fetch_material_textures(choice.material).coat_normals;
+  MUTATE(kMutantCoatNormalsIgnored, map = kNone);
   if (map == kNone) return n;
   const uint index = map & kTextureOfIndexMask;
   vec3 mapped;
@@ -112,7 +114,11 @@ void go_to_material(inout Choice choice, inout OtherChoice other, SurfacePoint a
     }
     if (kPerturbed && (adapter_is(record.header, kAdapterNormalMap) || adapter_is(record.header, kAdapterBumpMap))) {
       const vec3 n = choice.frame.n;
-      choice.frame = make_frame(seen_normal(mapped_normal(choice.material, record, n, choice.side, at, geometry), n, w));
+      uint bits = kLooseMaps ? second : 0u;
+      MUTATE(kMutantLooseMapsTied, bits = 0u);
+      const vec3 mapped = mapped_normal(choice.material, record, n, choice.side, at, geometry);
+      choice.frame = make_frame((bits & kMapUnmirrored) != 0u ? mapped : seen_normal(mapped, n, w));
+      choice.shadowed = choice.shadowed && (bits & kMapUnshadowed) == 0u;
       next = first;
     }
     if (adapter_is(record.header, kAdapterMask)) {
@@ -139,7 +145,7 @@ void go_to_material(inout Choice choice, inout OtherChoice other, SurfacePoint a
 }
 
 Choice choose_material(uint row, ShadingFrame surface_frame, SurfacePoint at, Primitive geometry, vec3 w, uvec4 words, out OtherChoice other) {
-  Choice choice = Choice(row, surface_frame, surface_frame.n, 1.0);
+  Choice choice = Choice(row, surface_frame, surface_frame.n, 1.0, true);
   other = OtherChoice(choice, -1.0);
   go_to_material(choice, other, at, geometry, w, words);
   return choice;

@@ -140,6 +140,11 @@ const uint kAdapterMask = 33u;
 const uint kAdapterBlend = 34u;
 const uint kAdapterNormalMap = 35u;
 const uint kAdapterBumpMap = 36u;  // params.z: height of white, scene units
+// What params.y holds for both kinds of maps:
+const uint kMapVertexTangents = 1u;  // the map follows the mesh's vertex tangents
+const uint kMapUnmirrored = 2u;      // turned normals that face away stay as they are
+const uint kMapUnshadowed = 4u;      // turned normals do not shadow
+const uint kAdaptersLooseMaps = 0x40000000u;  // some map has one of the last two
 const uint kAdaptersPass = 0x80000000u;  // in the constant with a bit for each kind of adapter: light may pass some surfaces
 
 // A material's header: its type, kBsdf*, and what holds for it at every point.
@@ -367,8 +372,8 @@ const uint kTextureOfVertexTangents = 0x80000000u;
 // A texture, see texture.glsl.
 struct TextureRecord {
   uint header;  // kTexture*
-  uint first;   // for a picture, the position of its first texel, in multiples of 16 bytes
-  uint width;
+  uint first;   // for a picture, the position of its first texel, in multiples of 16 bytes; for a checkerboard, the texture of its even squares or kNone
+  uint width;   // for a checkerboard, the texture of its odd squares
   uint height;
   vec3 u_row;   // texture coordinates of the surface (u, v, 1) → those of the texture
   uint uv_set;
@@ -415,6 +420,7 @@ const uint kTexturesTangents = 0x800u;      // a material has kMaterialAligned
 const uint kTexturesCoat = 0x2000u;         // the roughness of a rough coat is one
 const uint kTexturesAlpha = 0x4000u;        // one has kTextureCut or kTexturePremultiplied
 const uint kTexturesVertexTangents = 0x8000u;  // a normal map follows the mesh's vertex tangents
+const uint kTexturesNested = 0x20000u;      // a checkerboard contains textures
 const uint kTexturesTinted = 0x10000u;      // one has kTextureTinted
 const uint kTexturesMesh = 0x1000u;         // texture coordinates of meshes are needed, with or without textures
 

@@ -14,6 +14,7 @@ layout(constant_id = kConstantMaterialFlagsAll) const uint kMaterialFlagsAll = 0
 FEATURE(uint, kAdapters, kConstantAdapters, 0u)
 const bool kPassable = (kAdapters & kAdaptersPass) != 0u;
 const bool kPerturbed = (kAdapters >> (kAdapterNormalMap - kAdapterFirst) & 3u) != 0u;  // maps turn shading normals
+const bool kLooseMaps = (kAdapters & kAdaptersLooseMaps) != 0u;  // some of them otherwise than usual
 const bool kBlended = (kAdapters >> (kAdapterBlend - kAdapterFirst) & 1u) != 0u;
 
 #endif

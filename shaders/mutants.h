@@ -126,7 +126,14 @@ const uint kMutantMixtureHalfWhole = 109u;
 const uint kMutantMixtureHalfDense = 110u;
 const uint kMutantCoatInsideForgotten = 111u;
 const uint kMutantTintOnce = 112u;
-const uint kMutantCount = 113u;
+const uint kMutantSquaresSwapped = 113u;
+const uint kMutantVertexTintLeftOut = 114u;
+const uint kMutantAlphaNotMultiplied = 115u;
+const uint kMutantCoatNormalsIgnored = 116u;
+const uint kMutantLampBackDark = 117u;
+const uint kMutantDispersionReversed = 118u;
+const uint kMutantLooseMapsTied = 119u;
+const uint kMutantCount = 120u;
 #endif
 
 #ifdef __cplusplus

@@ -52,6 +52,7 @@ struct Surface {
   ShadingFrame frame;  // frame.n is the shading normal
   uint primitive;      // within its mesh
   vec3 base;           // the shading normal before maps turned it
+  bool shadowed;       // by the turned normal; asked with kLooseMaps alone
 };
 
 // Bound on the distance between a computed point of the primitive and the true surface, with room for the next ray's own intersection
@@ -135,6 +136,7 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
   }
   s.frame = make_frame(ns);
   s.base = ns;
+  s.shadowed = true;
   return s;
 }
 

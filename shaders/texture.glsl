@@ -114,10 +114,13 @@ vec4 bitmap_value(TextureRecord t, vec2 uv) {
   return mix(mix(v00, texel(t, x1, y0), f.x), mix(texel(t, x0, y1), texel(t, x1, y1), f.x), f.y);
 }
 
-vec4 checkerboard_value(TextureRecord t, vec2 uv) {
+// Whether a place lies in a square of the first colour.
+bool is_even_square(vec2 uv) {
   const vec2 cell = uv - floor(uv);
-  return vec4((cell.x >= 0.5) == (cell.y >= 0.5) ? t.color0 : t.color1, 1.0);
+  return (cell.x >= 0.5) == (cell.y >= 0.5);
 }
+
+vec4 checkerboard_value(TextureRecord t, vec2 uv) { return vec4(is_even_square(uv) ? t.color0 : t.color1, 1.0); }
 
 // Texels of the attributes of a primitive.
 uint attribute_stride(uint layout_bits) {
@@ -172,6 +175,21 @@ vec4 vertex_tangent(SurfacePoint at) {
 // A picture or checkerboard at texture coordinates (u, v, 1) of its surface.
 vec4 texture_at(TextureRecord t, vec3 surface) {
   vec2 uv = vec2(dot(t.u_row, surface), dot(t.v_row, surface));
+  if (textures_have(kTexturesNested)) {
+    // Into the squares of checkerboards, which hold textures of earlier rows alone.
+    vec3 factor = vec3(1.0);
+    while ((t.header & kTextureKindMask) == kTextureCheckerboard) {
+      const bool even = is_even_square(uv);
+      uint within = even ? t.first : t.width;
+      MUTATE(kMutantSquaresSwapped, within = even ? t.width : t.first);
+      if (within == kNone) break;
+      factor *= even ? t.color0 : t.color1;
+      t = fetch_texture(within);
+      uv = vec2(dot(t.u_row, surface), dot(t.v_row, surface));
+    }
+    const bool board = (t.header & kTextureKindMask) == kTextureCheckerboard;
+    return vec4(factor, 1.0) * (board ? checkerboard_value(t, uv) : bitmap_value(t, uv));
+  }
   MUTATE(kMutantUvTransformInverted, uv = inverse(mat2(t.u_row.x, t.v_row.x, t.u_row.y, t.v_row.y)) * (surface.xy - vec2(t.u_row.z, t.v_row.z)));
   if (textures_have(kTexturesCheckerboard) && (t.header & kTextureKindMask) == kTextureCheckerboard) return checkerboard_value(t, uv);
   return textures_have(kTexturesBitmap) ? bitmap_value(t, uv) : vec4(0.0);
@@ -179,6 +197,8 @@ vec4 texture_at(TextureRecord t, vec3 surface) {
 
 // Applies the flags of a texture to its value.
 vec4 derived_value(TextureRecord t, vec4 value, InstanceAttributes a, SurfacePoint at) {
+  MUTATE(kMutantVertexTintLeftOut, t.header &= ~kTextureTinted);
+  MUTATE(kMutantAlphaNotMultiplied, t.header &= ~kTexturePremultiplied);
   if (textures_have(kTexturesTinted) && (t.header & kTextureTinted) != 0u) value *= attribute_value(a, at, kTextureVertexColor);
   if (textures_have(kTexturesAlpha)) {
     if ((t.header & kTextureCut) != 0u) value.w = value.w >= t.cutoff ? 1.0 : 0.0;

@@ -3,7 +3,10 @@
 #include "../mutants.h"
 
 FEATURE(bool, kTwoSidedLights, kConstantTwoSidedLights, false)
-bool shines_on_both_sides(Instance instance) { return kTwoSidedLights && instance.light_area < 0.0; }
+bool shines_on_both_sides(Instance instance) {
+  MUTATE(kMutantLampBackDark, return false);
+  return kTwoSidedLights && instance.light_area < 0.0;
+}
 float light_area_of(Instance instance) { return kTwoSidedLights ? abs(instance.light_area) : instance.light_area; }
 
 // Radiance toward w (pointing away from the surface).

@@ -183,7 +183,7 @@ bool sides_agree(Surface s, vec3 w, float cosine) {
 
 // ... and the others are shadowed like microfacets as steep as the turned normal [Conty2019].
 float turned_share(Surface s, vec3 w) {
-  if (!kPerturbed) return 1.0;
+  if (!kPerturbed || (kLooseMaps && !s.shadowed)) return 1.0;
   const float turn = dot(s.base, s.frame.n), across = dot(s.base, w);
   const float slope2 = max(0.0, 1.0 - turn * turn) / (turn * turn), tan2 = max(0.0, 1.0 - across * across) / (across * across);
   return 2.0 / (1.0 + sqrt(1.0 + min(0.125 * slope2, 1.0) * tan2));
@@ -205,6 +205,7 @@ Scatterer scatterer_of(Choice choice, Surface s, SurfacePoint at, Primitive geom
   Material material = evaluate_material(choice.material, at);
   s.frame = choice.frame;
   s.base = choice.base;
+  s.shadowed = choice.shadowed;
   if (textures_have(kTexturesTangents) && material_has(material, kMaterialAligned)) s.frame = aligned_frame(s.frame.n, at, geometry);
   if (kCoatNormals && material_has(material, kMaterialCoatNormal)) material.coat = to_local(s.frame, coat_normal(choice, at, geometry, w));
   return Scatterer(s, material, to_local(s.frame, w));
@@ -222,7 +223,9 @@ void disperse(inout Path path, inout Material m, float u) {
     path.channel = 1u + min(uint(3.0 * u), 2u);
     path.beta *= 3.0 * vec3(equal(uvec3(1u, 2u, 3u), uvec3(path.channel)));
   }
-  m.eta.x = max(m.eta.x + (float(path.channel) - 2.0) * (m.volume.w - 1.0) * (m.eta.x - 1.0), 1.001);
+  float part = float(path.channel) - 2.0;
+  MUTATE(kMutantDispersionReversed, part = -part);
+  m.eta.x = max(m.eta.x + part * (m.volume.w - 1.0) * (m.eta.x - 1.0), 1.001);
 }
 
 bool absorbs_behind(Material m) { return kVolumes && material_has(m, kMaterialVolume) && material_has(m, kMaterialTransmissive); }
@@ -406,7 +409,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   }
   uint max_depth = frame.max_depth;
   MUTATE(kMutantDepthOffByOne, ++max_depth);
-  Choice choice = Choice(instance.material, s.frame, s.base, 1.0);
+  Choice choice = Choice(instance.material, s.frame, s.base, 1.0, true);
   OtherChoice other_choice = OtherChoice(choice, -1.0);
   const uvec4 words = choice_words_at(path, path.segment - 1u, s, path.ray.d, 0u);
   if (kAdapters != 0u && (path.segment < max_depth || !kCountPasses)) {
@@ -422,6 +425,7 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   }
   s.frame = choice.frame;
   s.base = choice.base;
+  s.shadowed = choice.shadowed;
   if (kIntegrator == kIntegratorAov && frame.aov <= kAovLastAtHit) {
     path.radiance = value_at_hit(path, s, instance, at);
     return;

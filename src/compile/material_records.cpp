@@ -44,12 +44,17 @@ gpu::MaterialRecord flatten(const BlendAdapter& blend) {
   return {.params = glm::vec3(static_cast<float>(blend.first), blend.second, blend.weight.value),
           .header = gpu::kAdapterBlend};
 }
+gpu::uint map_bits(const TurnedNormals& turned) {
+  return (turned.mirrored ? 0u : gpu::kMapUnmirrored) | (turned.shadowed ? 0u : gpu::kMapUnshadowed);
+}
 gpu::MaterialRecord flatten(const NormalMapAdapter& map) {
-  return {.params = glm::vec3(static_cast<float>(map.inner), map.vertex_tangents ? 1.0f : 0.0f, 0.0f),
+  const gpu::uint bits = map_bits(map.turned) | (map.vertex_tangents ? gpu::kMapVertexTangents : 0u);
+  return {.params = glm::vec3(static_cast<float>(map.inner), static_cast<float>(bits), 0.0f),
           .header = gpu::kAdapterNormalMap};
 }
 gpu::MaterialRecord flatten(const BumpMapAdapter& map) {
-  return {.params = glm::vec3(static_cast<float>(map.inner), 0.0f, map.height.value), .header = gpu::kAdapterBumpMap};
+  return {.params = glm::vec3(static_cast<float>(map.inner), map_bits(map.turned), map.height.value),
+          .header = gpu::kAdapterBumpMap};
 }
 gpu::MaterialRecord flatten(const PrincipledBsdf& bsdf) {
   return {.params = glm::vec3(bsdf.base_color.value),

@@ -186,7 +186,10 @@ class TextureCompiler {
     record.header = gpu::kTextureCheckerboard;
     record.color0 = glm::vec3(board.color0);
     record.color1 = glm::vec3(board.color1);
+    record.first = board.texture0.value_or(gpu::kNone);
+    record.width = board.texture1.value_or(gpu::kNone);
     out_.features |= gpu::kTexturesCheckerboard;
+    if (board.is_nested()) out_.features |= gpu::kTexturesNested;
   }
   void flatten_source(const AttributeTexture& attribute, const Texture&, gpu::TextureRecord& record) {
     const bool faces = attribute.source == AttributeTexture::Source::face_color;

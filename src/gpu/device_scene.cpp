@@ -103,6 +103,9 @@ struct MaterialsUsed {
       return depths[row] = 0;
     }
     adapters |= 1u << (type - gpu::kAdapterFirst) | (type == gpu::kAdapterMask ? gpu::kAdaptersPass : 0u);
+    const bool map = type == gpu::kAdapterNormalMap || type == gpu::kAdapterBumpMap;
+    if (map && (static_cast<gpu::uint>(record.params.y) & ~gpu::kMapVertexTangents) != 0)
+      adapters |= gpu::kAdaptersLooseMaps;
     std::uint32_t depth = look_at(all, static_cast<gpu::uint>(record.params.x));
     if (type == gpu::kAdapterTwoSided || type == gpu::kAdapterBlend)
       depth = std::max(depth, look_at(all, static_cast<gpu::uint>(record.params.y)));

@@ -239,6 +239,18 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "a coat whose roughness varies reflects nothing back inside", "picture of coats"},
     {gpu::kMutantTintOnce, "tint of the mirror", "tinted glass gives transmitted light the colour of reflected light",
      "chi2, tinted dielectric"},
+    {gpu::kMutantSquaresSwapped, "squares swapped", "the textures in the squares of a checkerboard are exchanged",
+     "picture of products"},
+    {gpu::kMutantVertexTintLeftOut, "tint left out", "textures are not multiplied by the vertices' colours",
+     "picture of products"},
+    {gpu::kMutantAlphaNotMultiplied, "alpha not multiplied", "colours are not multiplied by their alpha",
+     "picture of products"},
+    {gpu::kMutantCoatNormalsIgnored, "coat's map ignored",
+     "a clear coat has the normal of the surface, not that of its map", "picture of gleams"},
+    {gpu::kMutantLampBackDark, "lamp's back dark", "a two-sided lamp emits only in front", "picture of gleams"},
+    {gpu::kMutantDispersionReversed, "rainbow reversed", "glass bends red more than blue", "picture of gleams"},
+    {gpu::kMutantLooseMapsTied, "loose maps tied", "turned normals are mirrored and shadow even where they should not",
+     "picture of loose maps"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -494,6 +506,77 @@ Scene room_of_maps() {
   put(0.1, BumpMapAdapter{.height = ScalarParameter(0.3, 1, TextureChannel::red)});
   scene.camera.world_from_camera = glm::dmat4({1, 0, 0, 0}, {0, 0.8, 0.6, 0}, {0, -0.6, 0.8, 0}, {0, 0.9, -0.9, 1});
   scene.integrator.max_depth = 4;
+  return scene;
+}
+
+/// Boards in the room's middle that show textures made of others: tinted by vertices, multiplied with alpha, and within
+/// a checkerboard.
+Scene room_of_products() {
+  Scene scene = room();
+  scene.name = scene.file = "room of products";
+  scene.instances.resize(scene.instances.size() - 2);  // the spheres
+  scene.bitmaps = {raw_picture(2, 4, {250, 60, 90, 40, 30, 240, 120, 250, 90, 90, 250, 90, 240, 230, 60, 160}),
+                   raw_picture(2, 3, {250, 40, 40, 40, 250, 40})};
+  scene.textures = {{.source = BitmapTexture{.bitmap = 0}},
+                    {.source = BitmapTexture{.bitmap = 1}},
+                    {.source = BitmapTexture{.bitmap = 0}, .vertex_tint = true},
+                    {.source = BitmapTexture{.bitmap = 0}, .premultiplied = true}};
+  CheckerboardTexture squares{glm::dvec3(0.9, 0.5, 0.7), glm::dvec3(0.4, 0.9, 0.9)};
+  squares.texture0 = 0;
+  squares.texture1 = 1;
+  scene.textures.push_back({.source = squares, .uv_transform = glm::dmat3(1.5)});
+  scene.textures.back().uv_transform[2][2] = 1.0;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const double x = -0.95 + 0.65 * i, far = x + 0.6;
+    TriangleMesh board{.positions = {{x, -0.2, -0.6}, {x, -0.2, 0.6}, {far, -0.2, 0.6}, {far, -0.2, -0.6}},
+                       .uv_sets = {{{0, 0}, {0, 1}, {1, 1}, {1, 0}}},
+                       .triangles = {{0, 1, 2}, {0, 2, 3}}};
+    board.vertex_colors = {{0.2f, 0.9f, 0.5f}, {0.9f, 0.2f, 0.5f}, {0.5f, 0.5f, 0.1f}, {1.0f, 1.0f, 1.0f}};
+    scene.add(std::move(board), DiffuseBsdf{ColorParameter(glm::dvec3(1.0), 2 + i)});
+  }
+  scene.camera.world_from_camera = glm::dmat4({1, 0, 0, 0}, {0, 0.8, 0.6, 0}, {0, -0.6, 0.8, 0}, {0, 0.9, -0.9, 1});
+  scene.integrator.max_depth = 3;
+  return scene;
+}
+
+/// A lamp of two sides in the middle of the room, over a board whose coat has bumps of its own; before it a ball of
+/// dispersive glass.
+Scene room_of_gleams() {
+  Scene scene = room();
+  scene.name = scene.file = "room of gleams";
+  scene.instances.resize(scene.instances.size() - 2);  // the spheres
+  const Instance& lamp = scene.instances.back();
+  for (glm::dvec3& p : std::get<TriangleMesh>(scene.shapes[lamp.shape]).positions) p.y = 0.3;
+  scene.emitters[0].two_sided = true;
+  const glm::dvec3 tilted(0.85, 0.5, 0.8);
+  scene.textures = {{.source = CheckerboardTexture{tilted, tilted}}};
+  GltfBsdf coat{.base_color = glm::dvec3(0.3), .metallic = 0.0, .roughness = 1.0, .clearcoat = 1.0};
+  coat.clearcoat_roughness = 0.5;
+  coat.coat_keeps_normal = true;
+  coat.coat_normals = ColorParameter(glm::dvec3(1.0), 0);
+  TriangleMesh board{.positions = {{-0.9, -0.8, -0.7}, {-0.9, -0.8, 0.7}, {0.9, -0.8, 0.7}, {0.9, -0.8, -0.7}},
+                     .uv_sets = {{{0, 0}, {0, 1}, {1, 1}, {1, 0}}},
+                     .triangles = {{0, 1, 2}, {0, 2, 3}}};
+  scene.add(std::move(board), coat);
+  GltfBsdf glass{.metallic = 0.0, .roughness = 0.1, .transmission = 1.0, .thin = false};
+  glass.dispersion = 8.0;
+  scene.add(Sphere{{0.0, -0.2, -0.6}, 0.35}, glass);
+  scene.integrator.max_depth = 4;
+  return scene;
+}
+
+/// The boards of maps, which here neither mirror turned normals nor shadow.
+Scene room_of_loose_maps() {
+  Scene scene = room_of_maps();
+  scene.name = scene.file = "room of loose maps";
+  for (Material& material : scene.materials) {
+    if (!material.adapter) continue;
+    std::visit(
+        [](auto& map) {
+          if constexpr (requires { map.turned; }) map.turned = {.mirrored = false, .shadowed = false};
+        },
+        *material.adapter);
+  }
   return scene;
 }
 
@@ -758,6 +841,12 @@ std::vector<SuiteTest> make_suite() {
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_round_shapes(), gpu); }},
       {"picture of maps against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_maps(), gpu); }},
+      {"picture of loose maps against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_loose_maps(), gpu); }},
+      {"picture of products against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_products(), gpu); }},
+      {"picture of gleams against the reference",
+       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_gleams(), gpu); }},
       {"picture of mixtures against the reference",
        [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_mixtures(), gpu); }},
       {"picture of coats against the reference",

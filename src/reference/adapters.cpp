@@ -38,6 +38,7 @@ struct Place {
   Frame frame;
   double side = 1.0;  ///< of the frame's normal, against that of the surface
   std::optional<Vec3> base = {};
+  bool shadowed = true;
 };
 
 /// Goes the way.
@@ -81,7 +82,8 @@ struct Chooser : Place {
   bool step(const NormalMapAdapter& map) {
     const std::uint32_t uv_set = scene.textures[*map.normals.texture].uv_set;
     const Vec3 color = at_point(scene, map.normals, surface);
-    if (const auto to = mapped(scene, surface, color, uv_set, map.vertex_tangents, frame.normal(), side)) turn(*to);
+    if (const auto to = mapped(scene, surface, color, uv_set, map.vertex_tangents, frame.normal(), side))
+      turn(*to, map.turned);
     row = map.inner;
     return true;
   }
@@ -94,16 +96,18 @@ struct Chooser : Place {
       const Vec3 along = by.u - n * glm::dot(n, by.u) + slope.x * n,
                  across = by.v - n * glm::dot(n, by.v) + slope.y * n;
       const Vec3 m = glm::cross(along, across);
-      turn(glm::dot(m, n) < 0.0 ? -m : m);
+      turn(glm::dot(m, n) < 0.0 ? -m : m, map.turned);
     }
     row = map.inner;
     return true;
   }
-  void turn(const Vec3& to) {
+  void turn(const Vec3& to, const TurnedNormals& turned) {
+    if (!turned.shadowed) shadowed = false;
     if (!(glm::length(to) > 0.0)) return;
     const Vec3 n = frame.normal();
     if (!base) base = n;
-    frame = Frame(seen(glm::normalize(to), n, d));
+    const Vec3 direction = glm::normalize(to);
+    frame = Frame(turned.mirrored ? seen(direction, n, d) : direction);
   }
 };
 
@@ -116,7 +120,7 @@ std::optional<ChosenMaterial> arrive(Chooser& chooser) {
       const Frame& frame = chooser.frame;
       return ChosenMaterial{chooser.row,
                             is_aligned(material) ? frame.along(tangents(chooser.scene, 0, chooser.surface).u) : frame,
-                            chooser.base, chooser.side};
+                            chooser.base, chooser.side, chooser.shadowed};
     }
     if (!std::visit([&](const auto& adapter) { return chooser.step(adapter); }, *material.adapter)) return std::nullopt;
   }

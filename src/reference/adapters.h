@@ -17,7 +17,8 @@ struct ChosenMaterial {
   Frame frame;
   /// The normal before maps turned it, on the same side; nothing where none has.
   std::optional<Vec3> base = {};
-  double side = 1.0;  ///< of the frame's normal, against that of the surface
+  double side = 1.0;     ///< of the frame's normal, against that of the surface
+  bool shadowed = true;  ///< by the normal that maps have turned
 };
 
 /// A material that was chosen, and what the outermost blend on the way to it would have chosen else.

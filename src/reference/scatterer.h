@@ -20,6 +20,7 @@ class Scatterer {
       : bsdf_(std::move(bsdf)),
         frame_(chosen.frame),
         base_(chosen.base),
+        shadowed_(chosen.shadowed),
         wo_(frame_.to_local(wo)),
         unseen_(base_ && !agrees(wo)) {}
 
@@ -58,7 +59,7 @@ class Scatterer {
 
   /// What microfacets as steep as the turned normal leave of light from `w` [Conty2019].
   double share(const Vec3& w) const {
-    if (!base_) return 1.0;
+    if (!base_ || !shadowed_) return 1.0;
     const auto tan2 = [](double cosine) { return std::max(0.0, 1.0 / (cosine * cosine) - 1.0); };
     const double slope2 = tan2(glm::dot(*base_, frame_.normal()));
     return 2.0 / (1.0 + std::sqrt(1.0 + std::min(0.125 * slope2, 1.0) * tan2(glm::dot(*base_, w))));
@@ -67,6 +68,7 @@ class Scatterer {
   Bsdf bsdf_;  // its parameters have the values that they have here
   Frame frame_;
   std::optional<Vec3> base_;
+  bool shadowed_;
   Vec3 wo_;
   bool unseen_;
 };

@@ -66,9 +66,13 @@ Vec4 value(const BitmapTexture& texture, const Scene& scene, const Vec2& uv) {
          s * t * at(i + 1.0, j + 1.0);
 }
 
-Vec4 value(const CheckerboardTexture& board, const Vec2& uv) {
+/// `surface_uv` is where the surface is, `uv` where the checkerboard is.
+Vec4 value(const CheckerboardTexture& board, const Scene& scene, const Vec2& uv, const Vec2& surface_uv) {
   const bool even = std::fmod(std::floor(2.0 * uv.x) + std::floor(2.0 * uv.y), 2.0) == 0.0;
-  return Vec4(even ? board.color0 : board.color1, 1.0);
+  const Vec3 color = even ? board.color0 : board.color1;
+  const std::optional<std::uint32_t>& within = even ? board.texture0 : board.texture1;
+  if (!within) return Vec4(color, 1.0);
+  return Vec4(color, 1.0) * texture_value(scene, scene.textures[*within], surface_uv);
 }
 
 /// The vertices of the surface's triangle, in the order of its weights.
@@ -189,7 +193,8 @@ glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const Surfa
 
 glm::dvec4 texture_value(const Scene& scene, const Texture& texture, const glm::dvec2& surface_uv) {
   const Vec2 uv(texture.uv_transform * Vec3(surface_uv, 1.0));
-  if (const auto* board = std::get_if<CheckerboardTexture>(&texture.source)) return value(*board, uv);
+  if (const auto* board = std::get_if<CheckerboardTexture>(&texture.source))
+    return value(*board, scene, uv, surface_uv);
   return value(std::get<BitmapTexture>(texture.source), scene, uv);
 }
 

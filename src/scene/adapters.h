@@ -28,17 +28,27 @@ struct BlendAdapter {
   std::uint32_t second = 0;
 };
 
+/// What becomes of turned normals.
+struct TurnedNormals {
+  bool mirrored = true;  ///< those that are not seen are mirrored; else nothing is reflected there
+  bool shadowed = true;  ///< they shadow like microfacets as steep as they are
+
+  bool operator==(const TurnedNormals&) const = default;
+};
+
 /// `inner` with another shading normal: 2 c − 1 for the colour c of a texture, along dp/du, across it, and along the
 /// normal. With `vertex_tangents` along the tangents of the mesh's vertices, and across those on their side.
 struct NormalMapAdapter {
   ColorParameter normals{glm::dvec3(1.0)};
   std::uint32_t inner = 0;
   bool vertex_tangents = false;
+  TurnedNormals turned{};
 };
 /// `inner` with the shading normal of a surface displaced by `height`, a picture times a number, in scene units.
 struct BumpMapAdapter {
   ScalarParameter height{1.0};
   std::uint32_t inner = 0;
+  TurnedNormals turned{};
 };
 
 using Adapter = std::variant<TwoSidedAdapter, MaskAdapter, BlendAdapter, NormalMapAdapter, BumpMapAdapter>;

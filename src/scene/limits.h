@@ -47,6 +47,8 @@ inline constexpr std::size_t kMaxVertices = std::size_t{1} << 25;
 
 /// Maximum number of textures in a scene; kernels store their indices in 24 bits.
 inline constexpr std::size_t kMaxTextures = std::size_t{1} << 24;
+/// Checkerboards and what stands in their squares, one in the other.
+inline constexpr std::uint32_t kMaxNestedTextures = 8;
 /// Largest |texture coordinate| of a mesh, and entry of a texture's transform: their products stay finite in single
 /// precision.
 inline constexpr double kMaxTextureCoordinate = 1e9;

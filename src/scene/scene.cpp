@@ -175,12 +175,19 @@ void hash(Hasher& h, const MaskAdapter& mask) {
 void hash(Hasher& h, const BlendAdapter& blend) {
   hash(h, blend.weight);
 }
+void hash(Hasher& h, const TurnedNormals& turned) {
+  if (turned == TurnedNormals{}) return;
+  h.value(turned.mirrored);
+  h.value(turned.shadowed);
+}
 void hash(Hasher& h, const NormalMapAdapter& map) {
   hash(h, map.normals);
   if (map.vertex_tangents) h.value(map.vertex_tangents);
+  hash(h, map.turned);
 }
 void hash(Hasher& h, const BumpMapAdapter& map) {
   hash(h, map.height);
+  hash(h, map.turned);
 }
 
 /// Of each row what it is hashed as: of an adapter a digest that holds those of its choices.
@@ -231,6 +238,10 @@ void hash(Hasher& h, const BitmapTexture& texture) {
 void hash(Hasher& h, const CheckerboardTexture& texture) {
   h.value(texture.color0);
   h.value(texture.color1);
+  if (!texture.is_nested()) return;
+  constexpr std::uint32_t kNothing = 0xffffffff;
+  h.value(texture.texture0.value_or(kNothing));
+  h.value(texture.texture1.value_or(kNothing));
 }
 void hash(Hasher& h, const AttributeTexture& texture) {
   h.value(texture.source);

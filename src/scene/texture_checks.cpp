@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -30,6 +33,7 @@ class TextureChecker {
                                                scene_.textures.size(), kMaxTextures));
     for (const auto& bitmap : scene_.bitmaps) check_bitmap(bitmap.get());
     if (sink_.error_count() != errors) return false;
+    depths_.assign(scene_.textures.size(), 0);
     for (const Texture& texture : scene_.textures) check_texture(texture);
     for (const Material& material : scene_.materials) {
       check_owner(material, material.position);
@@ -79,6 +83,9 @@ class TextureChecker {
     if (const auto* board = std::get_if<CheckerboardTexture>(&texture.source)) {
       if (!is_finite(board->color0) || !is_finite(board->color1))
         error(texture.position, "color0", fmt::format("a colour of the checkerboard {} is not finite", name));
+      for (const auto& nested : {board->texture0, board->texture1}) {
+        if (nested) check_nested(texture, *nested);
+      }
     }
     if (texture.vertex_tint && std::holds_alternative<AttributeTexture>(texture.source))
       error(texture.position, "vertex_tint",
@@ -91,6 +98,31 @@ class TextureChecker {
       sink_.error(texture.position, fmt::format("the texture {} refers to number {} of the scene's pictures, of which "
                                                 "there are {}",
                                                 name, picture->bitmap, scene_.bitmaps.size()));
+  }
+
+  /// Rows that come earlier cannot hold the checkerboard in their turn.
+  void check_nested(const Texture& board, std::uint32_t row) {
+    const std::string name = text::quoted(board.name);
+    if (&board - scene_.textures.data() <= static_cast<std::ptrdiff_t>(row))
+      return error(board.position, "color0",
+                   fmt::format("the checkerboard {} holds number {} of the scene's textures, which is not among those "
+                               "before it",
+                               name, row));
+    const Texture& nested = scene_.textures[row];
+    std::uint32_t& depth = depths_[static_cast<std::size_t>(&board - scene_.textures.data())];
+    depth = std::max(depth, depths_[row] + 1);
+    if (depth > kMaxNestedTextures)
+      error(board.position, "color0",
+            fmt::format("in the checkerboard {} textures lie {} deep within each other; at most {} are supported", name,
+                        depth, kMaxNestedTextures));
+    if (std::holds_alternative<AttributeTexture>(nested.source) || nested.is_derived())
+      error(board.position, "color0",
+            fmt::format("the checkerboard {} holds the texture {}, which is no plain picture or checkerboard", name,
+                        text::quoted(nested.name)));
+    if (nested.uv_set != board.uv_set)
+      error(board.position, "color0",
+            fmt::format("the checkerboard {} lies by set {} of texture coordinates, and holds one of set {}", name,
+                        board.uv_set, nested.uv_set));
   }
 
   template <typename Owner>
@@ -210,8 +242,10 @@ class TextureChecker {
       if (!parameter.texture) return;
       const Texture& texture = scene_.textures[*parameter.texture];
       const auto* picture = std::get_if<BitmapTexture>(&texture.source);
+      const auto* board = std::get_if<CheckerboardTexture>(&texture.source);
       // 8-bit codes cannot be anything else.
-      if (picture == nullptr || scene_.bitmaps[picture->bitmap]->format == BitmapFormat::u8) return;
+      if (picture != nullptr && scene_.bitmaps[picture->bitmap]->format == BitmapFormat::u8) return;
+      if (picture == nullptr && (board == nullptr || !board->is_nested())) return;
       if (!texture_facts(scene_, texture).finite)
         error(material.position, field,
               fmt::format("the texture {} has texels that are not finite", text::quoted(texture.name)));
@@ -245,6 +279,7 @@ class TextureChecker {
   const Scene& scene_;
   Diagnostics& sink_;
   const LocateField& locate_;
+  std::vector<std::uint32_t> depths_;                            // of rows: checkerboards that lie within each other
   std::set<std::pair<std::uint32_t, std::uint32_t>> looked_at_;  // shapes and their sets
 };
 

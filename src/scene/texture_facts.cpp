@@ -41,6 +41,18 @@ TextureFacts bitmap_facts(const Bitmap& bitmap, ColorSpace color_space) {
   return facts;
 }
 
+/// Of what one kind of squares of a checkerboard shows: the mean over all of the texture that stands there.
+TextureFacts square_facts(const Scene& scene, const glm::dvec3& color, const std::optional<std::uint32_t>& row) {
+  TextureFacts facts{.mean = color, .least = color, .largest = color, .finite = is_finite(color)};
+  if (!row) return facts;
+  const TextureFacts within = texture_facts(scene, scene.textures[*row]);
+  facts.mean *= within.mean;
+  facts.least = glm::min(color * within.least, color * within.largest);
+  facts.largest = glm::max(color * within.least, color * within.largest);
+  facts.finite = facts.finite && within.finite;
+  return facts;
+}
+
 }  // namespace
 
 glm::dvec4 texel_color(const Bitmap& bitmap, ColorSpace color_space, std::uint32_t x, std::uint32_t y) {
@@ -60,11 +72,14 @@ TextureFacts texture_facts(const Scene& scene, const Texture& texture) {
     const Bitmap& bitmap = *scene.bitmaps[picture->bitmap];
     return bitmap_facts(bitmap, picture->color_space.value_or(bitmap.color_space));
   }
-  if (const auto* board = std::get_if<CheckerboardTexture>(&texture.source))
-    return {.mean = 0.5 * (board->color0 + board->color1),
-            .least = glm::min(board->color0, board->color1),
-            .largest = glm::max(board->color0, board->color1),
-            .finite = is_finite(board->color0) && is_finite(board->color1)};
+  if (const auto* board = std::get_if<CheckerboardTexture>(&texture.source)) {
+    const TextureFacts even = square_facts(scene, board->color0, board->texture0);
+    const TextureFacts odd = square_facts(scene, board->color1, board->texture1);
+    return {.mean = 0.5 * (even.mean + odd.mean),
+            .least = glm::min(even.least, odd.least),
+            .largest = glm::max(even.largest, odd.largest),
+            .finite = even.finite && odd.finite};
+  }
   return {};
 }
 

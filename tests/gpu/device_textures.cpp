@@ -271,6 +271,61 @@ TEST_F(DeviceTextures, DerivedOnesAreThoseOfTheReference) {
   }
 }
 
+// Checkerboards of pictures and of another checkerboard, each with a transform of its own.
+TEST_F(DeviceTextures, CheckerboardsOfTexturesAreThoseOfTheReference) {
+  Random random(11);
+  std::size_t compared = 0;
+  for (std::uint32_t round = 0; round < 8; ++round) {
+    Scene scene = bodies(random, 1.0f);
+    CheckerboardTexture inner{{0.9, 0.5, 0.3}, {0.2, 0.7, 0.8}};
+    inner.texture1 = 0;
+    CheckerboardTexture outer{{0.5, 0.8, 1.0}, {0.6, 0.4, 0.9}};
+    if (round % 2 == 0) outer.texture0 = 1;
+    outer.texture1 = 2;
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      scene.bitmaps.push_back(random_bitmap(random, 2 + i, 3));
+      scene.textures.push_back({.source = BitmapTexture{.bitmap = i}, .uv_transform = random_transform(random)});
+    }
+    for (const CheckerboardTexture& board : {inner, outer})
+      scene.textures.push_back({.source = board, .uv_transform = random_transform(random)});
+    use(scene);
+    CompiledScene compiled = compile_scene(scene);
+    // The kernel looks at the first texture: the outermost, from here on.
+    std::ranges::reverse(compiled.textures.textures);
+    for (std::size_t i = 0; i < 2; ++i) {
+      for (gpu::uint* row : {&compiled.textures.textures[i].first, &compiled.textures.textures[i].width})
+        *row = *row == gpu::kNone ? gpu::kNone : 3u - *row;
+    }
+    std::vector<gpu::TextureCase> cases(128);
+    std::vector<reference::Surface> surfaces;
+    for (gpu::TextureCase& c : cases) {
+      c.instance = random.below(5);
+      c.primitive = c.instance < 2 ? random.below(2) : 0u;
+      const float a = random.unit(), b = (1.0f - a) * random.unit();
+      c.weights = {a, b, 1.0f - a - b};
+      c.n = glm::vec3(random.direction());
+      surfaces.push_back(surface_of(scene, random, c));
+    }
+    const auto answers = run<gpu::TextureAnswer>({kernels::textures, "textures", &compiled}, cases);
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const glm::dvec4 wanted = reference::texture_value(scene, scene.textures[3], surfaces[i]);
+      // Single precision may fall into the next square.
+      Scene moved = scene;
+      bool near_edge = false;
+      for (const glm::dvec2& step : {glm::dvec2(-1, -1), {-1, 1}, {1, -1}, {1, 1}}) {
+        for (std::size_t k = 2; k < 4; ++k)
+          moved.textures[k].uv_transform[2] = scene.textures[k].uv_transform[2] + 1e-4 * glm::dvec3(step, 0.0);
+        near_edge |= reference::texture_value(moved, moved.textures[3], surfaces[i]) != wanted;
+      }
+      if (near_edge) continue;
+      ++compared;
+      for (int k = 0; k < 4; ++k)
+        ASSERT_NEAR(static_cast<double>(answers[i].value[k]), wanted[k], 2e-4) << round << " " << i << " " << k;
+    }
+  }
+  EXPECT_GT(compared, 900u);
+}
+
 TEST_F(DeviceTextures, AttributesAreThoseOfTheReference) {
   Random random(6);
   for (const auto source : {AttributeTexture::Source::vertex_color, AttributeTexture::Source::face_color}) {

@@ -78,6 +78,26 @@ TEST(Courses, TagsThatArePassedOver) {
   EXPECT_EQ(parsed.diagnostics.list()[1].severity, Severity::warning);
 }
 
+TEST(Courses, OneNumberIsAGrey) {
+  const Scene scene =
+      read_beside_picture(sphere(R"(<bsdf type="diffuse"><color name="albedo" value=" 0.25 "/></bsdf>)") +
+                          sphere(R"(<emitter type="area"><float name="radiance" value="3"/></emitter>)"));
+  EXPECT_EQ(std::get<DiffuseBsdf>(scene.materials.at(0).bsdf).albedo.value, glm::dvec3(0.25));
+  EXPECT_EQ(scene.emitters.at(0).radiance.value, glm::dvec3(3.0));
+}
+
+/// Each lies on the surface for itself.
+TEST(Courses, CheckerboardsHoldTextures) {
+  const Scene scene = read_beside_picture(sphere(R"(<bsdf type="diffuse"><texture type="checkerboard" name="albedo">
+    <texture type="constant_color" name="color0"><color name="value" value="0.1 0.2 0.3"/></texture>
+    <color name="color1" value="0.5"/></texture></bsdf>)"));
+  const auto& board = std::get<CheckerboardTexture>(scene.textures.at(1).source);
+  EXPECT_EQ(board.texture0, 0u);
+  EXPECT_EQ(board.color0, glm::dvec3(1.0));
+  EXPECT_FALSE(board.texture1.has_value());
+  EXPECT_EQ(board.color1, glm::dvec3(0.5));
+}
+
 TEST(Courses, TexturesWithoutANameAreTheColour) {
   const Scene scene = read_beside_picture(
       sphere(

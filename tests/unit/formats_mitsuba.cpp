@@ -643,6 +643,120 @@ TEST(MitsubaTextures, PropertiesAndReferences) {
   EXPECT_EQ(wrong.first_error().find("s.xml:3:5: picture none.png"), 0u) << wrong.messages();
 }
 
+/// Figures of Mitsuba's variant with spectra.
+TEST(MitsubaColors, BlackBodiesGlowAsPlanckSays) {
+  expect_color(radiance_of(R"(<spectrum name="radiance" type="blackbody"><float name="temperature" value="2700"/>
+    </spectrum>)"),
+               {314.52, 130.63, 31.19}, 2e-3);
+  expect_color(radiance_of("<blackbody name=\"radiance\" temperature=\"5000K\" scale=\"0.5\"/>"),
+               0.5 * glm::dvec3(15278.7, 12094.7, 9599.8), 2e-3);
+  const Read cold = read(around(
+      "<emitter type=\"constant\"><blackbody name=\"radiance\" temperature=\"5\"/></emitter><shape type=\"sphere\"/>"));
+  EXPECT_NE(cold.first_error().find("a black body of 5 kelvin; use 100 to 1000000"), std::string::npos)
+      << cold.messages();
+}
+
+TEST(MitsubaSensor, OfABatchTheFirstIsAnApproximation) {
+  const std::string batch = with_sensor(R"(<sensor type="batch"><sensor type="thinlens">
+    <float name="aperture_radius" value="0.25"/><spectrum name="srf" value="400:1, 700:0"/></sensor>
+    <sensor type="orthographic"/><film type="hdrfilm"><integer name="width" value="90"/>
+    <integer name="height" value="50"/></film></sensor>)");
+  const Read refused = read(batch);
+  EXPECT_NE(refused.first_error().find("sensor batch (s.xml"), std::string::npos) << refused.messages();
+  EXPECT_NE(refused.first_error().find("response to wavelengths"), std::string::npos) << refused.messages();
+  const Read there = read(batch, {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(there.scene.has_value()) << there.messages();
+  EXPECT_EQ(there.scene->camera.type, Camera::Type::thin_lens);
+  EXPECT_EQ(there.scene->camera.width, 45u);
+  EXPECT_EQ(there.scene->camera.height, 50u);
+  EXPECT_EQ(there.scene->approximations.size(), 2u);
+}
+
+TEST(MitsubaBsdfs, BumpsNeedABitmap) {
+  const std::string board = around(R"(<shape type="disk"><bsdf type="bumpmap"><texture type="checkerboard"/>
+    <bsdf type="diffuse"/></bsdf></shape>)");
+  EXPECT_NE(read(board).first_error().find("bumps of another texture than a bitmap"), std::string::npos);
+  EXPECT_TRUE(read(board, {.overrides = {}, .approximate = true}).scene.has_value());
+}
+
+/// As in 0.6; a frame of black or white texels stands for what lies beyond.
+TEST(MitsubaTextures, BeyondTheirEdgesPicturesMayBeBlackOrWhite) {
+  const Read result = read(around(fmt::format(R"(<shape type="disk"><bsdf type="diffuse">
+    <texture name="reflectance" type="bitmap">{0}<string name="wrap_mode_u" value="one"/>
+    <string name="wrap_mode_v" value="mirror"/></texture></bsdf></shape><shape type="disk"><bsdf type="diffuse">
+    <texture name="reflectance" type="bitmap">{0}<string name="wrap_mode" value="zero"/></texture></bsdf></shape>)",
+                                              kPicture)));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const Scene& scene = *result.scene;
+  ASSERT_EQ(scene.bitmaps.size(), 2u);
+  const auto row_of = [](const Bitmap& picture, std::uint32_t y) {
+    std::vector<float> row;
+    for (std::uint32_t x = 0; x < picture.width; ++x) row.push_back(picture.stored(x, y, 0));
+    return row;
+  };
+  EXPECT_EQ(scene.bitmaps[0]->height, 1u);
+  EXPECT_EQ(row_of(*scene.bitmaps[0], 0), (std::vector<float>{1, 0, 1, 1}));
+  ASSERT_EQ(scene.bitmaps[1]->height, 3u);
+  EXPECT_EQ(row_of(*scene.bitmaps[1], 0), (std::vector<float>{0, 0, 0, 0}));
+  EXPECT_EQ(row_of(*scene.bitmaps[1], 1), (std::vector<float>{0, 0, 1, 0}));
+  const auto& sides = std::get<BitmapTexture>(scene.textures.at(0).source);
+  EXPECT_EQ(sides.wrap_u, TextureWrap::clamp);
+  EXPECT_EQ(sides.wrap_v, TextureWrap::mirror);
+  // The picture's corners lie one texel within the frame's.
+  const glm::dvec3 from = scene.textures[1].uv_transform * glm::dvec3(0, 0, 1);
+  const glm::dvec3 to = scene.textures[1].uv_transform * glm::dvec3(1, 1, 1);
+  EXPECT_NEAR(glm::distance(from, glm::dvec3(0.25, 1.0 / 3.0, 1.0)), 0.0, 1e-15);
+  EXPECT_NEAR(glm::distance(to, glm::dvec3(0.75, 2.0 / 3.0, 1.0)), 0.0, 1e-15);
+}
+
+TEST(MitsubaTextures, CheckerboardsHoldTextures) {
+  const std::string board = fmt::format(R"(type="checkerboard"><texture name="color0" type="bitmap">{}</texture>
+    <texture name="color1" type="scale"><float name="scale" value="0.25"/><texture type="checkerboard"/></texture>)",
+                                        kPicture);
+  const Read result = read(around(fmt::format(R"(<shape type="disk"><bsdf type="diffuse">
+    <texture name="reflectance" {0}</texture></bsdf></shape><shape type="disk"><bsdf type="mask">
+    <texture name="opacity" {0}</texture><bsdf type="null"/></bsdf></shape>)",
+                                              board)));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const Scene& scene = *result.scene;
+  const auto& color = std::get<CheckerboardTexture>(
+      scene.textures.at(std::get<DiffuseBsdf>(scene.bsdf_of(scene.instances[0])).albedo.texture.value()).source);
+  ASSERT_TRUE(color.texture0 && color.texture1);
+  EXPECT_TRUE(std::holds_alternative<BitmapTexture>(scene.textures.at(*color.texture0).source));
+  EXPECT_EQ(color.color0, glm::dvec3(1.0));
+  EXPECT_EQ(color.color1, glm::dvec3(0.25));
+  // As a number it has them the other way round.
+  const Material& mask = scene.materials.at(scene.instances[1].material);
+  const auto& number = std::get<CheckerboardTexture>(
+      scene.textures.at(std::get<MaskAdapter>(*mask.adapter).opacity.texture.value()).source);
+  EXPECT_EQ(number.color0, glm::dvec3(0.25));
+  EXPECT_TRUE(std::holds_alternative<BitmapTexture>(scene.textures.at(number.texture1.value()).source));
+}
+
+TEST(MitsubaTextures, CheckerboardsHoldNeitherThemselvesNorColoursOfMeshes) {
+  const Read endless = read(around(R"(<texture id="t" type="checkerboard"><ref name="color0" id="t"/></texture>
+    <shape type="disk"><bsdf type="diffuse"><ref name="reflectance" id="t"/></bsdf></shape>)"));
+  EXPECT_NE(endless.first_error().find("deep within each other"), std::string::npos) << endless.messages();
+  const Read colors = read(around(R"(<shape type="disk"><bsdf type="diffuse"><texture name="reflectance"
+    type="checkerboard"><texture name="color1" type="mesh_attribute"><string name="name" value="vertex_color"/></texture>
+    </texture></bsdf></shape>)"));
+  EXPECT_NE(colors.first_error().find("colours of a mesh in a checkerboard"), std::string::npos) << colors.messages();
+}
+
+TEST(MitsubaBsdfs, MapsMayLeaveTurnedNormalsAsTheyAre) {
+  const Read result = read(around(fmt::format(R"(<shape type="disk"><bsdf type="bumpmap"><texture type="bitmap">{0}
+    </texture><boolean name="flip_invalid_normals" value="false"/><bsdf type="diffuse"/></bsdf></shape>
+    <shape type="disk"><bsdf type="normalmap"><texture name="normalmap" type="bitmap">{0}</texture>
+    <boolean name="use_shadowing_function" value="false"/><bsdf type="diffuse"/></bsdf></shape>)",
+                                              kPicture)));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const auto adapter_of = [&](std::size_t i) {
+    return result.scene->materials.at(result.scene->instances.at(i).material).adapter.value();
+  };
+  EXPECT_EQ(std::get<BumpMapAdapter>(adapter_of(0)).turned, (TurnedNormals{.mirrored = false, .shadowed = true}));
+  EXPECT_EQ(std::get<NormalMapAdapter>(adapter_of(1)).turned, (TurnedNormals{.mirrored = true, .shadowed = false}));
+}
+
 TEST(MitsubaTextures, MeshesBringTheirCoordinates) {
   const Read result =
       read(around(fmt::format(R"(<bsdf id="b" type="diffuse"><texture name="reflectance" type="bitmap">{}

@@ -297,6 +297,30 @@ TEST(SceneWriter, AdaptersAreWrittenWithWhatTheyStandBefore) {
   EXPECT_TRUE(std::holds_alternative<MaskAdapter>(*there.materials[blend.first].adapter));
 }
 
+TEST(SceneWriter, CheckerboardsOfTexturesAndLooseMapsComeBackFromBothDialects) {
+  const TemporaryFolder folder;
+  Scene scene = ball_of(DiffuseBsdf{ColorParameter(glm::dvec3(0.5), 1)});
+  CheckerboardTexture board{{0.5, 1.0, 1.0}, {0.2, 0.3, 0.4}};
+  board.texture0 = 0;
+  scene.textures.push_back({.source = board});
+  scene.materials.push_back(
+      {.bsdf = DiffuseBsdf{}, .adapter = NormalMapAdapter{{glm::dvec3(1.0), 0}, 0, false, {false, false}}});
+  scene.instances[0].material = 1;
+  for (const bool mitsuba : {false, true}) {
+    const std::string name = mitsuba ? "m" : "e";
+    std::filesystem::create_directory(folder.path(name));
+    const Scene copy = copy_of(scene, folder.path(name + "/s.xml"), mitsuba);
+    const auto& map = std::get<NormalMapAdapter>(copy.materials[copy.instances[0].material].adapter.value());
+    EXPECT_EQ(map.turned, (TurnedNormals{.mirrored = false, .shadowed = false}));
+    const ColorParameter& albedo = std::get<DiffuseBsdf>(copy.materials[map.inner].bsdf).albedo;
+    const auto& there = std::get<CheckerboardTexture>(copy.textures[albedo.texture.value()].source);
+    ASSERT_TRUE(there.texture0.has_value());
+    EXPECT_FALSE(there.texture1.has_value());
+    EXPECT_TRUE(std::holds_alternative<BitmapTexture>(copy.textures[*there.texture0].source));
+    EXPECT_NEAR(glm::distance(albedo.value * there.color1, 0.5 * board.color1), 0.0, 1e-7);
+  }
+}
+
 TEST(SceneWriter, MitsubaGetsAChannelAsAPictureOfItsOwn) {
   const TemporaryFolder folder;
   Scene scene;
@@ -370,8 +394,35 @@ TEST(SceneWriter, MitsubaIsToldWhatItCanSay) {
     const auto& a = std::get<TriangleMesh>(scene.shape_of(scene.instances[i]));
     const auto& b = std::get<TriangleMesh>(read.shape_of(read.instances[i]));
     EXPECT_EQ(a.uv_sets, b.uv_sets);
-    EXPECT_EQ(scene.instances[i].flip_normals, read.instances[i].flip_normals);
+    // What is flipped is a mesh inside out there.
+    const bool flipped = scene.instances[i].flip_normals;
+    EXPECT_FALSE(read.instances[i].flip_normals);
+    EXPECT_EQ(b.triangles.at(0), flipped ? glm::uvec3(0, 2, 1) : glm::uvec3(0, 1, 2));
+    EXPECT_EQ(b.normals.at(1), flipped ? -a.normals[1] : a.normals[1]);
   }
+}
+
+/// Mitsuba joins the meshes of one material, and fails where only some are flipped.
+TEST(SceneWriter, MitsubaGetsMirroredMeshesInsideOut) {
+  const TemporaryFolder folder;
+  Scene scene;
+  TriangleMesh flat = mesh();
+  flat.normals.clear();
+  scene.add(flat, DiffuseBsdf{});
+  Instance mirrored = scene.instances[0];
+  mirrored.world_from_object[0][0] = -1.0;
+  scene.instances.push_back(mirrored);
+  const Scene read = copy_of(scene, folder.path("s.xml"), true);
+  EXPECT_EQ(text_of(folder.path("s.xml")).find("flip_normals"), std::string::npos);
+  ASSERT_EQ(read.instances.size(), 2u);
+  const auto corners = [&](std::size_t i) {
+    return std::get<TriangleMesh>(read.shape_of(read.instances[i])).triangles.at(0);
+  };
+  EXPECT_EQ(corners(0), glm::uvec3(0, 1, 2));
+  EXPECT_EQ(corners(1), glm::uvec3(0, 2, 1));
+  // In Mitsuba normals of triangles follow from the order of their vertices in the world.
+  EXPECT_FALSE(read.instances[0].flip_normals);
+  EXPECT_TRUE(read.instances[1].flip_normals);
 }
 
 }  // namespace

@@ -85,6 +85,17 @@ TEST(ReferenceTextures, ACheckerboardsSquaresAreHalfAUnit) {
   EXPECT_EQ(plane.at(-3.25, 5.75), 1.0);
 }
 
+TEST(ReferenceTextures, ACheckerboardShowsTexturesWhereTheyLieOnTheSurface) {
+  CheckerboardTexture board{Vec3(0.5), Vec3(2.0)};
+  board.texture1 = 1;
+  Plane plane(board);
+  plane.scene.textures[0].uv_transform = glm::dmat3(2.0, 0, 0, 0, 2.0, 0, 0, 0, 1);  // squares of side 1/4
+  plane.scene.textures.push_back({.source = CheckerboardTexture{Vec3(10.0), Vec3(20.0)}});
+  EXPECT_EQ(plane.at(0.125, 0.125), 0.5);
+  EXPECT_EQ(plane.at(0.375, 0.125), 20.0);  // in the inner one's first square, of side 1/2
+  EXPECT_EQ(plane.at(0.625, 0.375), 40.0);  // in its second
+}
+
 TEST(ReferenceTextures, ASphereTurnsAroundItsOwnZ) {
   Plane plane(wrapped(TextureWrap::clamp, TextureFilter::bilinear), 2, 2, {0, 4, 0, 4});
   plane.scene.shapes[0] = Sphere{};

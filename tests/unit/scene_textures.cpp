@@ -75,6 +75,10 @@ TEST(SceneTextures, WhatIsWrongIsSaid) {
   scene = textured();
   scene.textures[0].uv_transform[0][0] = INFINITY;
   expect_refused(scene, "the transform of the texture \"bricks\" is not affine");
+  CheckerboardTexture within_itself;
+  within_itself.texture1 = 0;
+  scene = textured(within_itself);
+  expect_refused(scene, "which is not among those before it");
   scene = textured(CheckerboardTexture{glm::dvec3(NAN), glm::dvec3(0)});
   expect_refused(scene, "a colour of the checkerboard");
 }

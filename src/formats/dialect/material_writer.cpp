@@ -102,10 +102,16 @@ void MaterialWriter::write_adapter(const std::string& id, const MaskAdapter& mas
   refer_to(mask.inner);
 }
 
+void MaterialWriter::write_turned(const TurnedNormals& turned) {
+  if (!turned.mirrored) xml_.boolean("flip_invalid_normals", false);
+  if (!turned.shadowed) xml_.boolean("use_shadowing_function", false);
+}
+
 void MaterialWriter::write_adapter(const std::string& id, const NormalMapAdapter& map) {
   open_bsdf(id, "normalmap");
   color("normalmap", map.normals);
   if (map.vertex_tangents) write_vertex_tangents();
+  write_turned(map.turned);
   refer_to(map.inner);
 }
 
@@ -115,6 +121,7 @@ void MaterialWriter::write_adapter(const std::string& id, const BumpMapAdapter& 
   height.value = 1.0;
   number("displacement", height);
   number("scale", map.height.value);
+  write_turned(map.turned);
   refer_to(map.inner);
 }
 

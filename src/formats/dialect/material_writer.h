@@ -33,6 +33,10 @@ class MaterialWriter {
 
   void color(const char* name, const glm::dvec3& value) { xml_.property(words_.color, name, shortest(value)); }
   void color(const char* name, const ColorParameter& parameter);
+  /// What stands in the squares of a checkerboard.
+  static ColorParameter square(const glm::dvec3& color, const std::optional<std::uint32_t>& texture) {
+    return texture ? ColorParameter(color, *texture) : ColorParameter(color);
+  }
   void number(const char* name, double value) { xml_.number(name, value); }
   void number(const char* name, const ScalarParameter& parameter);
 
@@ -76,6 +80,7 @@ class MaterialWriter {
   /// That a normal map lies by the tangents of vertices.
   virtual void write_vertex_tangents() = 0;
 
+  void write_turned(const TurnedNormals& turned);
   std::string material_id(std::uint32_t row) const;
   void write_material(std::uint32_t row);
   // Each opens an element, which the caller closes.

@@ -400,7 +400,8 @@ void Object::read_property(const XmlElement& element, ReadContext& context) {
 void Object::read_value(const Parameter& parameter, const XmlElement& element, ReadContext& context) {
   const XmlAttribute& value = *element.find("value");
   try {
-    const bool grey = parameter.type == ParameterType::color && element.name != tag_of(parameter.type);
+    const bool alone = text::trim(value.value).find_first_of(" ,\t\r\n") == std::string_view::npos;
+    const bool grey = parameter.type == ParameterType::color && alone && context.dialect.forgiving;
     Value read = parse_value(grey ? ParameterType::real : parameter.type, parameter.range, value.value);
     if (grey) read = glm::dvec3(std::get<double>(read));
     given_[parameter.name] = {std::move(read), value_position(value, 0, context)};

@@ -17,12 +17,22 @@ namespace etendue {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+TriangleMesh inside_out(TriangleMesh mesh) {
+  for (glm::uvec3& triangle : mesh.triangles) std::swap(triangle.y, triangle.z);
+  for (glm::dvec3& normal : mesh.normals) normal = -normal;
+  return mesh;
+}
+
+}  // namespace
+
 std::string SceneFiles::folder() const {
   return fs::path(path_).stem().string() + "-files";
 }
 
-std::string SceneFiles::mesh(std::uint32_t shape) {
-  const auto [known, is_new] = meshes_.try_emplace(shape);
+std::string SceneFiles::mesh(std::uint32_t shape, bool turned) {
+  const auto [known, is_new] = meshes_.try_emplace({shape, turned});
   if (is_new) known->second = fmt::format("{}/mesh-{}.ply", folder(), meshes_.size() - 1);
   return known->second;
 }
@@ -41,9 +51,11 @@ void SceneFiles::know(const std::shared_ptr<const Bitmap>& bitmap, const std::st
 void SceneFiles::write(const std::string& text, ExistingFiles existing) const {
   const fs::path beside = fs::path(path_).parent_path();
   std::vector<std::pair<std::string, std::function<void(const std::string& path)>>> files;
-  for (const auto& [shape, name] : meshes_) {
-    const auto& mesh = std::get<TriangleMesh>(scene_.shapes[shape]);
-    files.emplace_back((beside / name).string(), [&mesh](const std::string& path) { write_ply(path, mesh); });
+  for (const auto& [key, name] : meshes_) {
+    const auto& mesh = std::get<TriangleMesh>(scene_.shapes[key.first]);
+    files.emplace_back((beside / name).string(), [&mesh, turned = key.second](const std::string& path) {
+      turned ? write_ply(path, inside_out(mesh)) : write_ply(path, mesh);
+    });
   }
   for (const auto& [bitmap, name] : pictures_)
     files.emplace_back((beside / name).string(), [&bitmap](const std::string& path) { write_bitmap(path, *bitmap); });

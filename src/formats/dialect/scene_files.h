@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "scene/scene.h"
 
@@ -19,7 +20,8 @@ class SceneFiles {
   SceneFiles(const std::string& path, const Scene& scene) : path_(path), scene_(scene) {}
 
   // Names relative to the folder of the scene file; nothing is written yet.
-  std::string mesh(std::uint32_t shape);
+  /// `turned`: with its inside out.
+  std::string mesh(std::uint32_t shape, bool turned = false);
   std::string picture(const std::shared_ptr<const Bitmap>& bitmap);
   /// Gives a picture the name that it has already.
   void know(const std::shared_ptr<const Bitmap>& bitmap, const std::string& name);
@@ -33,7 +35,7 @@ class SceneFiles {
 
   std::string path_;
   const Scene& scene_;
-  std::map<std::uint32_t, std::string> meshes_;
+  std::map<std::pair<std::uint32_t, bool>, std::string> meshes_;  ///< by shape, and whether it is turned
   std::map<std::shared_ptr<const Bitmap>, std::string>
       pictures_;  ///< kept, so that no other comes to lie where one was
 };

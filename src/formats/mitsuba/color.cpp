@@ -136,11 +136,42 @@ std::vector<SpectrumPoint> read_sampled(const XmlElement& element, bool evenly) 
   return make_points(wavelengths, values, element.offset);
 }
 
+/// What a black body sends out, W·m⁻²·sr⁻¹·nm⁻¹ by Planck's law, with the constants of the SI.
+glm::dvec3 blackbody(double kelvin, std::size_t offset, SpectrumUse use) {
+  constexpr double kLeast = 100.0, kMost = 1e6;
+  if (!(kelvin >= kLeast && kelvin <= kMost))
+    throw ValueError{offset, fmt::format("a black body of {} kelvin; use {} to {}", kelvin, kLeast, kMost)};
+  constexpr double kPlanck = 6.62607015e-34, kLight = 299792458.0, kBoltzmann = 1.380649e-23;
+  std::vector<SpectrumPoint> points;
+  for (int nanometres = 360; nanometres <= 830; ++nanometres) {
+    const double wavelength = 1e-9 * nanometres;
+    const double photons = std::expm1(kPlanck * kLight / (wavelength * kBoltzmann * kelvin));
+    points.push_back({static_cast<double>(nanometres),
+                      1e-9 * 2.0 * kPlanck * kLight * kLight / (std::pow(wavelength, 5.0) * photons)});
+  }
+  return to_rec709(points, use);
+}
+
+/// Of 0.6: a temperature, perhaps with a K behind it, and a factor.
+glm::dvec3 read_old_blackbody(const XmlElement& element, SpectrumUse use) {
+  const auto number = [](const XmlAttribute& attribute) {
+    return at_attribute(attribute, [&] {
+      std::string_view text = text::trim(attribute.value);
+      if (text.ends_with('K') || text.ends_with('k')) text.remove_suffix(1);
+      return std::get<double>(parse_value(ParameterType::real, {}, text));
+    });
+  };
+  const XmlAttribute* scale = element.find("scale");
+  const double kelvin = number(required(element, "temperature"));
+  return (scale == nullptr ? 1.0 : number(*scale)) * blackbody(kelvin, element.offset, use);
+}
+
 /// As in Mitsuba's variants with RGB, where D65 and what is uniform are grey.
 glm::dvec3 read_typed(const XmlElement& element, std::string_view type, SpectrumUse use,
                       const MitsubaContext& context) {
   if (type == "uniform" || type == "rawconstant") return glm::dvec3(number_of(element, "value", 1.0));
   if (type == "d65") return glm::dvec3(number_of(element, "scale", 1.0));
+  if (type == "blackbody") return blackbody(number_of(element, "temperature", 5000.0), element.offset, use);
   if (type == "regular" || type == "irregular") return to_rec709(read_sampled(element, type == "regular"), use);
   const XmlElement* color = property_of(element, {"value", "color"});
   if ((type == "rgb" || type == "srgb") && color != nullptr && color->name != "spectrum")
@@ -195,10 +226,7 @@ glm::dvec3 read_spectrum(const XmlElement& element, SpectrumUse use, const Mitsu
 
 glm::dvec3 read_color(const XmlElement& element, SpectrumUse use, const MitsubaContext& context) {
   if (element.name == "spectrum") return read_spectrum(element, use, context);
-  if (element.name == "blackbody") {
-    context.missing.add("blackbody", context.document.position(element), "white");
-    return glm::dvec3(1.0);
-  }
+  if (element.name == "blackbody") return read_old_blackbody(element, use);
   if (element.name == "vector") return read_vector(element);
   const bool known = element.name == "rgb" || element.name == "srgb" || element.name == "color" ||
                      element.name == "float" || element.name == "integer";

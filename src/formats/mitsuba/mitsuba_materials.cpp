@@ -132,7 +132,8 @@ Adapter MitsubaMaterials::read_mixture(const MitsubaObject& object) {
 }
 
 Adapter MitsubaMaterials::read_map(const MitsubaObject& object, std::uint32_t inner) {
-  refuse_without_defaults(object);
+  const TurnedNormals turned{.mirrored = object.boolean("flip_invalid_normals"),
+                             .shadowed = object.boolean("use_shadowing_function")};
   const Adapter none = MaskAdapter{1.0, inner};
   if (object.type() == "normalmap") {
     const XmlElement* map = object.texture("normalmap");
@@ -144,21 +145,19 @@ Adapter MitsubaMaterials::read_map(const MitsubaObject& object, std::uint32_t in
     }
     ColorParameter normals = textures_.parameter({glm::dvec3(0.0), map});
     if (!normals.texture) normals = {glm::dvec3(1.0), textures_.add_constant(normals.value, object.position())};
-    return NormalMapAdapter{normals, inner};
+    return NormalMapAdapter{normals, inner, false, turned};
   }
   const std::vector<const XmlElement*> maps = object.children("texture");  // whatever its name is
   if (maps.empty()) return none;                                           // has been reported
   ScalarParameter height = textures_.scalar(*maps.front());
   height.value *= object.real("scale");
   if (!height.texture) return none;  // what is equally high everywhere is flat
-  return BumpMapAdapter{height, inner};
-}
-
-void MitsubaMaterials::refuse_without_defaults(const MitsubaObject& map) {
-  for (const char* name : {"flip_invalid_normals", "use_shadowing_function"}) {
-    if (!map.boolean(name))
-      context_.missing.add(fmt::format("{} without {}", map.type(), name), map.position_of(name), "with it");
+  if (!std::holds_alternative<BitmapTexture>(scene_.textures[*height.texture].source)) {
+    context_.missing.add("bumps of another texture than a bitmap", context_.document.position(*maps.front()),
+                         "without bumps");
+    return none;
   }
+  return BumpMapAdapter{height, inner, turned};
 }
 
 ScalarParameter MitsubaMaterials::share_of(const MitsubaObject& object, const char* name) {

@@ -33,8 +33,6 @@ class MitsubaMaterials {
   std::uint32_t add(Material material, const MitsubaObject& object);
   /// A normal or bump map.
   Adapter read_map(const MitsubaObject& object, std::uint32_t inner);
-  /// What normal and bump maps do unless they are told not to.
-  void refuse_without_defaults(const MitsubaObject& map);
   /// A probability, or the texture that stands for it.
   ScalarParameter share_of(const MitsubaObject& object, const char* name);
   template <typename Principled>

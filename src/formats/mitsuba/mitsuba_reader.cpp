@@ -161,11 +161,18 @@ class MitsubaReader {
                          fmt::format("the scene has {} sensors; the first one is rendered", sensors.size()));
     std::optional<MitsubaObject> sensor = MitsubaObject::read(*sensors.front(), context_, "perspective, 40 degrees");
     if (!sensor) return;
+    const MitsubaObject held = *sensor;  // what has the film
+    if (sensor->type() == "batch") sensor = first_of_batch(held);
+    if (!sensor) return;
+    if (sensor->given("srf"))
+      context_.missing.add("a sensor's response to wavelengths (srf)", sensor->position_of("srf"), "left out");
     if (sensor->type() == "irradiancemeter")
       return context_.sink.error(sensor->position(), "an irradiancemeter belongs in the <shape> that light falls on");
     Camera& camera = scene_.camera;
     camera.position = sensor->position();
-    read_film(*sensor, camera);
+    read_film(held, camera);
+    if (held.type() == "batch")
+      camera.width = std::max(camera.width / static_cast<std::uint32_t>(held.children("sensor").size()), 1u);
     if (sensor->type() == "distant") return read_distant(*sensor);
     camera.type = camera_type(sensor->type());
     if (sensor->plugin().find("fov") != nullptr) read_field_of_view(*sensor, camera);
@@ -174,7 +181,18 @@ class MitsubaReader {
     camera.far_clip = sensor->real("far_clip");
     camera.world_from_camera = sensor->matrix("to_world");
     if (camera.type == Camera::Type::radiance_meter) read_meter(*sensor, camera);
-    read_sampler(*sensor);
+    read_sampler(held);
+  }
+
+  /// Sensors that share a film, side by side.
+  std::optional<MitsubaObject> first_of_batch(const MitsubaObject& batch) {
+    const std::vector<const XmlElement*> sensors = batch.children("sensor");
+    if (sensors.empty()) return std::nullopt;  // has been reported
+    context_.missing.add("sensor batch", batch.position(), "the first of its sensors, with its share of the film");
+    std::optional<MitsubaObject> first = MitsubaObject::read(*sensors.front(), context_, "perspective, 40 degrees");
+    if (!first || first->type() != "batch") return first;
+    context_.sink.error(first->position(), "a batch of sensors holds no other batch");
+    return std::nullopt;
   }
 
   /// Where it stands is known once the shapes are.

@@ -1,6 +1,11 @@
 #include "formats/mitsuba/mitsuba_textures.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -16,6 +21,50 @@ namespace {
 constexpr double kGrey = 0.5;
 /// Textures within textures: a reference may lead back to where it stands.
 constexpr int kMaxDepth = 8;
+
+/// Sets all channels of a texel to 0 or 1.
+void fill_texel(Bitmap& bitmap, std::uint32_t x, std::uint32_t y, double value) {
+  const std::size_t bytes = bitmap.row_bytes() / bitmap.width;
+  std::byte* texel = &bitmap.texels[y * bitmap.row_bytes() + x * bytes];
+  const auto whole = static_cast<float>(value);
+  const std::uint8_t code = value > 0.0 ? 255 : 0;
+  const std::uint16_t half = value > 0.0 ? 0x3c00 : 0;
+  for (std::uint32_t channel = 0; channel < bitmap.channels; ++channel) {
+    const std::size_t size = bytes / bitmap.channels;
+    const void* from = bitmap.format == BitmapFormat::u8    ? static_cast<const void*>(&code)
+                       : bitmap.format == BitmapFormat::f16 ? static_cast<const void*>(&half)
+                                                            : static_cast<const void*>(&whole);
+    std::memcpy(texel + channel * size, from, size);
+  }
+}
+
+/// With one more column at each side that is `u` everywhere, and one more row at each end that is `v`.
+std::shared_ptr<const Bitmap> framed(const Bitmap& bitmap, std::optional<double> u, std::optional<double> v) {
+  auto result = std::make_shared<Bitmap>();
+  result->width = bitmap.width + (u ? 2 : 0);
+  result->height = bitmap.height + (v ? 2 : 0);
+  result->channels = bitmap.channels;
+  result->format = bitmap.format;
+  result->color_space = bitmap.color_space;
+  result->texels.resize(result->row_bytes() * result->height);
+  const std::size_t texel_bytes = bitmap.row_bytes() / bitmap.width;
+  for (std::uint32_t y = 0; y < bitmap.height; ++y)
+    std::memcpy(&result->texels[(y + (v ? 1 : 0)) * result->row_bytes() + (u ? texel_bytes : 0)],
+                &bitmap.texels[y * bitmap.row_bytes()], bitmap.row_bytes());
+  for (std::uint32_t x = 0; v && x < result->width; ++x) {
+    for (const std::uint32_t y : {0u, result->height - 1}) fill_texel(*result, x, y, *v);
+  }
+  for (std::uint32_t y = 0; u && y < result->height; ++y) {
+    for (const std::uint32_t x : {0u, result->width - 1}) fill_texel(*result, x, y, *u);
+  }
+  return result;
+}
+
+/// Texture coordinates of a picture to those of the picture in its frame.
+glm::dmat3 place_in_frame(std::uint32_t width, std::uint32_t height, bool u, bool v) {
+  const double x = u ? 1.0 / (width + 2.0) : 0.0, y = v ? 1.0 / (height + 2.0) : 0.0;
+  return {1.0 - 2.0 * x, 0.0, 0.0, 0.0, 1.0 - 2.0 * y, 0.0, x, y, 1.0};
+}
 
 }  // namespace
 
@@ -56,7 +105,7 @@ MitsubaTextures::Scaled MitsubaTextures::read(const XmlElement& texture, bool nu
     result.channel = channel_of(*object, number);
     return result;
   }
-  if (type == "checkerboard") return row(read_checkerboard(*object, number));
+  if (type == "checkerboard") return row(read_checkerboard(*object, number, depth));
   if (type == "mesh_attribute" || type == "vertexcolors") {
     Scaled result = row(read_attribute(*object));
     if (type == "mesh_attribute") result.factor *= object->real("scale");
@@ -86,20 +135,29 @@ std::uint32_t MitsubaTextures::add_constant(const glm::dvec3& color, const Sourc
 
 std::optional<Texture> MitsubaTextures::read_bitmap(const MitsubaObject& object) {
   BitmapTexture source;
-  source.wrap_u = wrap(object, object.given("wrap_mode_u") ? "wrap_mode_u" : "wrap_mode");
-  source.wrap_v = wrap(object, object.given("wrap_mode_v") ? "wrap_mode_v" : "wrap_mode");
+  const Wrap u = wrap(object, object.given("wrap_mode_u") ? "wrap_mode_u" : "wrap_mode");
+  const Wrap v = wrap(object, object.given("wrap_mode_v") ? "wrap_mode_v" : "wrap_mode");
+  source.wrap_u = u.mode;
+  source.wrap_v = v.mode;
   set_filter(object, source);
   set_encoding(object, source);
   const std::shared_ptr<const Bitmap> bitmap = picture(object);
   if (bitmap == nullptr) return std::nullopt;
-  const auto [known, is_new] = bitmaps_.try_emplace(bitmap.get(), static_cast<std::uint32_t>(scene_.bitmaps.size()));
-  if (is_new) scene_.bitmaps.push_back(bitmap);
-  source.bitmap = known->second;
+  source.bitmap = row_of(bitmap, u, v);
+  const glm::dmat3 inside = place_in_frame(bitmap->width, bitmap->height, u.border.has_value(), v.border.has_value());
   // Both its coordinates and those of surfaces are turned over.
-  return Texture{.source = source,
-                 .uv_transform = kFlipV * uv_transform(object) * kFlipV + glm::dmat3(0.0),  // no negative zeros
-                 .name = std::filesystem::path(text::trim(object.text("filename"))).filename().string(),
-                 .position = object.position()};
+  return Texture{
+      .source = source,
+      .uv_transform = inside * kFlipV * uv_transform(object) * kFlipV + glm::dmat3(0.0),  // no negative zeros
+      .name = std::filesystem::path(text::trim(object.text("filename"))).filename().string(),
+      .position = object.position()};
+}
+
+std::uint32_t MitsubaTextures::row_of(const std::shared_ptr<const Bitmap>& bitmap, const Wrap& u, const Wrap& v) {
+  const auto [known, is_new] =
+      bitmaps_.try_emplace({bitmap.get(), u.border, v.border}, static_cast<std::uint32_t>(scene_.bitmaps.size()));
+  if (is_new) scene_.bitmaps.push_back(u.border || v.border ? framed(*bitmap, u.border, v.border) : bitmap);
+  return known->second;
 }
 
 TextureChannel MitsubaTextures::channel_of(const MitsubaObject& bitmap, bool number) {
@@ -132,19 +190,18 @@ std::shared_ptr<const Bitmap> MitsubaTextures::picture(const MitsubaObject& obje
   return known->second;
 }
 
-TextureWrap MitsubaTextures::wrap(const MitsubaObject& object, const char* name) {
+MitsubaTextures::Wrap MitsubaTextures::wrap(const MitsubaObject& object, const char* name) {
   const std::string word = object.text(name);
-  if (word == "mirror") return TextureWrap::mirror;
-  if (word == "clamp") return TextureWrap::clamp;
-  if (word == "zero" || word == "one") {
-    context_.missing.add(fmt::format("wrap mode {}", word), object.position_of(name), "clamp");
-    return TextureWrap::clamp;
-  }
+  if (word == "mirror") return {TextureWrap::mirror};
+  if (word == "clamp") return {TextureWrap::clamp};
+  if (word == "zero") return {TextureWrap::clamp, 0.0};
+  if (word == "one") return {TextureWrap::clamp, 1.0};
   if (word != "repeat")
-    context_.sink.error(object.position_of(name),
-                        fmt::format("{} is not a wrap mode{}; known are: repeat, mirror, clamp", text::quoted(word),
-                                    text::did_you_mean(word, {"repeat", "mirror", "clamp"})));
-  return TextureWrap::repeat;
+    context_.sink.error(
+        object.position_of(name),
+        fmt::format("{} is not a wrap mode{}; known are: repeat, mirror, clamp, zero, one", text::quoted(word),
+                    text::did_you_mean(word, {"repeat", "mirror", "clamp", "zero", "one"})));
+  return {};
 }
 
 void MitsubaTextures::set_filter(const MitsubaObject& object, BitmapTexture& picture) {
@@ -177,15 +234,42 @@ glm::dmat3 MitsubaTextures::uv_transform(const MitsubaObject& object) {
   return old * object.uv_matrix("to_uv");
 }
 
-Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object, bool number) {
-  CheckerboardTexture board{constant(object.color("color0", SpectrumUse::reflectance), "a checkerboard"),
-                            constant(object.color("color1", SpectrumUse::reflectance), "a checkerboard")};
+Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object, bool number, int depth) {
+  CheckerboardTexture board;
+  read_square(object, "color0", number, depth, board.color0, board.texture0);
+  read_square(object, "color1", number, depth, board.color1, board.texture1);
   // As a number Mitsuba's (3.9) has its colours the other way round.
-  if (number) std::swap(board.color0, board.color1);
+  if (number) {
+    std::swap(board.color0, board.color1);
+    std::swap(board.texture0, board.texture1);
+  }
   return {.source = board,
           .uv_transform = uv_transform(object) * kFlipV + glm::dmat3(0.0),
           .name = "checkerboard",
           .position = object.position()};
+}
+
+/// What stands in the squares of a checkerboard.
+void MitsubaTextures::read_square(const MitsubaObject& board, const char* name, bool number, int depth,
+                                  glm::dvec3& color, std::optional<std::uint32_t>& row) {
+  const MitsubaColor given = board.color(name, SpectrumUse::reflectance);
+  color = given.value;
+  if (given.texture == nullptr) return;
+  if (depth >= kMaxDepth) {
+    color = glm::dvec3(kGrey);
+    return context_.sink.error(board.position(), fmt::format("textures lie {} deep within each other", depth));
+  }
+  const Scaled within = scaled(*given.texture, number, depth + 1);
+  color = within.factor;
+  row = within.row;
+  const bool colors = row && std::holds_alternative<AttributeTexture>(scene_.textures[*row].source);
+  const bool channel = row && within.channel != TextureChannel::luminance;
+  if (channel)
+    context_.missing.add("one channel of a bitmap in a checkerboard", board.position_of(name), "all of them");
+  if (!colors) return;
+  context_.missing.add("colours of a mesh in a checkerboard", board.position_of(name), "grey, 0.5");
+  color = glm::dvec3(kGrey);
+  row.reset();
 }
 
 std::optional<Texture> MitsubaTextures::read_attribute(const MitsubaObject& object) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "formats/mitsuba/mitsuba_files.h"
 #include "formats/mitsuba/mitsuba_object.h"
@@ -43,9 +44,17 @@ class MitsubaTextures {
   Scaled read(const XmlElement& texture, bool number, int depth);
   std::optional<Texture> read_bitmap(const MitsubaObject& object);
   TextureChannel channel_of(const MitsubaObject& bitmap, bool number);
-  Texture read_checkerboard(const MitsubaObject& object, bool number);
+  Texture read_checkerboard(const MitsubaObject& object, bool number, int depth);
+  void read_square(const MitsubaObject& board, const char* name, bool number, int depth, glm::dvec3& color,
+                   std::optional<std::uint32_t>& row);
   std::optional<Texture> read_attribute(const MitsubaObject& object);
-  TextureWrap wrap(const MitsubaObject& object, const char* name);
+  /// What a picture is beyond its edges: as in a Scene, or black or white, where it gets a frame of such texels.
+  struct Wrap {
+    TextureWrap mode = TextureWrap::repeat;
+    std::optional<double> border = {};
+  };
+  Wrap wrap(const MitsubaObject& object, const char* name);
+  std::uint32_t row_of(const std::shared_ptr<const Bitmap>& bitmap, const Wrap& u, const Wrap& v);
   void set_filter(const MitsubaObject& object, BitmapTexture& picture);
   void set_encoding(const MitsubaObject& object, BitmapTexture& picture);
   glm::dmat3 uv_transform(const MitsubaObject& object);
@@ -56,7 +65,8 @@ class MitsubaTextures {
   Scene& scene_;
   std::map<std::pair<const XmlElement*, bool>, Scaled> rows_;
   std::map<std::string, std::shared_ptr<const Bitmap>> pictures_;  ///< by path; null where it cannot be read
-  std::map<const Bitmap*, std::uint32_t> bitmaps_;                 ///< their rows
+  /// Their rows, by what frames them across and along.
+  std::map<std::tuple<const Bitmap*, std::optional<double>, std::optional<double>>, std::uint32_t> bitmaps_;
 };
 
 }  // namespace etendue

@@ -298,7 +298,6 @@ class MitsubaWriter : MaterialWriter {
       xml_.text("filename", files_.picture(sky.picture->bitmap));
       number("scale", sky.picture->scale);
     } else {
-      differs("the sky's picture is sampled again, with its first and last row at the poles, as Mitsuba wants it");
       xml_.text("filename", files_.picture(picture_with_poles(*sky.picture)));
     }
     xml_.transform("to_world", glm::dmat4(sky.world_from_sky));
@@ -316,14 +315,15 @@ class MitsubaWriter : MaterialWriter {
     return bitmap;
   }
 
-  /// Rows at the edges of the bands: a mean of two each, the first and last alone at the poles.
+  /// The same light in other rows: those of Mitsuba stand at equal angles, the first and last at the poles. So every
+  /// second one is the middle of a band, and those between are what the bands are at their edges.
   std::shared_ptr<const Bitmap> picture_with_poles(const SkyPicture& picture) {
     const Bitmap& bands = *picture.bitmap;
-    auto bitmap = float_bitmap(bands.width, bands.height + 1);
-    for (std::uint32_t y = 0; y <= bands.height; ++y) {
+    auto bitmap = float_bitmap(bands.width, 2 * bands.height + 1);
+    for (std::uint32_t y = 0; y < bitmap->height; ++y) {
       for (std::uint32_t x = 0; x < bands.width; ++x) {
-        const glm::vec3 above = picture.radiance(x, y == 0 ? 0 : y - 1);
-        const glm::vec3 below = picture.radiance(x, std::min(y, bands.height - 1));
+        const glm::vec3 above = picture.radiance(x, y == 0 ? 0 : (y - 1) / 2);
+        const glm::vec3 below = picture.radiance(x, std::min(y / 2, bands.height - 1));
         set_texel(*bitmap, x, y, 0.5f * (above + below));
       }
     }
@@ -350,7 +350,10 @@ class MitsubaWriter : MaterialWriter {
     if (texture.uv_set > 0) refuse("a texture uses the second texture coordinates of a mesh");
     // See mitsuba_textures.cpp.
     auto* board = std::get_if<CheckerboardTexture>(&texture.source);
-    if (channel && board != nullptr) std::swap(board->color0, board->color1);
+    if (channel && board != nullptr) {
+      std::swap(board->color0, board->color1);
+      std::swap(board->texture0, board->texture1);
+    }
     std::visit([&](const auto& source) { write_source(name, known->second, texture, source, factor); }, texture.source);
     xml_.close();
   }
@@ -375,8 +378,8 @@ class MitsubaWriter : MaterialWriter {
   void write_source(const char* name, const std::string& id, const Texture& texture, const CheckerboardTexture& source,
                     const glm::dvec3& factor) {
     xml_.open("texture", {{"name", name}, {"id", id}, {"type", "checkerboard"}});
-    color("color0", factor * source.color0);
-    color("color1", factor * source.color1);
+    color("color0", square(factor * source.color0, source.texture0));
+    color("color1", square(factor * source.color1, source.texture1));
     write_uv(texture.uv_transform * kFlipV);
   }
   void write_source(const char* name, const std::string& id, const Texture&, const AttributeTexture& source,
@@ -460,13 +463,12 @@ class MitsubaWriter : MaterialWriter {
     const Shape& shape = scene_.shape_of(instance);
     if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
       xml_.open("shape", {{"type", "ply"}});
-      xml_.text("filename", files_.mesh(instance.shape));
-      if (!mesh->uv_sets.empty()) xml_.boolean("flip_tex_coords", true);
       // There, normals of triangles follow from the order of their vertices in the world.
-      if (mesh->normals.empty()) {
-        xml_.boolean("face_normals", true);
-        flip = flip != is_mirrored(instance.world_from_object);
-      }
+      if (mesh->normals.empty()) flip = flip != is_mirrored(instance.world_from_object);
+      // A mesh of its own is turned: Mitsuba (3.9) joins meshes of one material, and fails where only some are flipped.
+      xml_.text("filename", files_.mesh(instance.shape, std::exchange(flip, false)));
+      if (!mesh->uv_sets.empty()) xml_.boolean("flip_tex_coords", true);
+      if (mesh->normals.empty()) xml_.boolean("face_normals", true);
     } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
       xml_.open("shape", {{"type", "sphere"}});
       xml_.property("point", "center", shortest(sphere->center));

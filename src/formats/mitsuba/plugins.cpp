@@ -44,10 +44,19 @@ std::vector<Plugin> scene_rows() {
             {"rfilter", 0, kAnyNumber}}}};
 }
 
+/// With parameters of Mitsuba's integrators that concern scheduling, not light.
+std::vector<Parameter> scheduled(std::vector<Parameter> own) {
+  own.insert(own.end(), {no_effect("samples_per_pass", integer, "has no effect: the device decides"),
+                         no_effect("block_size", integer, "has no effect: the device decides"),
+                         no_effect("timeout", real, "has no effect: use --time")});
+  return own;
+}
+
 std::vector<Parameter> path_parameters() {
-  return {{"max_depth", integer, "-1", between(-1, 1 << 30), "path segments: 1 is emitted light only; -1 is no limit"},
-          {"rr_depth", integer, "5", between(1, 1 << 30), "Russian roulette from this segment on"},
-          {"hide_emitters", boolean, "false", any(), "hides emitters from camera rays"}};
+  return scheduled(
+      {{"max_depth", integer, "-1", between(-1, 1 << 30), "path segments: 1 is emitted light only; -1 is no limit"},
+       {"rr_depth", integer, "5", between(1, 1 << 30), "Russian roulette from this segment on"},
+       {"hide_emitters", boolean, "false", any(), "hides emitters from camera rays"}});
 }
 
 Plugin as_path(const char* type) {
@@ -64,28 +73,29 @@ std::vector<Plugin> integrator_rows() {
       {"integrator",
        "direct",
        "Light that arrives after at most one reflection.",
-       {{"shading_samples", integer, "1", between(0, kMaxDirectSamples), "sets both of the next two"},
-        {"emitter_samples", integer, "1", between(0, kMaxDirectSamples), "samples of lights"},
-        {"bsdf_samples", integer, "1", between(0, kMaxDirectSamples), "samples of materials"},
-        {"hide_emitters", boolean, "false", any(), "hides emitters from camera rays"}},
+       scheduled({{"shading_samples", integer, "1", between(0, kMaxDirectSamples), "sets both of the next two"},
+                  {"emitter_samples", integer, "1", between(0, kMaxDirectSamples), "samples of lights"},
+                  {"bsdf_samples", integer, "1", between(0, kMaxDirectSamples), "samples of materials"},
+                  {"hide_emitters", boolean, "false", any(), "hides emitters from camera rays"}}),
        {}},
       {"integrator",
        "depth",
        "Distance along the ray from the near clipping plane to the first surface; 0 if there is none.",
-       {},
+       scheduled({}),
        {}},
       {"integrator",
        "moment",
        "Renders its child; every EXR file contains the standard error anyway.",
-       {},
+       scheduled({}),
        {{"integrator", 1, 1}}},
       {"integrator",
        "aov",
        "Renders its child and the AOVs listed in `aovs`. Depth is the distance from the camera itself; in Mitsuba it "
        "starts at the near clipping plane.",
-       {{"aovs", string, nullptr, any(),
-         "comma-separated pairs of a name of your own, which is not kept, and one of `depth`, `position`, `uv`, "
-         "`geo_normal`, `sh_normal`, `prim_index`, `shape_index`, `albedo`: `d:depth,n:sh_normal`"}},
+       scheduled(
+           {{"aovs", string, nullptr, any(),
+             "comma-separated pairs of a name of your own, which is not kept, and one of `depth`, `position`, `uv`, "
+             "`geo_normal`, `sh_normal`, `prim_index`, `shape_index`, `albedo`: `d:depth,n:sh_normal`"}}),
        {{"integrator", 0, 1}}},
   };
   rows.push_back(
@@ -107,6 +117,8 @@ std::vector<Parameter> sensor_parameters(std::vector<Parameter> own) {
                          {"far_clip", real, "10000", above(0), "farthest visible distance along the camera's +z"},
                          no_effect("shutter_open", real, "has no effect: nothing moves"),
                          no_effect("shutter_close", real, "has no effect: nothing moves"),
+                         {"srf", color, "1 1 1", any(), "spectral response; not supported, left out with --approximate",
+                          "texture"},
                          to_world()});
   return own;
 }
@@ -139,6 +151,12 @@ std::vector<Plugin> sensor_rows() {
        sensor_parameters({{"origin", point, "0 0 0", any(), "where the ray starts, instead of to_world"},
                           {"direction", vector, "0 0 1", any(), "direction of the ray, instead of to_world"}}),
        children},
+      {"sensor",
+       "batch",
+       "Sensors side by side in one film. Not supported: the scene is refused; with --approximate the first sensor is "
+       "rendered, with its share of the film.",
+       {},
+       {{"sensor", 1, kAnyNumber}, {"film", 0, 1}, {"sampler", 0, 1}}},
       {"sensor",
        "distant",
        "The mean radiance seen along one direction, on a film of one pixel. The rays are aimed at a point, at a "
@@ -193,6 +211,7 @@ std::vector<Plugin> view_rows() {
                    no_effect("seed", integer, "has no effect: use --seed"),
                    no_effect("jitter", boolean, "has no effect"),
                    no_effect("scramble", integer, "has no effect: points are always scrambled"),
+                   no_effect("strength", integer, "has no effect"),
                    no_effect("dimension", integer, "has no effect")},
                   {}};
   };
@@ -400,8 +419,9 @@ std::vector<Parameter> principledthin() {
 
 std::vector<Parameter> map_parameters(const Parameter& own) {
   return {own,
-          {"flip_invalid_normals", boolean, "true", any(), "must be true: a turned normal that faces away is mirrored"},
-          {"use_shadowing_function", boolean, "true", any(), "must be true: turned normals cast shadows"}};
+          {"flip_invalid_normals", boolean, "true", any(),
+           "mirrors turned normals that face away; otherwise nothing is reflected there"},
+          {"use_shadowing_function", boolean, "true", any(), "turned normals shadow"}};
 }
 
 /// Materials of 0.6 that are not supported but have a substitute, and mixtures.
@@ -532,7 +552,7 @@ std::vector<Plugin> texture_rows() {
                {"raw", boolean, "false", any(), "8-bit values are plain numbers, not sRGB-encoded colours"},
                {"gamma", real, "-1", any(), "1 is the same as raw (0.6); with -1 the file type decides"},
                {"filter_type", string, "bilinear", any(), "between texels: bilinear or nearest"},
-               wrap("wrap_mode", "beyond the edges: repeat, mirror or clamp"),
+               wrap("wrap_mode", "beyond the edges: repeat, mirror or clamp, in 0.6 also zero or one"),
                wrap("wrap_mode_u", "along u (0.6)"),
                wrap("wrap_mode_v", "along v (0.6)"),
                {"channel", string, "", any(),
@@ -682,6 +702,11 @@ std::vector<Plugin> make_rows() {
   append(rows, integrator_rows());
   append(rows, view_rows());
   append(rows, shape_rows());
+  for (Plugin& row : rows) {
+    if (row.tag == std::string_view("shape") && row.find("to_world") != nullptr && row.find_child("bsdf") != nullptr)
+      row.parameters.push_back(
+          no_effect("silhouette_sampling_weight", real, "has no effect: nothing is differentiated"));
+  }
   append(rows, bsdf_rows());
   append(rows, old_bsdf_rows());
   append(rows, emitter_rows());
@@ -694,7 +719,7 @@ std::vector<Plugin> make_rows() {
 std::vector<UnsupportedTypes> unsupported_types() {
   return {
       {"integrator", {"stokes", "vpl", "multichannel", "adaptive"}},
-      {"sensor", {"telecentric", "fluencemeter", "batch", "perspective_rdist"}},
+      {"sensor", {"telecentric", "fluencemeter", "perspective_rdist"}},
       {"film", {"specfilm", "mfilm", "tiledhdrfilm"}},
       {"rfilter", {"spline"}},
       {"shape",

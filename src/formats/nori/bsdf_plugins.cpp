@@ -14,6 +14,17 @@ Parameter factor(const char* name, const char* default_text, const char* doc) {
   return {name, color, default_text, kUnit, doc, "texture"};
 }
 
+Parameter flip_invalid_normals() {
+  return {"flip_invalid_normals",
+          boolean,
+          "true",
+          {},
+          "mirrors turned normals that face away; otherwise nothing is reflected there"};
+}
+Parameter use_shadowing_function() {
+  return {"use_shadowing_function", boolean, "true", {}, "turned normals shadow"};
+}
+
 Parameter specular_reflectance() {
   return factor("specular_reflectance", "1 1 1", "factor for reflected light; values other than 1 are not physical");
 }
@@ -93,13 +104,17 @@ std::vector<Plugin> adapter_plugins() {
        "A material with shading normals from a picture: red along dp/du, green across it, blue along the normal, with "
        "0 … 1 meaning −1 … 1. 8-bit pictures need raw.",
        {{"normalmap", color, "0.5 0.5 1", kUnit, "the normals; a texture", "texture"},
-        {"vertex_tangents", boolean, "false", {}, "use the tangents in the mesh's file instead of dp/du"}},
+        {"vertex_tangents", boolean, "false", {}, "use the tangents in the mesh's file instead of dp/du"},
+        flip_invalid_normals(),
+        use_shadowing_function()},
        {{"bsdf", 1, 1}}},
       {"bsdf",
        "bumpmap",
        "A material with shading normals as if its surface were displaced by a picture.",
        {{"displacement", real, "0", kUnit, "displacement; a bitmap", "texture"},
-        {"scale", real, "1", {-1e6, 1e6, false, false}, "displacement in scene units by the value 1"}},
+        {"scale", real, "1", {-1e6, 1e6, false, false}, "displacement in scene units by the value 1"},
+        flip_invalid_normals(),
+        use_shadowing_function()},
        {{"bsdf", 1, 1}}},
       {"bsdf", "null", "No material: light passes through unchanged.", {}, {}},
   };

@@ -656,6 +656,10 @@ class SceneReader {
     return color;
   }
 
+  static TurnedNormals turned_normals(const Object& map) {
+    return {.mirrored = map.get<bool>("flip_invalid_normals"), .shadowed = map.get<bool>("use_shadowing_function")};
+  }
+
   /// Nothing for a material of its own.
   std::optional<Adapter> read_adapter(const Object& object, Scene& scene) {
     const std::string_view type = object.plugin().type;
@@ -673,12 +677,12 @@ class SceneReader {
         return std::nullopt;
       }
       if (type == "normalmap") {
-        adapter.emplace(
-            NormalMapAdapter{read_factor(object, property, &scene), rows.front(), object.get<bool>("vertex_tangents")});
+        adapter.emplace(NormalMapAdapter{read_factor(object, property, &scene), rows.front(),
+                                         object.get<bool>("vertex_tangents"), turned_normals(object)});
       } else {
         ScalarParameter height = read_scalar(object, property, &scene);
         height.value *= object.get<double>("scale");
-        adapter.emplace(BumpMapAdapter{height, rows.front()});
+        adapter.emplace(BumpMapAdapter{height, rows.front(), turned_normals(object)});
       }
       return adapter;
     }

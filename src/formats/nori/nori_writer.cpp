@@ -294,8 +294,8 @@ class NoriWriter : MaterialWriter {
   }
   void write_source(const char* name, const std::string& id, const CheckerboardTexture& source) {
     xml_.open("texture", {{"name", name}, {"id", id}, {"type", "checkerboard"}});
-    color("color0", source.color0);
-    color("color1", source.color1);
+    color("color0", square(source.color0, source.texture0));
+    color("color1", square(source.color1, source.texture1));
   }
   void write_source(const char* name, const std::string& id, const AttributeTexture& source) {
     const bool faces = source.source == AttributeTexture::Source::face_color;

@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "core/text.h"
+#include "scene/limits.h"
 
 namespace etendue {
 namespace {
@@ -36,9 +37,19 @@ std::optional<std::uint32_t> TextureReader::read(const Object& owner, const char
   const XmlElement* element = owner.child_of(property);
   if (element == nullptr) return std::nullopt;
   const auto [entry, is_new] = textures_.try_emplace(element);
-  if (!is_new) return entry->second;
+  if (!is_new) {
+    if (open_.contains(element)) context_.diagnostics.error(owner.position(), "this texture stands in itself");
+    return entry->second;
+  }
+  if (open_.size() > kMaxNestedTextures) {
+    context_.diagnostics.error(owner.position(),
+                               fmt::format("textures lie more than {} deep within each other", kMaxNestedTextures));
+    return std::nullopt;
+  }
   const std::optional<Object> object = Object::read(*element, context_);
+  open_.insert(element);
   std::optional<Texture> texture = object ? read_texture(*object, scene) : std::nullopt;
+  open_.erase(element);
   if (!texture) return std::nullopt;
   const auto is_given = [&](const char* name) { return object->plugin().find(name) != nullptr && object->given(name); };
   if (is_given("vertex_tint")) texture->vertex_tint = object->get<bool>("vertex_tint");
@@ -62,7 +73,10 @@ std::optional<Texture> TextureReader::read_texture(const Object& object, Scene& 
   if (type == "bitmap") return read_bitmap_texture(object, scene);
   Texture texture{.source = CheckerboardTexture{}, .name = object.plugin().type, .position = object.position()};
   if (type == "checkerboard") {
-    texture.source = CheckerboardTexture{object.get<glm::dvec3>("color0"), object.get<glm::dvec3>("color1")};
+    CheckerboardTexture board;
+    read_square(object, "color0", scene, board.color0, board.texture0);
+    read_square(object, "color1", scene, board.color1, board.texture1);
+    texture.source = board;
     texture.uv_transform = plane_transform(object.matrix("to_uv"));
     return texture;
   }
@@ -93,6 +107,14 @@ std::optional<Texture> TextureReader::read_texture(const Object& object, Scene& 
   texture.source = AttributeTexture{attribute == "face_color" ? AttributeTexture::Source::face_color
                                                               : AttributeTexture::Source::vertex_color};
   return texture;
+}
+
+void TextureReader::read_square(const Object& board, const char* property, Scene& scene, glm::dvec3& color,
+                                std::optional<std::uint32_t>& row) {
+  const XmlElement* within = board.child_of(property);
+  if (within == nullptr) return void(color = board.get<glm::dvec3>(property));
+  row = read(board, property, scene);
+  color = factor(board, property);
 }
 
 std::optional<Texture> TextureReader::read_bitmap_texture(const Object& object, Scene& scene) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "formats/dialect/object.h"
@@ -40,6 +41,9 @@ class TextureReader {
 
  private:
   std::optional<Texture> read_texture(const Object& object, Scene& scene);
+  /// The colour of a checkerboard's squares, and the texture that stands there.
+  void read_square(const Object& board, const char* property, Scene& scene, glm::dvec3& color,
+                   std::optional<std::uint32_t>& row);
   std::optional<Texture> read_bitmap_texture(const Object& object, Scene& scene);
   std::optional<std::uint32_t> read_picture(const Object& object, Texture& texture, Scene& scene);
   TextureChannel read_channel(const Object& object);
@@ -49,6 +53,7 @@ class TextureReader {
   ReadContext& context_;
   FindFile find_file_;
   std::map<const XmlElement*, std::optional<std::uint32_t>> textures_;
+  std::set<const XmlElement*> open_;                 ///< being read
   std::map<const XmlElement*, glm::dvec3> factors_;  ///< other than 1
   std::map<const XmlElement*, TextureChannel> channels_;
   std::map<std::string, std::optional<std::uint32_t>> bitmaps_;  ///< by path
