@@ -8,6 +8,14 @@
 #include "../texture.glsl"
 #include "../warp.glsl"
 
+// A cell of the environment and the place in it, both from 0 to 1.
+struct EnvironmentPlace {
+  uint column;
+  uint row;
+  float across;
+  float down;
+};
+
 struct LightSample {
   vec3 p;
   float error;    // of p, see surface_error
@@ -18,6 +26,7 @@ struct LightSample {
   vec3 radiance;
   uint instance;
   uint primitive;
+  EnvironmentPlace sky;  // of the environment; its picture is still to be looked at, see LookUp
 };
 
 layout(constant_id = kConstantSphereLights) const bool kSphereLights = true;

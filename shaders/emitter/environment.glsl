@@ -23,14 +23,6 @@ float environment_first_row() { return kEnvironmentBands ? 0.5 : 0.0; }
 float environment_row_range() { return float(kEnvironmentBands ? kEnvironmentTexelRows : kEnvironmentTexelRows - 1u); }
 const uint kGradientRows = 32u;  // above the horizon
 
-// A cell and the position in it, from 0 to 1.
-struct EnvironmentPlace {
-  uint column;
-  uint row;
-  float across;
-  float down;
-};
-
 // The angle of (x, y) from the x axis as eighths · π/4 + rest, eighths in 0…8 and |rest| <= π/8: single precision would not do for the columns of a
 // large picture. Polynomial of [Moshier1989].
 void split_angle(float y, float x, out float eighths, out float rest) {
@@ -167,13 +159,13 @@ vec3 sky_from_world(vec3 w) {
   return vec3(dot(frame.sky_x, w), dot(frame.sky_y, w), dot(frame.sky_z, w));
 }
 
-// The radiance from direction w of the world; `pdf_w` is the density with which sample_environment finds it.
-vec3 environment_radiance(vec3 w, out float pdf_w) {
+// The radiance from direction w of the world, for a sky picture still to be multiplied by the picture at `at`; `pdf_w` is the density with which
+// sample_environment finds the direction.
+vec3 environment_radiance(vec3 w, out EnvironmentPlace at, out float pdf_w) {
   const vec3 d = sky_from_world(w);
-  const EnvironmentPlace at = environment_place(d);
+  at = environment_place(d);
   pdf_w = environment_cell_pdf(fetch_environment_row(at.row), at.row, at.column);
-  if (kEnvironmentPictured) return picture_radiance(at);
-  return gradient_radiance(d);
+  return kEnvironmentPictured ? vec3(1.0) : gradient_radiance(d);
 }
 
 // Whether the words choose the environment rather than a light.
@@ -182,7 +174,7 @@ bool chooses_environment(uvec4 words) { return kHasEnvironment && (kEnvironmentA
 // Whether they choose a directional light, if they do not choose the environment.
 #define chooses_distant_light(words) (kDistantLights > 0u && (frame.light_instance_count == 0u || (words).x < frame.distant_threshold))
 
-// A direction, as a light at infinity.
+// A direction, as a light at infinity; as above, the picture is not looked up yet.
 LightSample sample_environment(uvec4 words) {
   EnvironmentPlace at;
   at.row = choose_environment_row(words.x);
@@ -205,10 +197,9 @@ LightSample sample_environment(uvec4 words) {
     // At a cell's edge rounding may find the neighbour.
     const uint found = environment_row(sin_theta, cos_theta, at.down);
     at.down = found == at.row ? at.down : found > at.row ? 1.0 : 0.0;
-    ls.radiance = picture_radiance(at);
-  } else {
-    ls.radiance = gradient_radiance(d);
   }
+  ls.sky = at;
+  ls.radiance = kEnvironmentPictured ? vec3(1.0) : gradient_radiance(d);
   ls.instance = kEnvironmentLight;
   ls.primitive = at.row * kEnvironmentColumns + at.column;
   return ls;

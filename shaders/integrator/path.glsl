@@ -125,6 +125,22 @@ vec3 gather_emission(Path path, vec3 le, Surface s, Instance instance, Primitive
   return path.beta * le * power_heuristic(bsdf_sample_count() * path.bsdf_pdf, light_sample_count() * pdf_light);
 }
 
+// A position in the sky's picture whose radiance some light is still to be multiplied by: light that a ray leaving the scene gathers, or the light that
+// was sampled. The end of a segment has at most one of them, and lavapipe would look up both for all lanes.
+struct LookUp {
+  bool wanted;
+  EnvironmentPlace at;
+  vec3 gathered;  // by a ray that left the scene
+};
+
+void look_up(inout Path path, LookUp sky) {
+  if (!kEnvironmentPictured || !sky.wanted) return;
+  const vec3 le = picture_radiance(sky.at);
+  path.radiance += sky.gathered * le;
+  path.shadow_value *= le;
+  path.shadow_pending = path.shadow_pending && max_component(le) != 0.0;
+}
+
 // Step 1: light from the environment.
 vec3 gather_environment(Path path, vec3 le, float pdf_light) {
   if (!part_counts(path.bounces)) return vec3(0.0);
@@ -241,9 +257,11 @@ OtherHalf other_half(Scatterer chosen, OtherChoice choice, SurfacePoint at, Prim
 }
 
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
-void sample_direct_light(inout Path path, Scatterer chosen, OtherHalf other, inout Decisions decisions) {
+void sample_direct_light(inout Path path, Scatterer chosen, OtherHalf other, inout LookUp sky, inout Decisions decisions) {
   const Surface s = chosen.s;
   const LightSample light = sample_environment_or_light(path, s, light_normal(chosen, other));
+  sky.wanted = kHasEnvironment && light.instance == kEnvironmentLight;
+  sky.at = light.sky;
   decisions.light_instance = light.instance;
   decisions.light_primitive = light.instance != kNone ? light.primitive : kNone;
   decisions.light_contributed = light.instance != kNone ? 0u : kNone;
@@ -256,7 +274,7 @@ void sample_direct_light(inout Path path, Scatterer chosen, OtherHalf other, ino
   }
   reflected *= light.radiance;
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0;
-  const bool from_outside = (kHasEnvironment && light.instance == kEnvironmentLight) ||
+  const bool from_outside = sky.wanted ||
                             (kDistantLights > 0u && light.instance == kDeltaLightSampled && light.error < 0.0);
   if (from_outside) {
     path.shadow_ray = spawn_ray(s.p, s.ng, s.error, light.wi);
@@ -368,8 +386,8 @@ void pass_surface(inout Path path, Surface s, float t, inout Decisions decisions
   if (kCountPasses) ++path.segment;
 }
 
-// Shades the end of path.ray: gathers emission, prepares the shadow ray (path.shadow_pending) and the next segment (path.alive).
-void arrive(inout Path path, Hit hit, out Decisions decisions) {
+// All of arrive() except looking up the sky's picture.
+void arrive_unlit(inout Path path, Hit hit, inout LookUp sky, out Decisions decisions) {
   decisions = Decisions(kNone, kNone, kNone, kNone, kNone, kNone, kNone);
   path.alive = false;
   path.shadow_pending = false;
@@ -380,9 +398,15 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
     MUTATE(kMutantBackgroundSeen, hidden = no_light_to_camera(path));
     if (kHasEnvironment && (kGathersLight || kIntegrator == kIntegratorAov) && !hidden) {
       float pdf_light;
-      const vec3 le = environment_radiance(path.ray.d, pdf_light);
-      if (kIntegrator == kIntegratorAov) see_emission(path, le);
-      else path.radiance += gather_environment(path, le, pdf_light);
+      const vec3 le = environment_radiance(path.ray.d, sky.at, pdf_light);
+      if (kIntegrator == kIntegratorAov) {
+        see_emission(path, kEnvironmentPictured ? picture_radiance(sky.at) : le);
+      } else {
+        const vec3 gathered = gather_environment(path, le, pdf_light);
+        sky.wanted = true;
+        sky.gathered = gathered;
+        if (!kEnvironmentPictured) path.radiance += gathered;
+      }
     }
     if (kIntegrator == kIntegratorVisibility) path.radiance += vec3(1.0);
     if (kIntegrator == kIntegratorDirect && !is_camera_segment(path)) next_direct_round(path);
@@ -451,13 +475,20 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   const bool delta = material_has(material, kMaterialDelta);
   const bool all_delta = delta && (!is_mixed(other) || material_has(other.scatterer.material, kMaterialDelta));
   const uint round = direct_round(path);
-  if (kNee && !all_delta && (kIntegrator != kIntegratorDirect || round < frame.emitter_samples)) sample_direct_light(path, chosen, other, decisions);
+  if (kNee && !all_delta && (kIntegrator != kIntegratorDirect || round < frame.emitter_samples)) sample_direct_light(path, chosen, other, sky, decisions);
   if (kIntegrator == kIntegratorWhitted && !delta) return;
   if (kIntegrator != kIntegratorDirect || round < frame.bsdf_samples) scatter(path, chosen, other, decisions);
   if (kIntegrator == kIntegratorDirect && !path.alive) next_direct_round(path);
   bool seen = !delta;
   MUTATE(kMutantAovEndsAtMirror, seen = true);
   if (kIntegrator == kIntegratorAov && seen) end_at_albedo(path, decisions);
+}
+
+// Shades the end of path.ray: gathers emission, prepares the shadow ray (path.shadow_pending) and the next segment (path.alive).
+void arrive(inout Path path, Hit hit, out Decisions decisions) {
+  LookUp sky = LookUp(false, EnvironmentPlace(0u, 0u, 0.0, 0.0), vec3(0.0));
+  arrive_unlit(path, hit, sky, decisions);
+  look_up(path, sky);
 }
 
 // What comes after the ray of a segment has met `hit`, for the kernels that look at single paths. `steps` counts traversal rounds; beyond the

@@ -15,8 +15,11 @@ void main() {
   a.wi = s.wi;
   a.pdf_w = s.pdf_w;
   a.radiance = s.radiance;
+  if (kEnvironmentPictured) a.radiance *= picture_radiance(s.sky);
   a.cell = s.primitive;
-  a.seen = environment_radiance(c.w, a.seen_pdf_w);
+  EnvironmentPlace at;
+  a.seen = environment_radiance(c.w, at, a.seen_pdf_w);
+  if (kEnvironmentPictured) a.seen *= picture_radiance(at);
   a.pad0 = a.pad1 = a.pad2 = 0u;
   outputs[lane()] = a;
 }
