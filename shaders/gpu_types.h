@@ -24,6 +24,7 @@ const uint kSetScene = 0u;
 const uint kBindingRecords = 0u;   // the tree
 const uint kBindingGeometry = 1u;  // looked up by triangle and by vertex: triangle indices, vertex normals
 const uint kBindingTables = 2u;    // all others: instances, materials, lights
+const uint kBindingStructure = 3u; // what the driver made of the primitives, in kernels that ask it for hits; see trace_query.glsl
 // Set 1 is bound for a dispatch: the view, and a film or requests and their results.
 const uint kSetKernel = 1u;
 const uint kBindingFrame = 0u;
@@ -286,6 +287,11 @@ const uint kPrimitiveOrderShift = 2u;
 // slot of the root of the mesh's own tree, c.w the number of its Place; a, b and c hold the rows of object_from_world. The primitives of that tree
 // are in object space, scaled to [−1, 1]; their a.w is 0, and they are numbered within the mesh.
 const uint kRecordInstance = 0x40000000u;
+
+// Where the driver traverses, there are no nodes. Records are the few primitives, those of the world, the instances (kTreeRoot is the slot of the first,
+// or where it would be), and the primitives of the shared meshes, the first of which is named by b.w of an instance's record. The driver's number of an
+// instance is that of its record among them; what is in the world is kQueryWorld.
+const uint kQueryWorld = 0xffffffu;
 
 // The placement of a shared mesh by an instance. A point p of the mesh's space is at origin + x p.x + y p.y + z p.z.
 struct Place {

@@ -24,6 +24,10 @@ layout(set = kSetKernel, binding = kBindingFrame, std140) uniform FrameBlock { F
 TABLE(record, kBindingRecords)
 TABLE(geometry, kBindingGeometry)
 TABLE(table, kBindingTables)
+#ifdef ETENDUE_RAY_QUERY
+#extension GL_EXT_ray_query : require
+layout(set = kSetScene, binding = kBindingStructure) uniform accelerationStructureEXT scene_structure;
+#endif
 // Start of each table, in texels. The triangle indices come first in the geometry, the instances first in the tables.
 layout(constant_id = kConstantNormalsAt) const uint kNormalsAt = 0u;
 layout(constant_id = kConstantMaterialsAt) const uint kMaterialsAt = 0u;

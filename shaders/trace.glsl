@@ -1,5 +1,5 @@
 // Rays through the scene: one resumable walk for closest and any hit. Other files may use only begin_walk, advance_walk, walk_done and walk_hit;
-// addresses within the tree stay in this file.
+// addresses within the tree stay in this file. In kernels built with ETENDUE_RAY_QUERY the driver traverses instead, see trace_query.glsl.
 #ifndef TRACE_GLSL
 #define TRACE_GLSL
 
@@ -16,6 +16,10 @@ layout(constant_id = kConstantTreeRoot) const uint kTreeRoot = 0u;   // slot of 
 
 const bool kHasFew = kFewCount > 0u;
 const uint kBeforeTree = 0xfffffffeu;
+
+#ifdef ETENDUE_RAY_QUERY
+#include "trace_query.glsl"
+#else
 
 // A ray on its way through the scene: first the few primitives, then the tree. `current` is the slot visited next, kBeforeTree while the few
 // primitives are still to be tested, kNone when the walk has ended.
@@ -65,6 +69,8 @@ Walk begin_walk(Ray ray, bool any_hit, Passed passed) {
   return walk;
 }
 
+#endif
+
 // True once the walk has ended.
 bool walk_done(Walk walk) { return walk.current == kNone; }
 // Whether anything was hit: the only result of an any-hit walk.
@@ -73,8 +79,12 @@ bool walk_found(Walk walk) { return walk.nearest.slot != kNone; }
 // The result of a closest-hit walk.
 Hit walk_hit(Walk walk) {
   const Primitive prim = to_primitive(fetch_record(walk_found(walk) ? walk.nearest.slot : 0u));
+#ifdef ETENDUE_RAY_QUERY
+  return far_hit(walk, prim);
+#else
   if (kInstanced) return make_shared_hit(walk.rf.ray, walk.nearest.t, walk_found(walk), walk.nearest.instance, prim);
   return make_hit(walk.rf.ray, walk.nearest.t, walk_found(walk), prim);
+#endif
 }
 
 // The step before the tree, for walks that have not taken it yet: the few primitives, which most rays would hit in the tree anyway.
@@ -86,6 +96,8 @@ void test_few_primitives(inout Walk walk) {
   if (kInstanced && walk_found(walk)) walk.nearest.instance = fetch_record(walk.nearest.slot).a.w;
   walk.current = walk.any_hit && walk_found(walk) ? kNone : kTreeRoot;
 }
+
+#ifndef ETENDUE_RAY_QUERY
 
 // Enters the tree of the mesh named by an instance's record. The caller pushes an entry without children onto the stack.
 void enter_instance(inout Walk walk, Record record) {
@@ -151,6 +163,8 @@ void walk_step(inout Walk walk) {
     if (enter) enter_instance(walk, record);
   }
 }
+
+#endif
 
 // Visits up to `steps` records, after the few primitives if they have not been tested.
 void advance_walk(inout Walk walk, uint steps) {

@@ -15,6 +15,7 @@
 #include "render/renderer.h"
 #include "render/session.h"
 #include "render/shared_scene.h"
+#include "render/traversal.h"
 #include "scene/scene.h"
 #include "validate/renderer_factory.h"
 
@@ -23,9 +24,10 @@ namespace etendue {
 /// A Vulkan device of this machine.
 struct DeviceDescription {
   std::string name;
-  std::string type;     ///< "discrete GPU", "CPU", …
-  std::string driver;   ///< name and version
-  std::string missing;  ///< why it cannot render; empty if it can
+  std::string type;          ///< "discrete GPU", "CPU", …
+  std::string driver;        ///< name and version
+  std::string missing;       ///< why it cannot render; empty if it can
+  bool ray_queries = false;  ///< whether Traversal::query works there
 };
 
 /// All devices, in the order of their numbers. Throws Error(device) if there is no Vulkan loader.
@@ -38,6 +40,9 @@ struct DeviceSelection {
   std::string selector = "auto";
   std::optional<double> max_wait_seconds{};  ///< a device whose dispatch takes longer counts as hanging
   std::uint32_t pass_samples = 0;            ///< not 0: samples of each lane per dispatch, for tests
+  /// Who finds what rays meet on Vulkan devices. `query` makes opening a device without ray queries an Error(device),
+  /// and is an Error(usage) for the reference.
+  Traversal traversal = Traversal::automatic;
 };
 
 /// Factories for renderers, one for each selected device. Throws Error(device) if "all" finds none; a factory throws

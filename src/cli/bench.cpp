@@ -9,6 +9,7 @@
 #include "cli/result_files.h"
 #include "cli/results.h"
 #include "cli/units.h"
+#include "core/errors.h"
 #include "core/log.h"
 #include "core/parallel.h"
 
@@ -57,6 +58,10 @@ BenchOptions bench_options(const BenchArguments& options) {
     options.device.factory();  // sets the number of threads
   } else {
     out.gpu = options.device.gpu_options();
+    if (options.loads == "storage" && out.gpu->queries())
+      throw Error(ErrorKind::usage,
+                  "Kernels for ray queries read texel buffers; leave out '--loads storage' or use "
+                  "--traversal tree.");
     if (!options.loads.empty())
       out.gpu->loads = options.loads == "texel" ? TableLoads::texel_buffer : TableLoads::storage_buffer;
   }

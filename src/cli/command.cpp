@@ -133,6 +133,14 @@ void DeviceOption::add_to(Command& command, bool several) {
       ->type_name("TIME")
       ->group(kDevice);
   command.add_option("--pass-samples", pass_samples, "samples of each lane per dispatch; for tests")->group("");
+  command
+      .add_option("--traversal", traversal,
+                  "how ray hits are found: tree, our own tree, on any device; query, the driver's acceleration "
+                  "structures, on devices with VK_KHR_ray_query; auto is tree")
+      ->type_name("HOW")
+      ->check(one_of({"auto", "tree", "query"}))
+      ->capture_default_str()
+      ->group(kDevice);
   command.add_option("--threads", threads, "number of host threads; 0: one per core")
       ->check(in_range(0, 1024))
       ->capture_default_str()
@@ -142,6 +150,9 @@ void DeviceOption::add_to(Command& command, bool several) {
 DeviceSelection DeviceOption::selection() const {
   set_thread_count(threads);
   DeviceSelection devices{.selector = selector, .pass_samples = pass_samples};
+  devices.traversal = traversal == "query"  ? Traversal::query
+                      : traversal == "tree" ? Traversal::tree
+                                            : Traversal::automatic;
   if (!timeout.empty()) devices.max_wait_seconds = parse_duration("--device-timeout", timeout);
   return devices;
 }

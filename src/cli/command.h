@@ -68,7 +68,8 @@ struct DeviceOption {
   std::string selector = "auto";
   std::string timeout;             ///< of one dispatch, "30s"; empty: the default of vulkan::ContextOptions
   std::uint32_t pass_samples = 0;  ///< see GpuOptions::fixed_samples; for tests
-  unsigned threads = 0;            ///< of the reference and of scene compilation; 0: as many as there are cores
+  std::string traversal = "auto";
+  unsigned threads = 0;  ///< of the reference and of scene compilation; 0: as many as there are cores
 
   /// `several`: whether the command shares its work among devices.
   void add_to(Command& command, bool several = false);

@@ -27,10 +27,11 @@ Ending list(const ResultOptions& results) {
                    {"memory_bytes", d.memory_bytes},
                    {"subgroup_size", d.subgroup_size},
                    {"missing", d.missing},
+                   {"ray_queries", d.ray_queries},
                    {"auto", &d == first}});
     if (results.wants_text()) {
-      print_result("{}  {}  [{}]  {}  Vulkan {}  {:.1f} GiB{}\n", d.index, d.name, d.type, d.driver, api,
-                   static_cast<double>(d.memory_bytes) / (1 << 30),
+      print_result("{}  {}  [{}]  {}  Vulkan {}  {:.1f} GiB{}{}\n", d.index, d.name, d.type, d.driver, api,
+                   static_cast<double>(d.memory_bytes) / (1 << 30), d.ray_queries ? "  ray queries" : "",
                    d.missing.empty() ? "" : "  not usable: " + d.missing);
     }
   }

@@ -127,6 +127,10 @@ Plan make_plan(const RenderArguments& options, Clock::time_point start) {
   for (const std::string& path : options.heat_maps) check_output_name(path);
   if ((options.stats || !options.heat_maps.empty()) && !uses_gpu(options))
     throw Error(ErrorKind::usage, "--stats and --heat-map count on a Vulkan device; choose another --device.");
+  if ((options.stats || !options.heat_maps.empty()) && options.device.traversal == "query")
+    throw Error(ErrorKind::usage,
+                "--stats and --heat-map count what rays visit in the tree, and a driver does not tell what it visits; "
+                "use --traversal tree.");
   Plan plan{.session = {.start = start}, .film = options.film || !options.samples.empty()};
   SessionOptions& session = plan.session;
   if (!options.checkpoint_every.empty())

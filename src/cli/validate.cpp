@@ -89,6 +89,7 @@ Ending run_validate(const ValidateArguments& options) {
   options.sampling.set_size(*scene);
   DeviceOption reference = options.device;
   reference.selector = "reference";
+  reference.traversal = "auto";
   ValidateOptions validate = options.validate;
   validate.seed = options.sampling.seed;
   validate.samples_per_pixel = options.sampling.spp;

@@ -9,6 +9,7 @@
 
 #include "compile/discrete.h"
 #include "compile/node_layout.h"
+#include "compile/query_scene.h"
 #include "core/errors.h"
 #include "scene/sharing.h"
 
@@ -28,6 +29,8 @@ struct Table {
   }
 };
 
+}  // namespace
+
 // The tables of one buffer, one behind the other.
 struct TableGroup {
   std::uint32_t binding;
@@ -41,17 +44,21 @@ struct TableGroup {
   }
 };
 
+namespace {
+
 template <typename T>
 Table table(const char* what, std::uint32_t at, const std::vector<T>& entries) {
   static_assert(sizeof(T) % sizeof(gpu::uvec4) == 0);
   return {what, at, std::as_bytes(std::span(entries))};
 }
 
-// Everything that shaders/scene.glsl reads. The materials may be others than those of the scene.
-std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMaterials& m) {
+// Everything that shaders/scene.glsl reads. The materials may be others than those of the scene. `records`: the tree,
+// or what replaces it.
+std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMaterials& m,
+                                       const std::vector<gpu::uvec4>& records) {
   const CompiledTextures& t = s.textures;
   std::array<TableGroup, 3> groups{
-      {{gpu::kBindingRecords, "tree", {table("tree", kFirst, s.records)}},
+      {{gpu::kBindingRecords, "tree", {table("tree", kFirst, records)}},
        {gpu::kBindingGeometry,
         "geometry",
         {table("triangle indices", kFirst, s.triangles), table("vertex normals", gpu::kConstantNormalsAt, s.normals),
@@ -78,8 +85,52 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMat
                                 std::as_bytes(std::span(bitmap->texels))});
   return groups;
 }
+std::array<TableGroup, 3> table_groups(const CompiledScene& scene, const CompiledMaterials& materials) {
+  return table_groups(scene, materials, scene.records);
+}
+
 std::array<TableGroup, 3> table_groups(const CompiledScene& scene) {
   return table_groups(scene, scene);
+}
+
+std::vector<DeviceNeed> needs_of(std::span<const TableGroup> groups) {
+  std::vector<DeviceNeed> needs;
+  for (const TableGroup& group : groups) needs.push_back({group.what, group.bytes()});
+  return needs;
+}
+
+// What the driver's structures take, and the most that building one takes beside them.
+DeviceNeed structures_need(const vulkan::Context& context, const QueryScene& scene) {
+  std::uint64_t kept = 0, building = 0;
+  const auto add = [&](vulkan::StructureKind kind, std::size_t count, std::size_t bytes) {
+    const vulkan::StructureSize size = vulkan::structure_size(context, kind, static_cast<std::uint32_t>(count));
+    kept += size.kept;
+    building = std::max<std::uint64_t>(building, size.scratch + count * bytes);
+  };
+  for (const QueryMesh& mesh : scene.meshes) add(vulkan::StructureKind::boxes, mesh.count, sizeof(VkAabbPositionsKHR));
+  add(vulkan::StructureKind::instances, scene.instances.size(), sizeof(VkAccelerationStructureInstanceKHR));
+  return {"acceleration structures", kept + building, DeviceNeed::Kind::memory};
+}
+
+void check_room(std::vector<DeviceNeed> needs, std::span<const DeviceNeed> planned, const vulkan::Context& context) {
+  needs.insert(needs.end(), planned.begin(), planned.end());
+  check_needs(needs, limits_of(context));
+}
+
+std::vector<vulkan::AccelerationStructure> build_structures(GpuDevice& device, const QueryScene& scene) {
+  static_assert(sizeof(Box) == sizeof(VkAabbPositionsKHR));
+  std::vector<vulkan::AccelerationStructure> structures;
+  for (const QueryMesh& mesh : scene.meshes) {
+    const std::vector<Box> boxes = query_boxes(scene, mesh);
+    structures.emplace_back(*device.context, device.commands, vulkan::StructureKind::boxes,
+                            std::as_bytes(std::span(boxes)), mesh.count);
+  }
+  std::vector<VkAccelerationStructureInstanceKHR> instances;
+  for (const QueryInstance& i : scene.instances)
+    instances.push_back(vulkan::structure_instance(structures[i.mesh], i.world_from_mesh, i.name));
+  structures.emplace_back(*device.context, device.commands, vulkan::StructureKind::instances,
+                          std::as_bytes(std::span(instances)), static_cast<std::uint32_t>(instances.size()));
+  return structures;
 }
 
 // What the materials that surfaces have are: kernels are built for them and no others.
@@ -172,6 +223,13 @@ TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScen
   const bool fits_storage = longest.bytes() <= context.limits().maxStorageBufferRange && unbound.empty();
   if (fits_texels && wanted != TableLoads::storage_buffer) return TableLoads::texel_buffer;
   if (fits_storage && wanted != TableLoads::texel_buffer) return TableLoads::storage_buffer;
+  if (fits_storage)
+    throw Error(
+        ErrorKind::lost,
+        fmt::format("The table '{}' of the scene has {} bytes, but '{}' reads at most {} texels of 16 bytes "
+                    "(maxTexelBufferElements), and kernels for ray queries read no other buffers; use "
+                    "--traversal tree.",
+                    longest.what, longest.bytes(), context.info().name, context.limits().maxTexelBufferElements));
   throw Error(
       ErrorKind::lost,
       fmt::format("The table '{}' of the scene has {} bytes, but '{}' reads at most {} texels of 16 bytes "
@@ -182,9 +240,7 @@ TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScen
 }
 
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene) {
-  std::vector<DeviceNeed> needs;
-  for (const TableGroup& group : table_groups(scene)) needs.push_back({group.what, group.bytes()});
-  return needs;
+  return needs_of(table_groups(scene));
 }
 
 DeviceNeed least_scene_need(const Scene& scene) {
@@ -265,40 +321,63 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, 
 }
 
 DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene,
-                         std::optional<TableLoads> wanted, std::span<const DeviceNeed> planned, const Layouts& like)
+                         std::optional<TableLoads> wanted, std::span<const DeviceNeed> planned, const Layouts& like,
+                         bool queries)
     : device_(std::move(device)),
       loads_(choose_table_loads(*device_->context, scene, wanted)),
+      queries_(queries),
       facts_(scene),
       loop_rounds_(scene),
       has_tree_(scene.tree_root != gpu::kNone),
       light_tree_depth_(scene.light_tree_depth),
       constants_(scene_constants(scene, scene)),
-      layouts_(like && like->loads == loads_ ? like : std::make_shared<const SceneLayouts>(*device_->context, loads_)),
+      layouts_(like && like->loads == loads_ && like->queries == queries
+                   ? like
+                   : std::make_shared<const SceneLayouts>(*device_->context, loads_, queries)),
       set_(*device_->context, layouts_->set) {
-  std::vector<DeviceNeed> needs = scene_needs(scene);
-  needs.insert(needs.end(), planned.begin(), planned.end());
-  check_needs(needs, limits_of(*device_->context));
-  for (const TableGroup& group : table_groups(scene)) bind(group.binding, upload(group));
+  if (!queries) {
+    check_room(scene_needs(scene), planned, *device_->context);
+    for (const TableGroup& group : table_groups(scene)) bind(group.binding, upload(group));
+    return;
+  }
+  const QueryScene query = query_scene(scene);
+  const std::array<TableGroup, 3> groups = table_groups(scene, scene, query.records);
+  std::vector<DeviceNeed> needs = needs_of(groups);
+  needs.push_back(structures_need(*device_->context, query));
+  check_room(std::move(needs), planned, *device_->context);
+  for (const TableGroup& group : groups) bind(group.binding, upload(group));
+  structures_ = std::make_shared<const std::vector<vulkan::AccelerationStructure>>(build_structures(*device_, query));
+  use_structures(query.instances_at);
 }
 
 DeviceScene::DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials)
     : device_(base.device_),
       loads_(base.loads_),
+      queries_(base.queries_),
       facts_(base.facts_),
       loop_rounds_(base.loop_rounds_),
       has_tree_(base.has_tree_),
       light_tree_depth_(base.light_tree_depth_),
       constants_(scene_constants(scene, materials)),
       layouts_(base.layouts_),
+      structures_(base.structures_),
       set_(*device_->context, layouts_->set) {
   for (const TableGroup& group : table_groups(scene, materials)) {
     const bool others = group.binding == gpu::kBindingTables;
     bind(group.binding, others ? upload(group) : base.entries_.at(group.binding));
   }
+  if (queries_) use_structures(base.instances_at_);
 }
 
-template <typename Group>
-std::shared_ptr<const DeviceScene::Entry> DeviceScene::upload(const Group& group) {
+// Binds them, and tells kernels where the records of instances are.
+void DeviceScene::use_structures(std::uint32_t instances_at) {
+  instances_at_ = instances_at;
+  if (has_tree_)
+    std::ranges::find(constants_, gpu::kConstantTreeRoot, &vulkan::Specialization::id)->value = instances_at;
+  set_.bind(gpu::kBindingStructure, structures_->back());
+}
+
+std::shared_ptr<const DeviceScene::Entry> DeviceScene::upload(const TableGroup& group) {
   const bool texels = loads_ == TableLoads::texel_buffer;
   const VkBufferUsageFlags usage =
       texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;

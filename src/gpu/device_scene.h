@@ -4,13 +4,17 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "compile/compiled_view.h"
 #include "gpu/device_limits.h"
 #include "gpu/gpu_device.h"
 #include "gpu/kernel_bindings.h"
+#include "vulkan/acceleration.h"
 
 namespace etendue {
+
+struct TableGroup;  // tables that share a buffer
 
 /// Texel buffers, unless a table of the scene is too long for those of the device but not for its storage buffers.
 /// Throws Error(lost) with the limits, the need and what is available if neither is possible, or `wanted` is not.
@@ -41,12 +45,14 @@ DeviceNeed least_scene_need(const Scene& scene);
 
 /// What kernels that read tables in one way are bound by.
 struct SceneLayouts {
-  SceneLayouts(const vulkan::Context& context, TableLoads way)
+  SceneLayouts(const vulkan::Context& context, TableLoads way, bool by_queries)
       : loads(way),
-        set(context, scene_bindings(way)),
+        queries(by_queries),
+        set(context, scene_bindings(way, by_queries)),
         film_kernels(context, set, film_bindings()),
         request_kernels(context, set, request_bindings()) {}
   TableLoads loads;
+  bool queries;
   vulkan::SetLayout set;
   KernelBindings film_kernels, request_kernels;
 };
@@ -57,9 +63,10 @@ class DeviceScene {
  public:
   using Layouts = std::shared_ptr<const SceneLayouts>;
   /// Throws Error(lost), before anything is uploaded, when the device cannot hold or read the tables, or not
-  /// beside what else is `planned`. Has the layouts of another scene of the device, if those will do.
+  /// beside what else is `planned`. Has the layouts of another scene of the device, if those will do. With
+  /// `queries` the driver builds acceleration structures in place of the tree.
   DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene, std::optional<TableLoads> wanted = {},
-              std::span<const DeviceNeed> planned = {}, const Layouts& like = {});
+              std::span<const DeviceNeed> planned = {}, const Layouts& like = {}, bool queries = false);
   /// `base`, which was made of `scene`, with the numbers of other materials: they share the tree and the geometry.
   DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials);
 
@@ -69,6 +76,7 @@ class DeviceScene {
   GpuDevice& device() const { return *device_; }
   const std::shared_ptr<GpuDevice>& device_pointer() const { return device_; }
   TableLoads loads() const { return loads_; }
+  bool queries() const { return queries_; }
   const SceneFacts& facts() const { return facts_; }
   const LoopRounds& loop_rounds() const { return loop_rounds_; }
   bool has_tree() const { return has_tree_; }
@@ -87,12 +95,13 @@ class DeviceScene {
     vulkan::Buffer buffer;
     vulkan::TexelView view;  // none for storage buffers
   };
-  template <typename Group>
-  std::shared_ptr<const Entry> upload(const Group& group);
+  std::shared_ptr<const Entry> upload(const TableGroup& group);
   void bind(std::uint32_t binding, std::shared_ptr<const Entry> entry);
+  void use_structures(std::uint32_t instances_at);
 
   std::shared_ptr<GpuDevice> device_;
   TableLoads loads_;
+  bool queries_;
   SceneFacts facts_;
   LoopRounds loop_rounds_;
   bool has_tree_;
@@ -100,6 +109,9 @@ class DeviceScene {
   std::vector<vulkan::Specialization> constants_;
   Layouts layouts_;
   std::map<std::uint32_t, std::shared_ptr<const Entry>> entries_;  // by their bindings
+  // Of the meshes, then that of their instances; and the slot of the first instance. Only for queries.
+  std::shared_ptr<const std::vector<vulkan::AccelerationStructure>> structures_;
+  std::uint32_t instances_at_ = 0;
   vulkan::BindingSet set_;
 };
 

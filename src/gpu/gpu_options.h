@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "render/traversal.h"
 #include "vulkan/context.h"
 
 namespace etendue {
@@ -29,8 +30,12 @@ struct GpuOptions {
   std::shared_ptr<const KernelSet>
       kernels;  ///< not null: instead of the kernels that render pictures; they read texel buffers
 
-  /// The choice of `loads` that is open.
-  std::optional<TableLoads> wanted_loads() const { return kernels ? TableLoads::texel_buffer : loads; }
+  Traversal traversal = Traversal::automatic;
+
+  /// Whether the driver walks.
+  bool queries() const { return traversal == Traversal::query; }
+  /// The choice of `loads` that is open: kernels that ask the driver are built for texel buffers only.
+  std::optional<TableLoads> wanted_loads() const { return kernels || queries() ? TableLoads::texel_buffer : loads; }
 };
 
 }  // namespace etendue

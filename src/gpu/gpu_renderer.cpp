@@ -174,8 +174,8 @@ Made make_device_scene(const std::shared_ptr<GpuDevice>& device, const SharedSce
   made.compiled = shared.once<CompiledScene>(compile_scene);
   made.timings.compile = timer.seconds();
   timer = {};
-  made.scene =
-      std::make_shared<const DeviceScene>(device, *made.compiled, options.wanted_loads(), std::span(&film, 1), like);
+  made.scene = std::make_shared<const DeviceScene>(device, *made.compiled, options.wanted_loads(), std::span(&film, 1),
+                                                   like, options.queries());
   made.timings.upload = timer.seconds();
   return made;
 }
@@ -549,6 +549,10 @@ void add_profile(RenderProfile& profile, const gpu::PathProfile& path, std::uint
 }
 
 RenderProfile GpuRenderer::profile(std::uint32_t samples) {
+  if (scene_->queries())
+    throw Error(ErrorKind::usage,
+                "What rays visit is counted in the tree, and a driver does not tell what it visits; count with "
+                "--traversal tree.");
   const GpuTimings of_renders = timings_;
   const KernelBindings& layout = scene_->film_kernels();
   const bool ballots = context().info().subgroup_ballot;

@@ -17,9 +17,12 @@ std::uint32_t count(const std::vector<vulkan::Binding>& bindings, VkDescriptorTy
 
 }  // namespace
 
-std::vector<vulkan::Binding> scene_bindings(TableLoads loads) {
+std::vector<vulkan::Binding> scene_bindings(TableLoads loads, bool queries) {
   const VkDescriptorType type = loads == TableLoads::texel_buffer ? kTexels : kStorage;
-  return {{gpu::kBindingRecords, type}, {gpu::kBindingGeometry, type}, {gpu::kBindingTables, type}};
+  std::vector<vulkan::Binding> bindings = {
+      {gpu::kBindingRecords, type}, {gpu::kBindingGeometry, type}, {gpu::kBindingTables, type}};
+  if (queries) bindings.push_back({gpu::kBindingStructure, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR});
+  return bindings;
 }
 
 std::vector<vulkan::Binding> film_bindings() {

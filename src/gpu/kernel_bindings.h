@@ -10,8 +10,8 @@
 
 namespace etendue {
 
-/// Buffers of the scene's tables.
-std::vector<vulkan::Binding> scene_bindings(TableLoads loads);
+/// Buffers of the scene's tables, and with `queries` the acceleration structure.
+std::vector<vulkan::Binding> scene_bindings(TableLoads loads, bool queries = false);
 /// Set 1 of the kernels that render, and of the one that adds samples to the film.
 std::vector<vulkan::Binding> film_bindings();
 /// Set 1 of all other kernels: requests and results.

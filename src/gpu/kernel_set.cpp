@@ -9,6 +9,7 @@
 #include "kernels_profile_storage.h"
 #include "kernels_profile_subgroups.h"
 #include "kernels_profile_subgroups_storage.h"
+#include "kernels_query.h"
 #include "kernels_storage.h"
 
 namespace etendue {
@@ -41,7 +42,19 @@ KernelSet kernel_set(TableLoads loads) {
           {}};
 }
 
+// Without kernels for plain scenes: what ray queries are for are scenes whose paths take long.
+KernelSet query_kernel_set() {
+  KernelSet set = kernel_set(TableLoads::texel_buffer);
+  set.render = set.render_plain = kernels::render_query;
+  set.trace_samples = set.trace_samples_plain = kernels::trace_samples_query;
+  set.trace_path = set.trace_path_plain = kernels::trace_path_query;
+  set.trace_rays = kernels::trace_rays_query;
+  set.profile = set.profile_subgroups = {};
+  return set;
+}
+
 KernelSet kernel_set(const GpuOptions& options, TableLoads loads) {
+  if (options.queries() && !options.kernels) return query_kernel_set();
   return options.kernels ? *options.kernels : kernel_set(loads);
 }
 

@@ -25,7 +25,9 @@ bool is_plain(std::span<const vulkan::Specialization> constants);
 
 /// The kernels that render pictures.
 KernelSet kernel_set(TableLoads loads);
-/// Those of the options, if given.
+/// Those for traversal by the driver; without the ones that count.
+KernelSet query_kernel_set();
+/// Those of the options, if given, or asked for by their traversal.
 KernelSet kernel_set(const GpuOptions& options, TableLoads loads);
 
 }  // namespace etendue

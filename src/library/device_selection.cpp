@@ -67,6 +67,7 @@ GpuOptions gpu_options(const DeviceSelection& device) {
   GpuOptions options;
   options.device = device.selector;
   options.fixed_samples = device.pass_samples;
+  options.traversal = device.traversal;
   if (device.max_wait_seconds) options.context.max_wait_seconds = *device.max_wait_seconds;
   return options;
 }
@@ -79,7 +80,7 @@ BsdfProbeFactory bsdf_probe_factory(const DeviceSelection& device) {
 std::vector<DeviceDescription> list_devices() {
   std::vector<DeviceDescription> all;
   for (const vulkan::DeviceInfo& info : vulkan::list_devices(gpu_context_options()))
-    all.push_back({info.name, info.type, info.driver, info.missing});
+    all.push_back({info.name, info.type, info.driver, info.missing, info.ray_queries});
   return all;
 }
 
@@ -87,6 +88,10 @@ std::vector<RendererFactory> renderer_factories(const DeviceSelection& devices) 
   std::vector<RendererFactory> factories;
   for (const std::string& selector : single_devices(devices.selector)) {
     if (selector == kReference) {
+      if (devices.traversal == Traversal::query)
+        throw Error(ErrorKind::usage,
+                    "The reference has its own tree, and --traversal query is for Vulkan devices; choose another "
+                    "--device or leave it out.");
       factories.emplace_back([](const SharedScene& scene, const RenderSettings& settings) {
         return make_reference_renderer(scene.scene(), settings);
       });

@@ -15,6 +15,7 @@ namespace {
 
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize{16} << 20;
 constexpr double kTransferTimeout = 60.0;  // seconds; a copy of kStagingBytes takes milliseconds
+constexpr double kBuildTimeout = 300.0;    // seconds; on a CPU millions of boxes take some
 
 // Everything before is visible to everything after; passes are long, so finer barriers would buy nothing.
 void full_barrier(VkCommandBuffer buffer) {
@@ -125,6 +126,27 @@ void Commands::download(const Buffer& source, VkDeviceSize offset, std::span<std
     offset += chunk.size();
     bytes = bytes.subspan(chunk.size());
   }
+}
+
+void Commands::build(const VkAccelerationStructureBuildGeometryInfoKHR& structure,
+                     const VkAccelerationStructureBuildRangeInfoKHR& range) {
+  constexpr VkPipelineStageFlags kBuild = VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR;
+  constexpr VkAccessFlags kStructures =
+      VK_ACCESS_ACCELERATION_STRUCTURE_READ_BIT_KHR | VK_ACCESS_ACCELERATION_STRUCTURE_WRITE_BIT_KHR;
+  // What was uploaded or built before, and what will be built of it or asked of it.
+  const VkMemoryBarrier before{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                               .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT | kStructures,
+                               .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | kStructures};
+  const VkMemoryBarrier after{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                              .srcAccessMask = kStructures,
+                              .dstAccessMask = VK_ACCESS_ACCELERATION_STRUCTURE_READ_BIT_KHR};
+  const VkAccelerationStructureBuildRangeInfoKHR* const ranges = &range;
+  begin();
+  vkCmdPipelineBarrier(buffer_, VK_PIPELINE_STAGE_TRANSFER_BIT | kBuild, kBuild, 0, 1, &before, 0, nullptr, 0, nullptr);
+  vkCmdBuildAccelerationStructuresKHR(buffer_, 1, &structure, &ranges);
+  vkCmdPipelineBarrier(buffer_, kBuild, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | kBuild, 0, 1, &after, 0, nullptr, 0,
+                       nullptr);
+  submit_and_wait("build an acceleration structure", kBuildTimeout);
 }
 
 void Commands::fill(const Buffer& target, std::uint32_t word) {

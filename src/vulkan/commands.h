@@ -22,6 +22,9 @@ class Commands {
   void upload(const Buffer& target, VkDeviceSize offset, std::span<const std::byte> bytes);
   /// Copies buffer bytes from `offset` to the host.
   void download(const Buffer& source, VkDeviceSize offset, std::span<std::byte> bytes);
+  /// Builds one acceleration structure of one geometry.
+  void build(const VkAccelerationStructureBuildGeometryInfoKHR& structure,
+             const VkAccelerationStructureBuildRangeInfoKHR& range);
   /// Sets every 32-bit word of the buffer.
   void fill(const Buffer& target, std::uint32_t word);
 

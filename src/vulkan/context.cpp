@@ -85,6 +85,36 @@ bool has_extension(VkPhysicalDevice device, const char* name) {
                              [&](const VkExtensionProperties& e) { return std::string_view(e.extensionName) == name; });
 }
 
+constexpr const char* kRayQueryExtensions[] = {VK_KHR_RAY_QUERY_EXTENSION_NAME,
+                                               VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
+                                               VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
+
+// What ray queries ask for, as vkCreateDevice and the query of a device's features chain it.
+struct RayQueryFeatures {
+  VkPhysicalDeviceBufferDeviceAddressFeatures addresses{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR, .pNext = &addresses};
+  VkPhysicalDeviceRayQueryFeaturesKHR queries{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR,
+                                              .pNext = &structures};
+  RayQueryFeatures() = default;
+  RayQueryFeatures(const RayQueryFeatures&) = delete;
+  RayQueryFeatures& operator=(const RayQueryFeatures&) = delete;
+};
+
+// The first thing that a device with Vulkan 1.2 lacks for ray queries; empty where they work.
+std::string missing_for_ray_queries(VkPhysicalDevice device) {
+  for (const char* name : kRayQueryExtensions)
+    if (!has_extension(device, name)) return fmt::format("the extension {}", name);
+  RayQueryFeatures has;
+  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &has.queries};
+  vkGetPhysicalDeviceFeatures2(device, &features);
+  if (has.addresses.bufferDeviceAddress == VK_FALSE) return "the feature bufferDeviceAddress";
+  if (has.structures.accelerationStructure == VK_FALSE) return "the feature accelerationStructure";
+  if (has.queries.rayQuery == VK_FALSE) return "the feature rayQuery";
+  return "";
+}
+
 std::string missing_features(VkPhysicalDevice device, const VkPhysicalDeviceProperties& p,
                              const Requirements& requirements) {
   if (p.apiVersion < VK_API_VERSION_1_2) {
@@ -92,6 +122,10 @@ std::string missing_features(VkPhysicalDevice device, const VkPhysicalDeviceProp
                        VK_API_VERSION_MINOR(p.apiVersion));
   }
   if (compute_family(device) < 0) return "it has no compute queue";
+  if (requirements.ray_queries) {
+    if (const std::string lacks = missing_for_ray_queries(device); !lacks.empty())
+      return fmt::format("it lacks {}, which '--traversal query' needs; '--traversal tree' does without", lacks);
+  }
   return requirements.missing(p.limits);
 }
 
@@ -115,6 +149,7 @@ DeviceInfo describe(VkPhysicalDevice device, std::uint32_t index, const Requirem
     if (driver.driverInfo[0] != '\0') info.driver += fmt::format(" ({})", driver.driverInfo);
     driver_id = driver.driverID;
     info.subgroup_size = subgroup.subgroupSize;
+    info.ray_queries = missing_for_ray_queries(device).empty();
     info.subgroup_ballot = (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT) != 0 &&
                            (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
   }
@@ -382,6 +417,10 @@ Context::Context(const ForeignDevice& foreign, const ContextOptions& options)
       queue_family_(foreign.queue_family) {
   if (!info_.missing.empty())
     throw Error(ErrorKind::device, fmt::format("The device '{}' cannot be used: {}.", info_.name, info_.missing));
+  if (options.requirements.ray_queries && !foreign.ray_queries)
+    throw Error(ErrorKind::device, fmt::format("The device '{}' was opened without ray queries, which '--traversal "
+                                               "query' needs; open it with them, or use '--traversal tree'.",
+                                               info_.name));
   VkPhysicalDeviceProperties p;
   vkGetPhysicalDeviceProperties(physical_, &p);
   is_cpu_ = p.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
@@ -430,6 +469,11 @@ void Context::read_limits() {
                                          .pNext = &maintenance};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   max_allocation_ = maintenance.maxMemoryAllocationSize;
+  if (!options_.requirements.ray_queries) return;
+  structure_limits_ = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+  properties.pNext = &structure_limits_;
+  vkGetPhysicalDeviceProperties2(physical_, &properties);
+  structure_limits_.pNext = nullptr;
 }
 
 // A CPU driver may keep device memory in a file that nobody sees (Mesa 25's does), for which the limit on the size of
@@ -475,10 +519,17 @@ void Context::open_device() {
                                            .pQueuePriorities = &priority};
   // Every Vulkan device has it: an index out of range, were there one, reads zero or does nothing instead of harm.
   const VkPhysicalDeviceFeatures features{.robustBufferAccess = VK_TRUE};
-  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                .queueCreateInfoCount = 1,
-                                .pQueueCreateInfos = &queue_info,
-                                .pEnabledFeatures = &features};
+  RayQueryFeatures on;
+  on.addresses.bufferDeviceAddress = on.structures.accelerationStructure = on.queries.rayQuery = VK_TRUE;
+  const bool queries = options_.requirements.ray_queries;
+  const VkDeviceCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+      .pNext = queries ? &on.queries : nullptr,
+      .queueCreateInfoCount = 1,
+      .pQueueCreateInfos = &queue_info,
+      .enabledExtensionCount = queries ? static_cast<std::uint32_t>(std::size(kRayQueryExtensions)) : 0u,
+      .ppEnabledExtensionNames = kRayQueryExtensions,
+      .pEnabledFeatures = &features};
   check(vkCreateDevice(physical_, &info, nullptr, &device_), fmt::format("open the device '{}'", info_.name));
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
   try {

@@ -21,6 +21,7 @@ struct DeviceInfo {
   int rank = 0;                    ///< of device_rank: 'auto' takes the least
   std::uint32_t subgroup_size = 0;
   bool subgroup_ballot = false;  ///< compute kernels may ask which lanes of a subgroup are active
+  bool ray_queries = false;      ///< kernels may ask the driver what a ray meets
   std::string missing;           ///< why it cannot be used; empty when it can
 };
 
@@ -33,6 +34,8 @@ struct Requirements {
   std::uint32_t push_constant_bytes = 0;
   std::uint32_t uniform_bytes = 0;  ///< of the largest uniform buffer
   std::uint32_t workgroup_lanes = 0;
+  /// Extensions and features of ray queries, which are turned on for this alone.
+  bool ray_queries = false;
 
   /// The first thing that `limits` do not allow, in words; empty when they allow everything.
   std::string missing(const VkPhysicalDeviceLimits& limits) const;
@@ -68,6 +71,8 @@ struct ForeignDevice {
   VkDevice device = VK_NULL_HANDLE;  ///< opened with the feature robustBufferAccess
   VkQueue queue = VK_NULL_HANDLE;    ///< of a family with compute; nobody else submits to it meanwhile
   std::uint32_t queue_family = 0;
+  /// Opened with VK_KHR_acceleration_structure, VK_KHR_ray_query and their features, and bufferDeviceAddress.
+  bool ray_queries = false;
 };
 
 /// An open device. Not thread-safe: one thread submits at a time. Several may be open, each used by a thread of its
@@ -86,6 +91,8 @@ class Context {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   const ContextOptions& options() const { return options_; }
+  /// Where the device was opened for ray queries.
+  const VkPhysicalDeviceAccelerationStructurePropertiesKHR& structure_limits() const { return structure_limits_; }
   /// Bytes of the largest single allocation.
   std::uint64_t max_allocation() const { return max_allocation_; }
   /// Device memory that is there for this process, and who says so: the driver's budget (VK_EXT_memory_budget) where it
@@ -120,6 +127,7 @@ class Context {
   std::string choice_;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkPhysicalDeviceLimits limits_{};
+  VkPhysicalDeviceAccelerationStructurePropertiesKHR structure_limits_{};
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint64_t max_allocation_ = 0;
   bool is_cpu_ = false;

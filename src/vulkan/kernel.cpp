@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "vulkan/acceleration.h"
 #include "vulkan/check.h"
 
 namespace etendue::vulkan {
@@ -82,6 +83,21 @@ void BindingSet::bind(std::uint32_t binding, const Buffer& buffer) {
 void BindingSet::bind(std::uint32_t binding, const TexelView& view) {
   const VkBufferView handle = view.get();
   write(binding, nullptr, &handle);
+}
+
+void BindingSet::bind(std::uint32_t binding, const AccelerationStructure& structure) {
+  const VkAccelerationStructureKHR handle = structure.get();
+  const VkWriteDescriptorSetAccelerationStructureKHR structures{
+      .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR,
+      .accelerationStructureCount = 1,
+      .pAccelerationStructures = &handle};
+  const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                   .pNext = &structures,
+                                   .dstSet = set_,
+                                   .dstBinding = binding,
+                                   .descriptorCount = 1,
+                                   .descriptorType = VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR};
+  vkUpdateDescriptorSets(device_, 1, &write, 0, nullptr);
 }
 
 Kernel::Kernel(const Context& context, const PipelineLayout& layout, std::span<const std::uint32_t> spirv,

@@ -11,6 +11,8 @@
 
 namespace etendue::vulkan {
 
+class AccelerationStructure;  // acceleration.h
+
 /// One binding of a descriptor set.
 struct Binding {
   std::uint32_t number = 0;
@@ -47,6 +49,7 @@ class BindingSet {
   BindingSet(const Context& context, const SetLayout& layout);
   void bind(std::uint32_t binding, const Buffer& buffer);
   void bind(std::uint32_t binding, const TexelView& view);
+  void bind(std::uint32_t binding, const AccelerationStructure& structure);
   VkDescriptorSet get() const { return set_; }
 
  private:

@@ -83,6 +83,7 @@ TEST(BadCommand, Values) {
       {{"-o", "picture.jpg"}, "neither in .exr nor in .png"},
       {{"-o", ""}, "neither in .exr nor in .png"},
       {{"-o", "/dev/null"}, "neither in .exr nor in .png"},
+      {{"--traversal", "query"}, "has its own tree"},
       {{"--checkpoint", "scene.xml"}, "would replace a file that is not a film"}};
   for (const auto& [arguments, words] : options) {
     std::vector<std::string> all = {"render", "scene.xml", "--device", "reference"};
@@ -106,6 +107,8 @@ TEST(BadCommand, WordsTheParserRefuses) {
                                                        {"render", "scene.xml", "--seed", "4294967296"},
                                                        {"render", "scene.xml", "--threads", "-1"},
                                                        {"render", "scene.xml", "--threads", "100000"},
+                                                       {"render", "scene.xml", "--traversal", "fast"},
+                                                       {"render", "scene.xml", "--stats", "--traversal", "query"},
                                                        {"render", "scene.xml", "--colour"},
                                                        {"render", "scene.xml", "-o"},
                                                        {"compare", "a.exr"},

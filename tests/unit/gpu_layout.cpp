@@ -21,18 +21,24 @@ using Places = std::map<Place, VkDescriptorType>;
 
 // What a SPIR-V binary declares (specification, §3.42).
 Places declared(std::span<const std::uint32_t> words) {
-  constexpr std::uint32_t kVariable = 59, kDecorate = 71, kBinding = 33, kDescriptorSet = 34;
+  constexpr std::uint32_t kPointer = 32, kVariable = 59, kDecorate = 71, kBinding = 33, kDescriptorSet = 34;
+  constexpr std::uint32_t kStructure = 5341;  // OpTypeAccelerationStructureKHR
   const std::map<std::uint32_t, VkDescriptorType> of_storage_class = {{0, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
                                                                       {2, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
                                                                       {12, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
   std::map<std::uint32_t, Place> places;
+  std::set<std::uint32_t> structures;  // that type and pointers to it
   Places out;
   for (std::size_t i = 5; i < words.size() && words[i] >> 16 != 0; i += words[i] >> 16) {
     const std::span<const std::uint32_t> w = words.subspan(i, words[i] >> 16);
     const std::uint32_t op = w[0] & 0xffffu;
     if (op == kDecorate && w[2] == kDescriptorSet) places[w[1]].first = w[3];
     if (op == kDecorate && w[2] == kBinding) places[w[1]].second = w[3];
-    if (op == kVariable && places.contains(w[2])) out[places[w[2]]] = of_storage_class.at(w[3]);
+    if (op == kStructure) structures.insert(w[1]);
+    if (op == kPointer && structures.contains(w[3])) structures.insert(w[1]);
+    if (op == kVariable && places.contains(w[2]))
+      out[places[w[2]]] =
+          structures.contains(w[1]) ? VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR : of_storage_class.at(w[3]);
   }
   return out;
 }
@@ -56,8 +62,8 @@ void check(const char* name, std::span<const std::uint32_t> kernel, const Places
   }
 }
 
-void check_kernels(const KernelSet& kernels, TableLoads loads) {
-  const auto scene = scene_bindings(loads);
+void check_kernels(const KernelSet& kernels, TableLoads loads, bool queries = false) {
+  const auto scene = scene_bindings(loads, queries);
   const Places film = in_layout(scene, film_bindings()), requests = in_layout(scene, request_bindings());
   Places of_film, of_requests;
   check("render", kernels.render, film, of_film);
@@ -66,8 +72,10 @@ void check_kernels(const KernelSet& kernels, TableLoads loads) {
   check("render_plain", kernels.render_plain, film, of_plain);
   check("trace_samples_plain", kernels.trace_samples_plain, requests, of_plain);
   check("trace_path_plain", kernels.trace_path_plain, requests, of_plain);
-  check("profile", kernels.profile, film, of_film);
-  check("profile_subgroups", kernels.profile_subgroups, film, of_film);
+  if (!queries) {
+    check("profile", kernels.profile, film, of_film);
+    check("profile_subgroups", kernels.profile_subgroups, film, of_film);
+  }
   check("trace_samples", kernels.trace_samples, requests, of_requests);
   check("trace_path", kernels.trace_path, requests, of_requests);
   check("trace_rays", kernels.trace_rays, requests, of_requests);
@@ -79,6 +87,7 @@ void check_kernels(const KernelSet& kernels, TableLoads loads) {
 TEST(GpuLayout, HoldsWhatKernelsDeclareAndNothingElse) {
   check_kernels(kernel_set(TableLoads::texel_buffer), TableLoads::texel_buffer);
   check_kernels(kernel_set(TableLoads::storage_buffer), TableLoads::storage_buffer);
+  check_kernels(query_kernel_set(), TableLoads::texel_buffer, true);
   check_kernels(kernels_with(gpu::kMutantNone), TableLoads::texel_buffer);
 }
 
