@@ -305,7 +305,7 @@ class Frames(unittest.TestCase):
 
         cases = [
             (sampler(input=99), 'number 99 of "accessors"'), (sampler(output=4294967295), "accessors|too large"),
-            (sampler(input=-1), "not negative"), (sampler(input="0"), "must be a number"),
+            (sampler(input=-1), "non-negative"), (sampler(input="0"), "must be a number"),
             (sampler(interpolation="BEZIER"), '"BEZIER" is unknown'), (sampler(interpolation="CUBICSPLINE"), "it needs 18"),
             (lambda a, m: a.channel(0, "scale", [0, 1, 1], [1] * 9), "not later than the one before it"),
             (lambda a, m: a.channel(0, "scale", [1, 0], [1] * 6), "keyframe 1 of an animation is at 0 s"),
