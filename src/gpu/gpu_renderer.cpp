@@ -16,6 +16,7 @@
 #include "gpu/device_scene.h"
 #include "gpu/device_view.h"
 #include "gpu/kernel_set.h"
+#include "gpu/pass_sizer.h"
 #include "scene/invariants.h"
 #include "scene/material_numbers.h"
 
@@ -90,64 +91,16 @@ class Timer {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Sizes dispatches by the rate measured so far. It decides when samples are computed, never their values.
-class PassSizer {
- public:
-  /// `rounds`: those that fit into a lane's budget.
-  PassSizer(const vulkan::Context& context, const GpuOptions& options, std::uint32_t lane_groups, std::uint32_t rounds)
-      : seconds_(context.is_cpu() ? kCpuPassSeconds : options.pass_seconds),
-        fixed_samples_(options.fixed_samples),
-        fixed_groups_(options.fixed_groups),
-        most_(std::min<std::uint64_t>(most_samples(context, lane_groups) / gpu::kWorkgroupSize,
-                                      context.limits().maxComputeWorkGroupCount[0])),
-        lane_groups_(lane_groups),
-        paths_per_lane_(std::clamp(rounds / kRoundsPerPath, 4u, kPathsPerLane)) {}
-
-  void measured(double paths, double seconds) {
-    if (seconds > 0.0) rate_ = paths / seconds;
-  }
-  /// Lanes came to the end of their budget: fewer paths in a row.
-  void shorten() { paths_per_lane_ = std::max(paths_per_lane_ / 2, 4u); }
-
-  /// Samples of each slot in a pass over the film, where a sample is so many paths. A pass must end soon enough for
-  /// signals and time limits.
-  std::uint32_t samples(std::uint64_t slots, std::uint32_t paths) const {
-    if (fixed_samples_ > 0) return fixed_samples_;
-    const double affordable = seconds_ * rate_ / (static_cast<double>(slots) * paths);
-    return static_cast<std::uint32_t>(std::clamp(affordable, 1.0, 64.0));
-  }
-  /// Groups of slots that are given so many paths each by one dispatch, or by several where that is too much for one.
-  std::uint32_t groups(std::uint32_t left, std::uint32_t paths) const {
-    const auto most = static_cast<std::uint32_t>(std::min<std::uint64_t>(left, most_));
-    if (fixed_groups_ > 0) return std::min(fixed_groups_, most);
-    const std::uint32_t groups = std::min(std::max(static_cast<std::uint32_t>(size() / paths), lane_groups_), most);
-    const std::uint32_t chunks = (left + groups - 1) / groups;
-    return (left + chunks - 1) / chunks;  // all of a size
-  }
-  /// Paths of each slot in a dispatch for so many groups.
-  std::uint32_t paths(std::uint32_t left, std::uint32_t groups) const {
-    return std::clamp(static_cast<std::uint32_t>(size() / groups), 1u, left);
-  }
-  /// Workgroups that do it: as many as there are to be, and none has more to do than another.
-  std::uint32_t lane_groups(std::uint32_t groups) const {
-    const std::uint32_t rounds = (groups + lane_groups_ - 1) / lane_groups_;
-    return (groups + rounds - 1) / rounds;
-  }
-
- private:
-  // Groups of 64 paths in a dispatch.
-  double size() const {
-    const auto most = static_cast<double>(std::min(most_, std::uint64_t{lane_groups_} * paths_per_lane_));
-    return std::clamp(seconds_ * rate_ / gpu::kWorkgroupSize, 1.0, most);
-  }
-
-  double seconds_;
-  std::uint32_t fixed_samples_, fixed_groups_;
-  std::uint64_t most_;  // groups of 64 samples; a workgroup takes each into the film
-  std::uint32_t lane_groups_;
-  std::uint32_t paths_per_lane_;
-  double rate_ = 2e5;  // paths per second; a careful first guess
-};
+PassLimits pass_limits(const vulkan::Context& context, const GpuOptions& options, std::uint32_t lane_groups,
+                       std::uint32_t rounds) {
+  return {.seconds = context.is_cpu() ? kCpuPassSeconds : options.pass_seconds,
+          .most_groups = std::min<std::uint64_t>(most_samples(context, lane_groups) / gpu::kWorkgroupSize,
+                                                 context.limits().maxComputeWorkGroupCount[0]),
+          .lane_groups = lane_groups,
+          .paths_per_lane = std::clamp(rounds / kRoundsPerPath, PassLimits::kLeastPathsPerLane, kPathsPerLane),
+          .fixed_samples = options.fixed_samples,
+          .fixed_groups = options.fixed_groups};
+}
 
 // Groups of 64 slots that a dispatch may count so many paths of.
 std::uint32_t most_profiled(const vulkan::Context& context, std::uint32_t paths) {
@@ -530,7 +483,8 @@ GpuRenderer::RenderKernel& GpuRenderer::present_kernel() {
   if (render_kernels_.size() == kKept) render_kernels_.pop_front();
   return render_kernels_.emplace_back(RenderKernel{
       .constants = constants_,
-      .sizer = PassSizer(context(), options_, lane_groups_, step_budget_ / iterations_per_round(constants_))});
+      .sizer =
+          PassSizer(pass_limits(context(), options_, lane_groups_, step_budget_ / iterations_per_round(constants_)))});
 }
 
 // A path's counts become its pixel's.
