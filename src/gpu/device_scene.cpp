@@ -11,6 +11,7 @@
 #include "compile/node_layout.h"
 #include "compile/query_scene.h"
 #include "core/errors.h"
+#include "scene/limits.h"
 #include "scene/sharing.h"
 
 namespace etendue {
@@ -207,7 +208,11 @@ LoopRounds::LoopRounds(const CompiledScene& scene) {
   const std::uint32_t adapters = MaterialsUsed(scene, scene).adapter_depth, textures = most_texture_uses(scene);
   // Adapters also of what shadow rays meet, and of what a blend has not chosen; each loop looks once more whether it
   // ends.
-  materials = (adapters > 0 ? 3 * (adapters + 2) : 0) + (textures > 0 ? textures + 1 : 0);
+  const std::uint32_t adapter_steps = adapters > 0 ? 3 * (adapters + 2) : 0;
+  materials = adapter_steps + (textures > 0 ? textures + 1 : 0);
+  // A loop in each lookup: by an adapter, of the parameters of two materials and their coats' normals, of an emitter.
+  if ((scene.textures.features & gpu::kTexturesNested) != 0)
+    materials += (adapter_steps + 2 * (textures + 1) + 1) * (kMaxNestedTextures + 1);
   if (scene.environment.facts.kind == gpu::kEnvironmentNone) return;
   environment_rows = SearchTree(scene.environment.facts.cell_rows).levels;
   environment_columns = SearchTree(scene.environment.facts.columns).levels;
