@@ -126,7 +126,7 @@ vec3 gather_emission(Path path, vec3 le, Surface s, Instance instance, Primitive
 }
 
 // A position in the sky's picture whose radiance some light is still to be multiplied by: light that a ray leaving the scene gathers, or the light that
-// was sampled. The end of a segment has at most one of them, and lavapipe would look up both for all lanes.
+// was sampled. The end of a segment has at most one of them, and lavapipe would look up both for all lanes. Without a picture the light is complete.
 struct LookUp {
   bool wanted;
   EnvironmentPlace at;
@@ -134,8 +134,8 @@ struct LookUp {
 };
 
 void look_up(inout Path path, LookUp sky) {
-  if (!kEnvironmentPictured || !sky.wanted) return;
-  const vec3 le = picture_radiance(sky.at);
+  if (!sky.wanted) return;
+  const vec3 le = kEnvironmentPictured ? picture_radiance(sky.at) : vec3(1.0);
   path.radiance += sky.gathered * le;
   path.shadow_value *= le;
   path.shadow_pending = path.shadow_pending && max_component(le) != 0.0;
@@ -402,10 +402,8 @@ void arrive_unlit(inout Path path, Hit hit, inout LookUp sky, out Decisions deci
       if (kIntegrator == kIntegratorAov) {
         see_emission(path, kEnvironmentPictured ? picture_radiance(sky.at) : le);
       } else {
-        const vec3 gathered = gather_environment(path, le, pdf_light);
         sky.wanted = true;
-        sky.gathered = gathered;
-        if (!kEnvironmentPictured) path.radiance += gathered;
+        sky.gathered = gather_environment(path, le, pdf_light);
       }
     }
     if (kIntegrator == kIntegratorVisibility) path.radiance += vec3(1.0);

@@ -73,6 +73,7 @@ class Tabulator {
       weights_.push_back(0.5 * (radiance(upper) + radiance(lower)) * edges_.back().solid_angle());
       out_.rows.push_back({.column_count = 1});
     }
+    out_.search.resize(search_of_row(0));
   }
 
   void tabulate_picture() {
@@ -165,7 +166,6 @@ class Tabulator {
     const std::vector<std::uint64_t> thresholds = integer_thresholds(entries);
     facts.row_count = static_cast<std::uint32_t>(rows);
     while (facts.row_count > 0 && !(weights_[facts.row_count - 1] > 0.0)) --facts.row_count;
-    out_.search.resize(std::max(out_.search.size(), search_of_row(0)));
     write_search_tree(std::span(thresholds).first(rows), out_.search);
     const std::uint64_t lights_from = thresholds[rows + distant_.size()];
     if (!facts.alone) facts.threshold = static_cast<std::uint32_t>(thresholds[rows]);

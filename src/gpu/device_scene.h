@@ -21,8 +21,9 @@ struct TableGroup;  // tables that share a buffer
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
                               std::optional<TableLoads> wanted = {});
 
-/// Rounds of a kernel's loops, at most: of the bisections that choose a light or a direction of the environment,
-/// ceil(log2) of what there is to choose from; at a hit, through adapters and textures.
+/// Rounds of a kernel's loops, at most: of the bisections that choose a light, ceil(log2) of what there is to choose
+/// from; of the search for a direction of the environment, the levels of its tree; at a hit, through adapters and
+/// textures.
 struct LoopRounds {
   std::uint32_t instances = 0, primitives = 0;
   std::uint32_t environment_rows = 0, environment_columns = 0;

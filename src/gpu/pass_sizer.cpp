@@ -9,7 +9,7 @@ namespace etendue {
 void PassSizer::measured(double paths, double seconds) {
   if (!(seconds > 0.0)) return;
   const double rate = paths / seconds;
-  // The first dispatch may contain the driver's compilation: it says how the next has to begin, and no more.
+  // The first measurement may contain a compilation, or lack the dispatch that did: it sizes the next one and no more.
   if (measurements_ > 0) recent_[(measurements_ - 1) % kRecent] = rate;
   const std::size_t known = std::min(measurements_, kRecent);
   ++measurements_;
