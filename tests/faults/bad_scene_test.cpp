@@ -85,108 +85,50 @@ TEST(BadScene, NumbersThatAreNone) {
   }
 }
 
-struct Property {
-  const char* before;
-  const char* tag;
-  const char* name;
-  const char* after;
+/// A property whose values are numbers, but out of range. It stands in elements within one another, outermost first.
+struct OutOfRange {
+  std::vector<std::string> elements;
+  std::string tag, name;
   std::vector<std::string> values;
 };
 
+const std::vector<std::string> kNoSizes = {"0",  "-1", "65537", "2147483648", "4294967297", "9223372036854775808",
+                                           "1.5"};
+const std::string kCamera = "camera type=\"perspective\"", kSphere = "mesh type=\"sphere\"",
+                  kIntegrator = "integrator type=\"path\"", kGlass = "bsdf type=\"dielectric\"";
+
+const std::vector<OutOfRange> kOutOfRange = {
+    {{kCamera}, "integer", "width", kNoSizes},
+    {{kCamera}, "integer", "height", kNoSizes},
+    {{kCamera}, "float", "fov", {"0", "-0", "-1", "180", "180.00001", "360", "1e300", "1e-999"}},
+    {{kCamera}, "float", "nearClip", {"-1", "1e5", "1e10"}},
+    {{kCamera}, "float", "farClip", {"0", "-1", "1e-5"}},
+    {{kIntegrator}, "integer", "maxDepth", {"0", "-1", "4294967296", "99999999999"}},
+    {{kIntegrator}, "integer", "rrDepth", {"-1", "4294967296"}},
+    {{"sampler type=\"independent\""}, "integer", "sampleCount", {"0", "-1", "4294967296", "18446744073709551616"}},
+    {{kCamera, "rfilter type=\"gaussian\""}, "float", "radius", {"0", "-1", "33", "1e300"}},
+    {{kCamera, "rfilter type=\"gaussian\""}, "float", "stddev", {"0", "-1", "1e9"}},
+    {{kCamera, "rfilter type=\"mitchell\""}, "float", "B", {"-9", "1e9"}},
+    {{kSphere}, "float", "radius", {"0", "-1", "1e10", "1e308"}},
+    {{kSphere}, "point", "center", {"1e10 0 0", "0 -1e300 0", "0 0", "0 0 0 0", ""}},
+    {{kSphere, kGlass}, "float", "intIOR", {"0", "-1.5", "1001", "1e300"}},
+    {{kSphere, kGlass}, "float", "extIOR", {"0", "-1", "1e-999"}},
+    {{kSphere, "bsdf type=\"diffuse\""}, "color", "albedo", {"1e10 0 0", "1e10", "0 -2000 0", "0.5 0.5"}},
+    {{kSphere, "emitter type=\"area\""},
+     "color",
+     "radiance",
+     {"-1 1 1", "1 1 -1e-30", "1e30 1 1", "1e-30 0 0", "-1", "1 2"}},
+    {{}, "color", "sky_top", {"-1 0 0", "1e21 0 0", "1 1"}}};
+
 TEST(BadScene, NumbersOutOfRange) {
-  const std::vector<std::string> sizes = {"0", "-1", "65537", "2147483648", "4294967297", "9223372036854775808", "1.5"};
-  const std::vector<Property> properties = {
-      {"<scene><integrator type=\"path\"/><camera type=\"perspective\">", "integer", "width", "</camera></scene>",
-       sizes},
-      {"<scene><integrator type=\"path\"/><camera type=\"perspective\">", "integer", "height", "</camera></scene>",
-       sizes},
-      {"<scene><integrator type=\"path\"/><camera type=\"perspective\">",
-       "float",
-       "fov",
-       "</camera></scene>",
-       {"0", "-0", "-1", "180", "180.00001", "360", "1e300", "1e-999"}},
-      {"<scene><integrator type=\"path\"/><camera type=\"perspective\">",
-       "float",
-       "nearClip",
-       "</camera></scene>",
-       {"-1", "1e5", "1e10"}},
-      {"<scene><integrator type=\"path\"/><camera type=\"perspective\">",
-       "float",
-       "farClip",
-       "</camera></scene>",
-       {"0", "-1", "1e-5"}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\">",
-       "integer",
-       "maxDepth",
-       "</integrator></scene>",
-       {"0", "-1", "4294967296", "99999999999"}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\">",
-       "integer",
-       "rrDepth",
-       "</integrator></scene>",
-       {"-1", "4294967296"}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\"/><sampler type=\"independent\">",
-       "integer",
-       "sampleCount",
-       "</sampler></scene>",
-       {"0", "-1", "4294967296", "18446744073709551616"}},
-      {"<scene><camera type=\"perspective\"><rfilter type=\"gaussian\">",
-       "float",
-       "radius",
-       "</rfilter></camera><integrator type=\"path\"/></scene>",
-       {"0", "-1", "33", "1e300"}},
-      {"<scene><camera type=\"perspective\"><rfilter type=\"gaussian\">",
-       "float",
-       "stddev",
-       "</rfilter></camera><integrator type=\"path\"/></scene>",
-       {"0", "-1", "1e9"}},
-      {"<scene><camera type=\"perspective\"><rfilter type=\"mitchell\">",
-       "float",
-       "B",
-       "</rfilter></camera><integrator type=\"path\"/></scene>",
-       {"-9", "1e9"}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\"/><mesh type=\"sphere\">",
-       "float",
-       "radius",
-       "</mesh></scene>",
-       {"0", "-1", "1e10", "1e308"}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\"/><mesh type=\"sphere\">",
-       "point",
-       "center",
-       "</mesh></scene>",
-       {"1e10 0 0", "0 -1e300 0", "0 0", "0 0 0 0", ""}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\"/><mesh type=\"sphere\"><bsdf "
-       "type=\"dielectric\">",
-       "float",
-       "intIOR",
-       "</bsdf></mesh></scene>",
-       {"0", "-1.5", "1001", "1e300"}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\"/><mesh type=\"sphere\"><bsdf "
-       "type=\"dielectric\">",
-       "float",
-       "extIOR",
-       "</bsdf></mesh></scene>",
-       {"0", "-1", "1e-999"}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\"/><mesh type=\"sphere\"><bsdf type=\"diffuse\">",
-       "color",
-       "albedo",
-       "</bsdf></mesh></scene>",
-       {"1e10 0 0", "0 -2000 0", "-0.5", "0.5 0.5"}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\"/><mesh type=\"sphere\"><emitter type=\"area\">",
-       "color",
-       "radiance",
-       "</emitter></mesh></scene>",
-       {"-1 1 1", "1 1 -1e-30", "1e30 1 1", "1e-30 0 0", "-1", "1 2"}},
-      {"<scene><camera type=\"perspective\"/><integrator type=\"path\"/>",
-       "color",
-       "sky_top",
-       "</scene>",
-       {"-1 0 0", "1e21 0 0", "1 1"}}};
-  for (const Property& p : properties) {
-    for (const std::string& value : p.values) {
-      expect_bad_scene(
-          p.name + (" " + value),
-          std::string(p.before) + "<" + p.tag + " name=\"" + p.name + "\" value=\"" + value + "\"/>" + p.after, p.name);
+  for (const OutOfRange& bad : kOutOfRange) {
+    for (const std::string& value : bad.values) {
+      std::string content = "<" + bad.tag + " name=\"" + bad.name + "\" value=\"" + value + "\"/>";
+      for (auto element = bad.elements.rbegin(); element != bad.elements.rend(); ++element)
+        content = "<" + *element + ">" + content + "</" + element->substr(0, element->find(' ')) + ">";
+      for (const std::string& needed : {kCamera, kIntegrator})
+        if (bad.elements.empty() || bad.elements.front() != needed) content += "<" + needed + "/>";
+      expect_bad_scene(bad.name + " " + value, "<scene>" + content + "</scene>", bad.name);
     }
   }
 }

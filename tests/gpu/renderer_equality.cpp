@@ -112,14 +112,14 @@ TEST_F(RendererEquality, SampleRangesAddUp) {
 TEST_F(RendererEquality, SmallFilmsDealSamplesToManySlots) {
   // A 1 × 1 film spreads its samples over all lanes; how many a range has decides the number of layers.
   const Scene scene = cornell(1, 1);
-  const Film whole = render(scene, {{0, 700}}, renderer_options());
+  const Film whole = render(scene, {{0, 5000}}, renderer_options());
   ASSERT_EQ(whole.pixels()[0].count, 5000u);
   expect_equal(render(scene, {{0, 17}, {17, 18}, {18, 4114}, {4114, 5000}}, renderer_options()), whole,
                "ranges with other layers");
   GpuOptions options = renderer_options();
   options.fixed_samples = 3;
   options.fixed_groups = 11;
-  expect_equal(render(scene, {{0, 700}}, options), whole, "other passes");
+  expect_equal(render(scene, {{0, 5000}}, options), whole, "other passes");
   const Scene strip = cornell(9, 2);
   expect_equal(render(strip, {{0, 100}, {100, 301}}, renderer_options()), render(strip, {{0, 301}}, renderer_options()),
                "a 9 × 2 film");
@@ -145,7 +145,7 @@ TEST_F(RendererEquality, SobolSetsAreWholeHoweverTheWorkIsSplit) {
   }
   expect_equal(render(scene, {{4, 7}, {0, 1}, {1, 4}}, renderer_options()), whole, "three ranges");
   const Scene point = sobol_cornell(1, 1);
-  const Film deep = render(point, {{0, 700}}, renderer_options());
+  const Film deep = render(point, {{0, 5000}}, renderer_options());
   ASSERT_EQ(deep.pixels()[0].count, 5000u);
   expect_equal(render(point, {{0, 17}, {17, 4114}, {4114, 5000}}, renderer_options()), deep, "slots of one pixel");
 }
