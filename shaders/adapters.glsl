@@ -20,7 +20,7 @@ struct Choice {
   ShadingFrame frame;
   vec3 base;      // the normal before maps turned it, on the side that is looked at
   float side;     // of frame.n, against the normal of the surface
-  bool shadowed;  // no map on the way leaves out the shadows of turned normals
+  bool shadowed;  // no map on the way disables the shadowing of turned normals
 };
 
 // The material that the first blend on the way did not choose.
@@ -48,8 +48,8 @@ ShadingFrame aligned_frame(vec3 n, SurfacePoint at, Primitive geometry) {
   return ShadingFrame(s, cross(n, s), n);
 }
 
-// The normal from a normal map applied to n, which is that of the surface, or with side −1 its opposite; u is the direction of increasing texture
-// coordinates.
+// The normal from a normal map applied to n, which is the normal of the surface or, with side −1, its opposite; u is
+// the direction of increasing texture coordinates.
 vec3 normal_by_picture(uint index, vec3 u, vec3 n, float side, SurfacePoint at) {
   if (u == vec3(0.0)) return n;
   const vec3 t = unit_or(u - n * dot(n, u), vec3(0.0));
@@ -82,7 +82,7 @@ vec3 mapped_normal(uint row, MaterialRecord record, vec3 n, float side, SurfaceP
 // A normal that faces away from the side on which the surface is seen.
 vec3 seen_normal(vec3 mapped, vec3 n, vec3 w) { return dot(mapped, w) * dot(n, w) <= 0.0 ? n * (2.0 * dot(n, mapped)) - mapped : mapped; }
 
-// The normal of the coat of a material that keeps it, whatever maps apply to the base.
+// The normal of a coat that keeps its own normal, whatever maps apply to the base.
 vec3 coat_normal(Choice choice, SurfacePoint at, Primitive geometry, vec3 w) {
   const vec3 n = choice.base;
   uint map = kNone;

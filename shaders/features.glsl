@@ -1,6 +1,6 @@
 // Features that most scenes do not need. Kernels for those scenes are built a second time, with ETENDUE_PLAIN, without these features: the driver
 // reads and optimizes everything in a kernel before it sees what constants rule out, which was half of the time to the first sample.
-// gpu/kernel_set.cpp knows what a plain kernel lacks.
+// gpu/kernel_set.cpp decides which scenes can use a plain kernel.
 #ifndef FEATURES_GLSL
 #define FEATURES_GLSL
 

@@ -16,9 +16,9 @@ float fresnel_dielectric(float cos_o, float eta, out float cos_t) {
   return 0.5 * (parallel * parallel + perpendicular * perpendicular);
 }
 
-// Exact unpolarised reflectance of a metal of complex index eta + ik per component, seen from a medium of index 1 [Born1999, §14.2]. With
-// a² + b² the squared modulus of the bent wave's normal component: the difference of that from the real part would cancel, so that it is taken
-// from the product of the roots.
+// Exact unpolarised reflectance of a metal of complex index eta + ik per component, seen from a medium of index 1
+// [Born1999, §14.2]. a² + b² is the squared modulus of the refracted wave's normal component. Its difference from the
+// real part would suffer from cancellation, so that is computed from the product of the roots.
 vec3 fresnel_conductor(float cos_o, vec3 eta, vec3 k) {
   const float cos2 = cos_o * cos_o;
   const float sin2 = max(0.0, 1.0 - cos2);

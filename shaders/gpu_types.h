@@ -24,7 +24,7 @@ const uint kSetScene = 0u;
 const uint kBindingRecords = 0u;   // the tree
 const uint kBindingGeometry = 1u;  // looked up by triangle and by vertex: triangle indices, vertex normals
 const uint kBindingTables = 2u;    // all others: instances, materials, lights
-const uint kBindingStructure = 3u; // what the driver made of the primitives, in kernels that ask it for hits; see trace_query.glsl
+const uint kBindingStructure = 3u; // the driver's acceleration structure, in kernels with ray queries; see trace_query.glsl
 // Set 1 is bound for a dispatch: the view, and a film or requests and their results.
 const uint kSetKernel = 1u;
 const uint kBindingFrame = 0u;
@@ -545,8 +545,9 @@ struct EnvironmentTexel {
 };
 const uint kEnvironmentTexelTexels = 1u;
 
-// A choice by thresholds of `count` entries, as a tree whose nodes tell kSearchFan ranges of entries apart: a node is the uvec4 of the thresholds at which the
-// second to the last of its ranges begin. Nodes of a level stand in a row, the root's level first; where there are no more entries, thresholds are the largest.
+// A choice of one of `count` entries by thresholds, as a tree whose nodes have kSearchFan branches: a node is the uvec4
+// of the thresholds at which its second to last branches begin. The nodes of a level are consecutive, the root's level
+// comes first; beyond the last entry, thresholds have the largest value.
 const uint kSearchFan = 5u;
 
 // Everything that is constant during a render. Directions and positions are in normalised scene coordinates.
@@ -702,7 +703,7 @@ struct TracedVertex {
   uint pad1;
   vec3 from;  // where the segment begins
   uint pad2;
-  vec3 to;    // where it ends; its direction where it meets nothing
+  vec3 to;    // where it ends; its direction if it hits nothing
   uint pad3;
 };
 

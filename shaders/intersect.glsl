@@ -141,12 +141,12 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
 bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, Passed passed, inout Nearest nearest) {
   const Primitive prim = to_primitive(record);
   if (kPassable && instance > passed.instance)
-    rf.ray.t_min = uintBitsToFloat(floatBitsToUint(rf.ray.t_min) - 1u);  // the float before t_min, so that t_min itself lies above it
+    rf.ray.t_min = uintBitsToFloat(floatBitsToUint(rf.ray.t_min) - 1u);  // the float before t_min, so that t_min itself is beyond it
   if (kPassable && instance == passed.instance) rf.ray.t_min = passed.t_own;
   bool earlier = prim.kind < nearest.order;
   if (kInstanced) earlier = instance < nearest.instance || (instance == nearest.instance && earlier);
   MUTATE(kMutantTiesReversed, earlier = !earlier)
-  // For one that comes earlier the next float after t, so that t itself lies below it.
+  // For an instance earlier in the order, the next float after t, so that t itself is excluded.
   const float reach = uintBitsToFloat(floatBitsToUint(nearest.t) + uint(earlier));
   float t;
   bool found = intersect_triangle(rf, prim.p0, prim.p1, prim.p2, reach, t);

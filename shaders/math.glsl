@@ -1,5 +1,5 @@
-// Constants and small functions without a home elsewhere. Only + - * / sqrt and comparisons are used where a decision depends on
-// the result: those are the operations Vulkan devices agree on best.
+// Constants and small functions that belong nowhere else. Only + - * / sqrt and comparisons are used where a decision
+// depends on the result: those are the operations Vulkan devices agree on best.
 #ifndef MATH_GLSL
 #define MATH_GLSL
 
@@ -30,8 +30,8 @@ vec2 cos_sin_turn(float u) {
   return (q & 2u) != 0u ? -turned : turned;
 }
 
-// The angle from +x toward +y of (x, y) as a share of a turn, in [0,1): polynomial of [Moshier1989], error below 1e-7; the built-in is only accurate to
-// 2^-11 on some devices.
+// The angle from +x toward +y of (x, y) as a fraction of a turn, in [0,1): polynomial of [Moshier1989], error below
+// 1e-7; the built-in is only accurate to 2^-11 on some devices.
 float turn_of(float x, float y) {
   const float larger = max(abs(x), abs(y)), smaller = min(abs(x), abs(y));
   if (larger == 0.0) return 0.0;
@@ -54,7 +54,7 @@ uvec2 divide(uint a, uint b) {
   return uvec2(guess + uint(more), uint(rest - more * int(b)));
 }
 
-// By the bits: drivers may assume that isnan() is never true.
+// Tests the bits, because drivers may assume that isnan() is never true.
 bool is_finite(vec3 v) { return all(lessThan(floatBitsToUint(v) & 0x7f800000u, uvec3(0x7f800000u))); }
 
 #endif

@@ -31,8 +31,8 @@ float facet_density(Facets f, vec3 h) {
   return h.z > 0.0 ? scale / (sum * sum) : 0.0;
 }
 
-// Smith's masking: the share of microfacets of normal h that w sees, 0 where it looks at their back (w_h = w·h). Beckmann's by a rational function
-// [Walter2007, eq. 27], which is what other renderers compute, too.
+// Smith's masking: the fraction of microfacets of normal h visible from w, 0 if it sees their back (w_h = w·h). For
+// Beckmann a rational function [Walter2007, eq. 27], as in other renderers.
 float facet_masking(Facets f, vec3 w, float w_h) {
   if (w_h * w.z <= 0.0) return 0.0;
   const float sin2 = stretched_sin2(f, w);
@@ -54,7 +54,7 @@ float visible_area(Facets f, vec3 w) {
   const float sin2 = stretched_sin2(f, w);
   if (!f.beckmann) return 0.5 * (w.z + sqrt(w.z * w.z + sin2));
   const float s = sqrt(sin2);
-  const float a = min(w.z / max(s, 1e-20), 9.0);  // beyond it exp(−a²) is nothing
+  const float a = min(w.z / max(s, 1e-20), 9.0);  // beyond 9, exp(−a²) is negligible
   const float e = exp(-a * a);
   return w.z * (1.0 - 0.5 * e * scaled_erfc(a)) + s * e * 0.282094792;  // 1/(2 √π)
 }
@@ -62,7 +62,8 @@ float visible_area(Facets f, vec3 w) {
 // Density of sample_facet at h w.r.t. solid angle, over w·h.
 float visible_density_by_cos(Facets f, vec3 w, vec3 h) { return facet_density(f, h) / visible_area(f, w); }
 
-// Inverse error function by its single-precision polynomials [Giles2012]; below and above are 1 + x and 1 − x, which x does not hold exactly.
+// Inverse error function by its single-precision polynomials [Giles2012]; `below` and `above` are 1 + x and 1 − x,
+// which cannot be computed exactly from x.
 float inverse_erf(float x, float above, float below) {
   const float w = -log(above * below);
   if (w < 5.0) {
@@ -77,9 +78,10 @@ float inverse_erf(float x, float above, float below) {
 
 const float kSmallestHalf = 1.0 / 33554432.0;  // 2^-25, half of the step of random numbers
 
-// The slope x (in units of the roughness) up to which the share u of the area lies that Beckmann's microfacets show to a direction of
-// cosine c and sine s: the integral of (c − s x) exp(−x²) up to x is u times that up to c/s. Newton's method for a function of x that
-// is nearly straight: √−log(share) where c/s is small, log(share) from the nearer end where it is not.
+// The slope x (in units of the roughness) up to which a fraction u of the area of Beckmann's microfacets lies that is
+// visible from a direction of cosine c and sine s: the integral of (c − s x) exp(−x²) up to x is u times that up to
+// c/s. Newton's method on a nearly linear function of x: √−log(fraction) if c/s is small, otherwise log(fraction) from
+// the nearer end.
 float visible_slope(float c, float s, float u) {
   const float kHalfRootPi = 0.886226925;
   const float below = u + kSmallestHalf;
@@ -118,8 +120,8 @@ vec3 sample_beckmann(vec3 w, vec2 u) {
   return vec3(-along * azimuth.x + across * azimuth.y, -along * azimuth.y - across * azimuth.x, 1.0);
 }
 
-// GGX: the hemisphere seen from w reflects parallel rays evenly into the cap z > −w.z of the sphere [Dupuy2023]. The height of the
-// cap's point and that of the normal without cancellation.
+// GGX: the hemisphere seen from w reflects parallel rays uniformly into the cap z > −w.z of the sphere [Dupuy2023]. The
+// heights of the cap's point and of the normal are computed without cancellation.
 vec3 sample_ggx(vec3 w, vec2 u) {
   const float drop = u.x * (1.0 + w.z);  // 1 − z of the point
   return vec3(sqrt(max(0.0, drop * (2.0 - drop))) * cos_sin_turn(u.y) + w.xy, (1.0 - u.x) * (1.0 + w.z));

@@ -1,8 +1,9 @@
-// Wrong variants of the renderer, shared by C++ and GLSL: `etendue-mutate` renders with each of them and requires the
-// tests to notice.
+// Wrong variants of the renderer, numbered for C++ and GLSL: `etendue-mutate` renders with each of them and requires
+// the tests to notice.
 //
 // The kernels that render pictures are built without ETENDUE_MUTANTS: MUTATE is empty there, and their SPIR-V is the same as if those lines
-// did not exist. `etendue-mutate` has a second build of the same sources with a specialization constant that says which line is alive.
+// did not exist. `etendue-mutate` has a second build of the same sources with a specialization constant that activates
+// one of these lines.
 #ifndef ETENDUE_MUTANTS_H
 #define ETENDUE_MUTANTS_H
 

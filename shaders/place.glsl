@@ -7,8 +7,9 @@
 
 vec3 place_point(Place place, vec3 p) { return place.x * p.x + place.y * p.y + place.z * p.z + place.origin; }
 
-// A vertex normal in the world, on the side of the surface that the instance says, of unit length. The cofactors of the matrix take cross products of
-// edges to those of transformed edges; they are formed in units of the longest axis, because the square of a tiny instance would vanish.
+// A unit vertex normal in the world, on the side of the surface given by the instance. The cofactors of the matrix map
+// cross products of edges to those of transformed edges; they are formed in units of the longest axis, because the
+// square of a tiny instance would vanish.
 vec3 place_normal(Place place, vec3 n) {
   const float unit = 1.0 / max_component(max(abs(place.x), max(abs(place.y), abs(place.z))));
   const vec3 x = place.x * unit, y = place.y * unit, z = place.z * unit;

@@ -1,4 +1,4 @@
-// Counters of what the render kernel does, for `etendue render --stats` and heat maps.
+// Counters in the render kernel, for `etendue render --stats` and heat maps.
 //
 // The kernels that render pictures are built without ETENDUE_PROFILE: PROFILE is empty there, and their SPIR-V is the same as if those
 // lines did not exist. A second build of the render kernel counts; a third, with ETENDUE_PROFILE_SUBGROUPS, also counts the lanes that
@@ -19,7 +19,7 @@ float subgroup_share() { return 0.0; }
 #include "gpu_types.h"
 
 PathProfile lane_profile = PathProfile(uvec4(0u), uvec4(0u), uvec4(0u), vec4(0.0));
-uvec2 walk_visits = uvec2(0u);  // nodes and primitives of the ray on its way
+uvec2 walk_visits = uvec2(0u);  // nodes and primitives visited by the current ray
 
 void profile_step(uint nodes, uint primitives) {
   walk_visits += uvec2(nodes, primitives);
@@ -27,7 +27,7 @@ void profile_step(uint nodes, uint primitives) {
   lane_profile.shares.y += 1.0;
 }
 
-// The ray on its way has arrived.
+// To be called when the current ray has arrived.
 void profile_arrival(bool shadow, bool camera) {
   const uvec4 counts = uvec4(1u, walk_visits, 0u);
   walk_visits = uvec2(0u);
@@ -38,7 +38,7 @@ void profile_arrival(bool shadow, bool camera) {
   lane_profile.shares.w += 1.0;
 }
 
-// Of the path that has ended; the next one counts from nothing.
+// The counts of the path that has ended; those of the next one start at zero.
 PathProfile path_profile() {
   const PathProfile ended = lane_profile;
   lane_profile = PathProfile(uvec4(0u), uvec4(0u), uvec4(0u), vec4(0.0));

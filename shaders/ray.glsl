@@ -1,4 +1,4 @@
-// Rays and the way they leave a surface.
+// Rays, and how they leave a surface.
 #ifndef RAY_GLSL
 #define RAY_GLSL
 

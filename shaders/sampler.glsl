@@ -18,7 +18,7 @@ uint block_bsdf(uint k) {
   return 2u + 2u * k;
 }
 
-// Of paths that sample the environment; one of the reserved blocks.
+// The block for sampling the environment, one of the reserved blocks.
 uint block_environment(uint k) { return 0x83000000u + (k & 0xffffffu); }
 
 // Four-in, four-out integer hash [Jarzynski2020].
@@ -61,11 +61,13 @@ const uvec3 kSobolColumns[kMaxSetBits] = uvec3[](
     uvec3(0x33u, 0x3au, 0x2eu), uvec3(0x55u, 0x71u, 0x45u), uvec3(0xffu, 0xa3u, 0xc9u), uvec3(0x101u, 0x116u, 0x11bu),
     uvec3(0x303u, 0x339u, 0x2a4u), uvec3(0x505u, 0x677u, 0x79au), uvec3(0xf0fu, 0x9aau, 0xb67u));
 
-// The four words of one path of a set: a point of the 4D Sobol sequence, taken in an order of this block's own and Owen-scrambled.
+// The four words of one path of a set: a point of the 4D Sobol sequence, taken in this block's own order and
+// Owen-scrambled.
 uvec4 sobol_point(uint seed, uint pixel, uint path, uint block) {
   const uvec4 h = pcg4d(uvec4(pixel, path >> kSetBits, block, seed));
-  // The set in an order of this block's own: scrambled from its last binary digit, then from its first. One of the two would keep pairs of
-  // paths together in all blocks. Only the lowest kSetBits bits count; afterwards the most significant comes first.
+  // The set in this block's own order: scrambled starting at the last binary digit, then at the first. Only one of the
+  // two would keep pairs of paths together in all blocks. Only the lowest kSetBits bits count; afterwards the most
+  // significant comes first.
   const uint place = owen_hash(bitfieldReverse(owen_hash(path, h.x ^ h.y)) >> (32u - kSetBits), h.z ^ h.w);
   uvec4 point = uvec4(0u);
   for (uint i = 0u; i < kSetBits; ++i) {
@@ -90,7 +92,7 @@ uvec4 random_words(uint seed, uint pixel, uint path, uint block) {
   return pcg4d(uvec4(pixel, path, block, seed));
 }
 
-// Of a reserved block: a point's dimensions in their order.
+// For a reserved block: the dimensions of a point in their natural order.
 uvec4 reserved_words(uint seed, uint pixel, uint path, uint block) {
   MUTATE(kMutantSampleIndexIgnored, path = 0u);
   if (kSetBits > 0u) return sobol_point(seed, pixel, path, block);
@@ -99,7 +101,7 @@ uvec4 reserved_words(uint seed, uint pixel, uint path, uint block) {
 
 // [0,1) from the top 24 bits: 1 is never returned.
 float to_unit(uint word) { return float(word >> 8u) * (1.0 / 16777216.0); }
-// Of the adapter in one row of the materials.
+// The random number of the adapter in one row of the materials.
 float choice_number(uvec4 words, uint row) { return to_unit(pcg4d(words + uvec4(0u, 0u, 0u, row)).x); }
 vec2 to_unit(uvec2 words) { return vec2(words >> 8u) * (1.0 / 16777216.0); }
 

@@ -2,7 +2,7 @@
 #ifndef SCENE_GLSL
 #define SCENE_GLSL
 
-// Texel buffers are images without samplers; declared with one, they are an error by newer rules of SPIR-V.
+// Texel buffers are images without samplers; declaring them with one is an error by newer rules of SPIR-V.
 #extension GL_EXT_samplerless_texture_functions : require
 
 #include "features.glsl"
@@ -117,7 +117,7 @@ LightPrimitive fetch_light_primitive(uint i) {
   return LightPrimitive(to_primitive(r), a.x, uintBitsToFloat(a.y), a.z, a.w);
 }
 uint fetch_light_primitive_threshold(uint i) { return load_table(kLightPrimitivesAt + kLightPrimitiveTexels * i + kRecordTexels).x; }
-// From the first texel of one of a pair's halves, counted from the first pair.
+// `first` is the first texel of one half of a pair, counted from the first pair.
 LightBounds fetch_light_bounds(uint texel) {
   const uvec4 a = load_table(kLightPairsAt + texel);
   const uvec4 b = load_table(kLightPairsAt + texel + 1u);

@@ -11,18 +11,18 @@ struct GridRay {
 
 GridRay make_grid_ray(vec3 origin, vec3 scale, vec3 ray_o, vec3 inv_d) {
   const vec3 b = (origin - ray_o) * inv_d;
-  // Rounding must not lose a box: near planes move back and far planes forward by more than the error of b, and the far distance
-  // is scaled by more than that of the sum below [Ize2013].
+  // Rounding must not lose a box: near planes are moved back and far planes forward by more than the error of b, and
+  // the far distance is scaled by more than the error of the sum below [Ize2013].
   const vec3 margin = abs(b) * 3e-7;
   return GridRay(scale * inv_d, b - margin, b + margin, greaterThanEqual(inv_d, vec3(0.0)));
 }
 
 vec4 unpack_bytes(uint v) { return vec4(v & 0xffu, (v >> 8u) & 0xffu, (v >> 16u) & 0xffu, v >> 24u); }
 
-// Bits of the distances at which the ray enters and leaves four boxes, one a byte of q_near and q_far: the ray meets those with near <= far. Nothing
-// behind its start or beyond `t` counts.
-// Compared as integers, which order floats that are not negative alike and take one instruction where floats take three for the sake of NaNs.
-// Negative distances come out in the wrong order among themselves but below all others, and that is all that is asked here.
+// Bits of the distances at which the ray enters and leaves four boxes, one per byte of q_near and q_far: the ray meets
+// those with near <= far. Nothing behind its start or beyond `t` counts. They are compared as integers, which order
+// non-negative floats in the same way and take one instruction, where floats take three because of NaNs. Negative
+// distances are in the wrong order among themselves but below all others, which is sufficient here.
 void test_slabs(GridRay g, uvec3 q_near, uvec3 q_far, float t, out ivec4 near, out ivec4 far) {
   near = max(max(floatBitsToInt(unpack_bytes(q_near.x) * g.a.x + g.b_near.x), floatBitsToInt(unpack_bytes(q_near.y) * g.a.y + g.b_near.y)),
              max(floatBitsToInt(unpack_bytes(q_near.z) * g.a.z + g.b_near.z), ivec4(0)));

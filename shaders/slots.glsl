@@ -21,7 +21,7 @@ struct SlotPlace {
   uvec2 xy;
 };
 
-// Of a lane in a group of the pass; src/gpu/device_film.h describes the two layouts.
+// The slot of a lane in a group of the pass; src/gpu/device_film.h describes the two layouts.
 SlotPlace slot_place(uint group, uint lane) {
   const uint g = pass.first_group + group;
   if (pass.packed_pixels > 0u) {
@@ -33,7 +33,8 @@ SlotPlace slot_place(uint group, uint lane) {
   return SlotPlace(xy.x < frame.width && xy.y < frame.height ? xy.y * frame.width + xy.x : kNone, 0u, xy);
 }
 
-// The k-th path of a slot in this pass: the slots of a pixel take whole sets in turn. A set is one path where numbers are independent.
+// The k-th path of a slot in this pass: the slots of a pixel take whole sets in turn. A set is one path if random
+// numbers are independent.
 uint path_set(uint layer, uint k) { return layer + ((pass.paths_before + k) >> kSetBits) * pass.slots_per_pixel; }
 bool has_path(uint layer, uint k) { return path_set(layer, k) < pass.sets; }
 uint path_number(uint layer, uint k) { return ((pass.first_set + path_set(layer, k)) << kSetBits) | ((pass.paths_before + k) & kSetMask); }

@@ -52,7 +52,7 @@ struct Surface {
   ShadingFrame frame;  // frame.n is the shading normal
   uint primitive;      // within its mesh
   vec3 base;           // the shading normal before maps turned it
-  bool shadowed;       // by the turned normal; asked with kLooseMaps alone
+  bool shadowed;       // by the turned normal; used only with kLooseMaps
 };
 
 // Bound on the distance between a computed point of the primitive and the true surface, with room for the next ray's own intersection
@@ -140,7 +140,7 @@ Surface make_surface(Ray ray, Hit hit, Instance instance) {
   return s;
 }
 
-// For a ray that continues behind a surface hit at t.
+// The surface passed by a ray that continues behind a hit at t.
 Passed pass_behind(Surface s, float t, vec3 d) {
   const float cosine = max(abs(dot(s.ng, d)), 0.01);
   return Passed(s.instance, t + 2.0 * s.error / cosine);

@@ -1,5 +1,5 @@
-// Textures at a point: docs/conventions.md, "Textures". Filtering is done here, from the texels as they were stored, so that every device and the reference
-// choose the same ones and give them the same weights.
+// Textures at a point: docs/conventions.md, "Textures". Filtering is done here, from the texels as stored, so that
+// every device and the reference use the same texels with the same weights.
 #ifndef TEXTURE_GLSL
 #define TEXTURE_GLSL
 
@@ -13,7 +13,7 @@ const bool kTextured = kTextureFeatures != 0u;
 
 #define textures_have(feature) ((kTextureFeatures & (feature)) != 0u)
 
-// A point of a surface as its attributes see it.
+// A point of a surface, as needed to interpolate its attributes.
 struct SurfacePoint {
   uint instance;
   uint primitive;
@@ -24,12 +24,13 @@ struct SurfacePoint {
 // (b, a) shifted right by `bits` < 32: the low word.
 uint funnel(uint a, uint b, uint bits) { return a >> bits | (b << 1u) << (31u - bits); }
 
-// The bytes from `at` on after the 16 bytes number `first`: as many as a texel has; the rest is undefined.
+// The bytes of a texel, `at` bytes after the start of the 16-byte unit `first`; the bytes after the texel are
+// undefined.
 uvec4 load_texel(uint first, uint at, uint bytes) {
   const uvec4 a = fetch_picture(first + at / 16u);
   uvec4 b = a;
   if (textures_have(kTexturesThreeChannels)) b = fetch_picture(first + (at + bytes - 1u) / 16u);
-  // By 4, then by 8 bytes, then by bits.
+  // Shifted by 4 bytes, then by 8 bytes, then by bits.
   const bool odd = (at & 4u) != 0u, upper = (at & 8u) != 0u;
   const uvec4 c = odd ? uvec4(a.yzw, b.x) : a, d = odd ? uvec4(b.yzw, 0u) : b;
   const uvec4 e = upper ? uvec4(c.zw, d.xy) : c;
@@ -37,15 +38,16 @@ uvec4 load_texel(uint first, uint at, uint bytes) {
   return uvec4(funnel(e.x, e.y, bits), funnel(e.y, e.z, bits), funnel(e.z, e.w, bits), e.w);
 }
 
-// The numbers of a texel as they were stored: 8-bit codes as 0 … 255.
+// The numbers of a texel as stored: 8-bit codes as 0 … 255.
 vec4 unpack_texel(uvec4 raw, uint format) {
   const vec4 bytes = vec4(raw.x & 255u, raw.x >> 8u & 255u, raw.x >> 16u & 255u, raw.x >> 24u);
   const vec4 halves = vec4(unpackHalf2x16(raw.x), unpackHalf2x16(raw.y));
   return format == 0u ? bytes : format == 1u ? halves : uintBitsToFloat(raw);
 }
 
-// Light of 8-bit codes of sRGB, given as 0 … 1: IEC 61966-2-1. x^2.4 is x² · x^0.4, and x^0.4 a polynomial in the root of x, fitted to the 245 codes that need
-// it: 1.2e-7 of the value, where tables would be three loads a texel.
+// Linear value of 8-bit sRGB codes, given as 0 … 1: IEC 61966-2-1. x^2.4 is x² · x^0.4, with x^0.4 a polynomial in the
+// root of x, fitted to the 245 codes that need it with an error of 1.2e-7 of the value; tables would take three loads
+// per texel.
 vec3 light_of_codes(vec3 v) {
   const vec3 x = (v + 0.055) * (1.0 / 1.055);
   const vec3 s = sqrt(x);
@@ -114,7 +116,7 @@ vec4 bitmap_value(TextureRecord t, vec2 uv) {
   return mix(mix(v00, texel(t, x1, y0), f.x), mix(texel(t, x0, y1), texel(t, x1, y1), f.x), f.y);
 }
 
-// Whether a place lies in a square of the first colour.
+// Whether a position is in a square of the first colour.
 bool is_even_square(vec2 uv) {
   const vec2 cell = uv - floor(uv);
   return (cell.x >= 0.5) == (cell.y >= 0.5);
@@ -129,8 +131,9 @@ uint attribute_stride(uint layout_bits) {
          (textures_have(kTexturesVertexTangents) && (layout_bits & kAttributesTangents) != 0u ? 3u : 0u);
 }
 
-// Texture coordinates of the surface. On a sphere u is the angle around its z axis from x toward y, as a share of a turn, v the angle from −z over π; on a
-// disk u is the distance from its centre, 1 − v the angle; on a cylinder u is the angle around its axis, 1 − v the place along it.
+// Texture coordinates of the surface. On a sphere u is the angle around its z axis from x toward y, as a fraction of a
+// turn, v the angle from −z divided by π; on a disk u is the distance from its centre, 1 − v the angle; on a cylinder u
+// is the angle around its axis, 1 − v the position along it.
 vec2 surface_uv(InstanceAttributes a, SurfacePoint at, uint set) {
   if (textures_have(kTexturesSphere) && (a.layout_bits & kAttributesSphere) != 0u) {
     const vec3 d = vec3(dot(fetch_attribute(a.first).xyz, at.n), dot(fetch_attribute(a.first + 1u).xyz, at.n),
@@ -176,7 +179,7 @@ vec4 vertex_tangent(SurfacePoint at) {
 vec4 texture_at(TextureRecord t, vec3 surface) {
   vec2 uv = vec2(dot(t.u_row, surface), dot(t.v_row, surface));
   if (textures_have(kTexturesNested)) {
-    // Into the squares of checkerboards, which hold textures of earlier rows alone.
+    // Descends into the squares of checkerboards, which contain only textures of earlier rows.
     vec3 factor = vec3(1.0);
     while ((t.header & kTextureKindMask) == kTextureCheckerboard) {
       const bool even = is_even_square(uv);
@@ -286,7 +289,7 @@ Tangents cylinder_tangents(InstanceAttributes a, SurfacePoint at, Primitive geom
 Tangents surface_tangents(SurfacePoint at, Primitive geometry, uint set) {
   const InstanceAttributes a = fetch_instance_attributes(at.instance);
   if (textures_have(kTexturesSphere) && (a.layout_bits & kAttributesSphere) != 0u) {
-    return sphere_tangents(a, at, geometry.p1.y == 0.0 ? geometry.p1.x : -geometry.p1.x);  // an inward one has its rows and its normal turned
+    return sphere_tangents(a, at, geometry.p1.y == 0.0 ? geometry.p1.x : -geometry.p1.x);  // for an inward one, both its rows and its normal are reversed
   }
   if (textures_have(kTexturesDisk) && (a.layout_bits & kAttributesDisk) != 0u) return disk_tangents(a, at, geometry);
   if (textures_have(kTexturesCylinder) && (a.layout_bits & kAttributesCylinder) != 0u) return cylinder_tangents(a, at, geometry);

@@ -1,4 +1,4 @@
-// Interference in a thin film [Belcour2017], with the fits of Khronos; docs/conventions.md, "glTF".
+// Interference in a thin film [Belcour2017], with the fits used by Khronos; docs/conventions.md, "glTF".
 #ifndef THIN_FILM_GLSL
 #define THIN_FILM_GLSL
 
@@ -7,7 +7,8 @@
 
 vec3 squared(vec3 v) { return v * v; }
 
-// Fourier transforms of the eye's sensitivities, as Rec. 709; of a way longer by `path` (nanometres) with a shift of phase per component.
+// Fourier transforms of the eye's sensitivities, converted to Rec. 709, for a path difference of `path` nanometres and
+// a phase shift per component.
 vec3 film_sensitivity(float path, vec3 shift) {
   const float phase = 2.0 * kPi * path * 1e-9;
   const vec3 peak = vec3(5.4856e-13, 4.4201e-13, 5.2481e-13), place = vec3(1.6810e6, 1.7953e6, 2.2084e6), width = vec3(4.3278e9, 9.3046e9, 6.6121e9);
@@ -18,14 +19,14 @@ vec3 film_sensitivity(float path, vec3 shift) {
               dot(vec3(0.0556434, -0.2040259, 1.0572252), xyz));
 }
 
-// A film of an index and thickness (nanometres) on a base of the reflectance r0 along the normal.
+// A film of given index and thickness (nanometres) on a base of reflectance r0 at normal incidence.
 struct Film {
   float index;
   float thickness;
   vec3 r0;
 };
 
-// Upper bound of the reflectance along the normal, for any thickness.
+// Upper bound of the reflectance at normal incidence, for any thickness.
 vec3 film_bound(Film film) {
   const vec3 base = (1.0 + sqrt(min(film.r0, vec3(0.9999)))) / (1.0 - sqrt(min(film.r0, vec3(0.9999))));
   const vec3 below = abs(base - film.index) / (base + film.index);
@@ -33,7 +34,7 @@ vec3 film_bound(Film film) {
   return squared((above + below) / (1.0 + above * below));
 }
 
-// Of light at a cosine outside.
+// Reflectance for light at a given cosine outside.
 vec3 film_reflectance(Film film, float cosine) {
   const float index = mix(1.0, film.index, smoothstep(0.0, 0.03, film.thickness));
   const float sin2 = (1.0 - cosine * cosine) / (index * index);

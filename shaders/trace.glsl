@@ -65,7 +65,7 @@ Walk begin_walk(Ray ray, bool any_hit, Passed passed) {
   walk.instance = kNone;
   walk.world_o = ray.o;
   walk.world_d = ray.d;
-  walk_stack[0] = StackEntry(0u);  // an entry without children ends the walk; what lies below is never reached
+  walk_stack[0] = StackEntry(0u);  // an entry without children ends the walk; entries below it are never reached
   return walk;
 }
 
@@ -87,7 +87,8 @@ Hit walk_hit(Walk walk) {
 #endif
 }
 
-// The step before the tree, for walks that have not taken it yet: the few primitives, which most rays would hit in the tree anyway.
+// The step before the tree, for walks that have not taken it yet: tests the few primitives, which most rays would meet
+// in the tree anyway.
 void test_few_primitives(inout Walk walk) {
   if (!kHasFew || walk.current != kBeforeTree) return;
   PROFILE(profile_step(0u, kFewCount));

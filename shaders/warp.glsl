@@ -5,8 +5,8 @@
 #include "math.glsl"
 #include "mutants.h"
 
-// Unit disk, concentric map [Shirley1997]; pdf 1/π w.r.t. area. A number stands for the middle of its cell of 2^-24: the rim is never met, and all
-// of this is exact in floats. |r| is the distance from the centre.
+// Unit disk, concentric map [Shirley1997]; pdf 1/π w.r.t. area. Each number stands for the middle of its cell of size
+// 2^-24, so the rim is never reached, and everything here is exact in floats. |r| is the distance from the centre.
 vec2 square_to_disk(vec2 u, out float r) {
   const vec2 ab = 2.0 * u - (1.0 - 1.0 / 16777216.0);
   const bool wide = abs(ab.x) > abs(ab.y);

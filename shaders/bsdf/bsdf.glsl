@@ -53,7 +53,8 @@ bool is_delta(uint lobe) { return lobe == kLobeDeltaReflection || lobe == kLobeD
 // should not be in the kernel.
 layout(constant_id = kConstantBsdfsUsed) const uint kBsdfsUsed = 0xffffffffu;
 
-// Materials that are not built or that no surface has are excluded here, before the function, so that the driver has nothing of them to read.
+// Materials that are not built, or that no surface has, are excluded here, before the function, so that the driver does
+// not have to read their code.
 #define bsdf_is(m, bsdf) ((kBsdfsBuilt & 1u << (bsdf)) != 0u && (kBsdfsUsed & 1u << (bsdf)) != 0u && has_bsdf(m, bsdf))
 #define bsdf_among(m, types) ((kBsdfsBuilt & (types)) != 0u && (kBsdfsUsed & (types)) != 0u && has_bsdf_among(m, types))
 
@@ -78,7 +79,7 @@ bool material_has(Material m, uint flag) {
 #include "roughplastic.glsl"
 #include "thindielectric.glsl"
 
-// Types of more parameters than a first texel holds, and among them those of microfacets.
+// The types whose parameters do not fit into one texel, and among them those with microfacets.
 const uint kRoughTypes = 1u << kBsdfMicrofacet | 1u << kBsdfRoughConductor | 1u << kBsdfRoughDielectric | 1u << kBsdfRoughPlastic;
 const uint kRichTypes = 1u << kBsdfGltf | 1u << kBsdfPrincipled | 1u << kBsdfPrincipledThin | kRoughTypes | 1u << kBsdfConductor | 1u << kBsdfThinDielectric | 1u << kBsdfPlastic |
                        1u << kBsdfTintedDielectric;
@@ -97,7 +98,7 @@ Material plain_material(uint header, vec3 params) {
   return Material(header, params, params.x, params.y, vec2(1.0), vec3(0.0), 0.0, vec3(1.0), vec3(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec3(0.0, 0.0, 1.0));
 }
 
-// A metal has its index in eta and k; a dielectric has its two indices where a metal has their first components.
+// A metal stores its index in eta and k; a dielectric stores its two indices in their first components.
 Material rich_material(MaterialRecord r) {
   return Material(r.header, r.params, r.eta.x, r.eta.y, vec2(r.alpha_u, r.alpha_v), r.specular, r.share, r.eta, r.k, r.sheen, r.scattered, r.film, r.volume,
                   vec3(0.0, 0.0, 1.0));
@@ -116,7 +117,7 @@ void resolve_material(inout Material m) {
   if (textures_have(kTexturesCoat) && bsdf_is(m, kBsdfRoughPlastic) && m.eta.z != 0.0) resolve_coat(m);
 }
 
-// Whether some material of the scene has more parameters than a first texel holds.
+// Whether the parameters of some material of the scene do not fit into one texel.
 const bool kRich = (kBsdfsUsed & kBsdfsBuilt & kRichTypes) != 0u;
 
 const bool kGltf = (kBsdfsUsed & kBsdfsBuilt & 1u << kBsdfGltf) != 0u;
@@ -129,7 +130,7 @@ Material material_of(MaterialRecord r) {
   return plain_material(r.header, r.params);
 }
 
-// Four floats of a record, those whose bits are set multiplied by the factor.
+// Four floats of a record, of which those whose bits are set are multiplied by the factor.
 vec4 textured(vec4 floats, uint bits, vec4 factor, TextureUse use) {
   const bvec4 chosen = notEqual(uvec4(bits) & uvec4(1u, 2u, 4u, 8u), uvec4(0u));
   return mix(floats, clamp(floats * factor, use.least, use.most), chosen);

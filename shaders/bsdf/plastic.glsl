@@ -1,9 +1,10 @@
-// A diffuse base inside a clear coat: what enters, is scattered below, and leaves. docs/conventions.md, "Coats".
+// A diffuse base inside a clear coat: light enters, is scattered below, and leaves. docs/conventions.md, "Coats".
 #include "../fresnel.glsl"
 #include "../mutants.h"
 #include "../warp.glsl"
 
-// f cos of the base, lit and seen through the coat that lets pass `in_share` and `out_share`.
+// f cos of the base, lit and seen through the coat, which transmits `in_share` on the way in and `out_share` on the way
+// out.
 vec3 coated_base(Material m, float cos_i, float in_share, float out_share) {
   const float inside = m.k.x;
   vec3 lost = vec3(inside);
@@ -17,7 +18,7 @@ float plastic_passes(Material m, float cosine) {
   return 1.0 - fresnel_dielectric(cosine, m.int_ior / m.ext_ior, cos_t);
 }
 
-// Share of samples that the coat gets, where it lets `passes` in.
+// Fraction of the samples for the coat, where it transmits the fraction `passes`.
 float coat_share(Material m, float passes) {
   const float coat = (1.0 - passes) * m.share;
   return coat / (coat + passes * (1.0 - m.share));

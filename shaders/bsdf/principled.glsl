@@ -18,7 +18,8 @@ void resolve_principled(inout Material m) {
 
 float principled_clear(Material m) { return (1.0 - m.specular.x) * m.specular.y; }
 
-// Sampling weights of the microfacets, the diffuse base with its sheen, and the coat; not normalised. Behind there are only microfacets.
+// Sampling weights of the microfacets, the diffuse base with its sheen, and the coat; not normalised. From behind there
+// are only microfacets.
 vec3 principled_lobes(Material m, float cos_o, float side) {
   if (side < 0.0) return vec3(1.0, 0.0, 0.0);
   float cos_t;

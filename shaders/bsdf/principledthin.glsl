@@ -5,21 +5,22 @@
 #include "../mutants.h"
 #include "../warp.glsl"
 
-// Light that is bent twice is spread less than light that is reflected.
+// Transmitted light is refracted twice and spread less than reflected light.
 Facets sheet_facets(Material m, bool through) {
   float scale = through ? 0.65 * m.eta.x - 0.35 : 1.0;
   MUTATE(kMutantSheetRoughnessUnscaled, scale = 1.0);
   return Facets(principled_alpha(scale * m.eta.y, m.share), false);
 }
 
-// How much is sampled of reflecting and passing microfacets, of the base in front and behind; not normalised.
+// Sampling weights of reflecting and transmitting microfacets, and of the base in front and behind; not normalised.
 vec4 sheet_lobes(Material m, float cos_o) {
   float cos_t;
   const float f = fresnel_dielectric(cos_o, m.eta.x, cos_t), trans = m.specular.y, behind = 0.5 * m.specular.x;
   return vec4(trans * max(f, 0.1), trans * max(1.0 - f, 0.1), (1.0 - trans) * (1.0 - behind) * (1.0 + 0.25 * m.k.x), (1.0 - trans) * behind);
 }
 
-// Of directions seen from the side of wo; h is the half vector of wo and wi, mirrored to that side where it is behind.
+// Value and density for directions seen from the side of wo; h is the half vector of wo and wi, where wi is mirrored to
+// that side if it is behind.
 Scattering sheet_scattering(Material m, vec3 wo, vec3 wi, vec3 h) {
   const bool through = wi.z < 0.0;
   const Facets facets = sheet_facets(m, through);
@@ -35,7 +36,7 @@ Scattering sheet_scattering(Material m, vec3 wo, vec3 wi, vec3 h) {
   float cos_t;
   const float f = fresnel_dielectric(wo_h, m.eta.x, cos_t);
   if (through) {
-    // The microfacet must see from behind where the light comes from.
+    // The microfacet must face away from the direction of the light.
     const float passes = dot(wi, h) < 0.0 ? (1.0 - f) * clear : 0.0;
     return Scattering(m.albedo * (passes + opaque * behind * kInvPi * mirrored.z), (lobes.y * seen + lobes.w * kInvPi * mirrored.z) / total);
   }

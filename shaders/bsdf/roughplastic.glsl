@@ -1,4 +1,4 @@
-// A diffuse base inside a rough clear coat: what the coat's microfacets let pass comes from a table.
+// A diffuse base inside a rough clear coat: the transmittance of the coat's microfacets comes from a table.
 #include "../fresnel.glsl"
 #include "../scene.glsl"
 
@@ -15,7 +15,8 @@ float coat_passes(uint first, float cosine) {
   return mix(a, b, x - float(node));
 }
 
-// What enters through the coat from a direction of this cosine: linear between the nodes, and between two roughnesses where it varies.
+// The fraction of light from a direction of this cosine that enters through the coat: linear between the nodes, and
+// between two roughnesses if the roughness varies.
 float roughplastic_passes(Material m, float cosine) {
   const uint first = uint(m.k.z);
   const float passes = coat_passes(first, cosine);
@@ -23,7 +24,8 @@ float roughplastic_passes(Material m, float cosine) {
   return mix(passes, coat_passes(first + kCoatTexels, cosine), m.eta.z);
 }
 
-// Of a coat whose roughness varies: the table of the next lower roughness there is, and in eta.z the way to the one above.
+// For a coat of varying roughness: the table of the next lower roughness, and in eta.z the fraction of the way to the
+// one above.
 void resolve_coat(inout Material m) {
   const float x = sqrt(m.alpha.x) * float(kCoatRoughnesses - 1u);
   const uint row = min(uint(x), kCoatRoughnesses - 2u);

@@ -1,4 +1,4 @@
-// A pane of glass without thickness: what its two faces reflect to and fro between them adds up to 2F/(1 + F).
+// A pane of glass without thickness. With multiple reflections between its two faces, it reflects 2F/(1 + F).
 #include "../fresnel.glsl"
 #include "../mutants.h"
 

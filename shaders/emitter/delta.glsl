@@ -10,7 +10,7 @@ const float kDeltaDensity = 1e30;
 
 #define delta_lights_are(flags) ((kDeltaLights & (flags)) != 0u)
 
-// Share of a spot's light at the angle θ from its axis, for a unit direction w.
+// Fraction of a spot's intensity in the unit direction w, at the angle θ from its axis.
 float spot_share(DeltaLight light, vec3 w) {
   const float cos_theta = dot(light.forward, w);
   if (cos_theta <= light.cos_cutoff) return 0.0;
@@ -34,11 +34,11 @@ vec3 picture_of_light(DeltaLight light, vec3 w) {
   if (!projects) return shown;
   const bool beside = z <= 0.0 || any(lessThan(uv, vec2(0.0))) || any(greaterThan(uv, vec2(1.0)));
   MUTATE(kMutantProjectorByIntensity, return beside ? vec3(0.0) : shown);
-  // The irradiance of the plane z = 1 is that of intensity times cos³θ.
+  // The irradiance of the plane z = 1 is the intensity times cos³θ.
   return beside ? vec3(0.0) : shown / (z * z * z);
 }
 
-// Toward the unit direction w.
+// The intensity toward the unit direction w.
 vec3 delta_intensity(DeltaLight light, vec3 w) {
   vec3 intensity = light.intensity;
   if (delta_lights_are(kDeltaSpot) && (light.header & kDeltaSpot) != 0u) intensity *= spot_share(light, w);
@@ -72,12 +72,12 @@ LightSample sample_distant_light(uint word) {
   uint first = 0u;
   for (uint count = kDistantLights; count > 1u; count -= count >> 1u) {
     const uint half_count = count >> 1u;
-    // Behind the last one nothing is looked at.
+    // Beyond the last one, nothing is looked up.
     first += first + half_count < kDistantLights && fetch_delta_light_threshold(first + half_count) <= word ? half_count : 0u;
   }
   const DeltaLight light = fetch_delta_light(first);
   LightSample ls;
-  ls.error = -1.0;  // of no place
+  ls.error = -1.0;  // the light has no position
   ls.wi = light.p;
   ls.pdf_w = light.prob;
   MUTATE(kMutantDistantChoiceForgotten, ls.pdf_w = 1.0);

@@ -8,7 +8,7 @@
 #include "../texture.glsl"
 #include "../warp.glsl"
 
-// A cell of the environment and the place in it, both from 0 to 1.
+// A cell of the environment and the position within it, both coordinates from 0 to 1.
 struct EnvironmentPlace {
   uint column;
   uint row;

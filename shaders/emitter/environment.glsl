@@ -18,13 +18,13 @@ const bool kEnvironmentPictured = kEnvironment == kEnvironmentPicture;
 
 // More cells than texels in a column: rows are bands, and the first and last row of cells are half a band each.
 const bool kEnvironmentBands = kEnvironmentCellRows > kEnvironmentTexelRows;
-// Row coordinate of cells: that of the north pole, and how much more it is at the south pole.
+// Row coordinate of cells: its value at the north pole, and the increase from there to the south pole.
 float environment_first_row() { return kEnvironmentBands ? 0.5 : 0.0; }
 float environment_row_range() { return float(kEnvironmentBands ? kEnvironmentTexelRows : kEnvironmentTexelRows - 1u); }
 const uint kGradientRows = 32u;  // above the horizon
 
-// The angle of (x, y) from the x axis as eighths · π/4 + rest, eighths in 0…8 and |rest| <= π/8: single precision would not do for the columns of a
-// large picture. Polynomial of [Moshier1989].
+// The angle of (x, y) from the x axis as eighths · π/4 + rest, eighths in 0…8 and |rest| <= π/8, because a single float
+// would not be precise enough for the columns of a large picture. Polynomial of [Moshier1989].
 void split_angle(float y, float x, out float eighths, out float rest) {
   const float large = max(abs(x), abs(y));
   const float t = min(abs(x), abs(y)) / max(large, 1e-37);
@@ -42,7 +42,7 @@ void split_angle(float y, float x, out float eighths, out float rest) {
   rest = y < 0.0 ? -rest : rest;
 }
 
-// floor(whole + rest) and what is above it, where `whole` is exact.
+// floor(whole + rest) and the remainder, where `whole` is exact.
 float split_coordinate(float whole, float rest, out float fraction) {
   const float base = floor(whole);
   const float above = (whole - base) + rest;
@@ -50,7 +50,7 @@ float split_coordinate(float whole, float rest, out float fraction) {
   return base + floor(above);
 }
 
-// Row of cells at the angle θ from the north pole; `fraction` is the place down the cell.
+// Row of cells at the angle θ from the north pole; `fraction` is the position down the cell.
 uint environment_row(float sin_theta, float cos_theta, out float fraction) {
   float eighths, rest;
   split_angle(sin_theta, cos_theta, eighths, rest);
@@ -61,7 +61,7 @@ uint environment_row(float sin_theta, float cos_theta, out float fraction) {
   return uint(clamp(row, 0.0, last));
 }
 
-// Of a direction of the sky.
+// The cell of a direction in the sky's frame.
 EnvironmentPlace environment_place(vec3 d) {
   EnvironmentPlace at;
   if (!kEnvironmentPictured) {
@@ -100,7 +100,7 @@ vec3 gradient_radiance(vec3 d) {
   return mix(frame.sky_horizon, frame.sky_top, clamp(d.y, 0.0, 1.0));
 }
 
-// Share of a cell in its row.
+// Probability of a cell within its row.
 float cell_prob(EnvironmentRow row, uint r, uint column) {
   if (!kEnvironmentPictured) return 1.0;
   if (column >= row.column_count) return 0.0;
@@ -116,7 +116,7 @@ float environment_cell_pdf(EnvironmentRow row, uint r, uint column) {
   return pdf_w;
 }
 
-// Nodes of a level, each of which stands for `span` entries, and of all levels.
+// Number of nodes in a level, each of which covers `span` entries, and in all levels.
 uint search_nodes(uint count, uint span) { return (count + span - 1u) / span; }
 uint search_size(uint count, uint levels) {
   uint size = 0u, span = kSearchFan;
@@ -127,8 +127,8 @@ uint search_size(uint count, uint levels) {
   return size;
 }
 
-// Last of `count` entries whose threshold is <= word: integers, so every device chooses alike. `count` and `levels` are constants, so that loops are unrolled;
-// `first` is the root.
+// Last of `count` entries whose threshold is <= word: integers, so every device makes the same choice. `count` and
+// `levels` are constants, so that loops are unrolled; `first` is the root.
 uint search_entry(uint first, uint count, uint levels, uint word) {
   uint span = 1u;
   for (uint i = 0u; i < levels; ++i) span *= kSearchFan;
@@ -138,7 +138,7 @@ uint search_entry(uint first, uint count, uint levels, uint word) {
     first += search_nodes(count, span);
     span /= kSearchFan;
     found = kSearchFan * found + uint(node.x <= word) + uint(node.y <= word) + uint(node.z <= word) + uint(node.w <= word);
-    found = min(found, (count - 1u) / span);  // the largest word is not less than the thresholds where there is no entry
+    found = min(found, (count - 1u) / span);  // the largest word also passes the thresholds beyond the last entry
   }
   return found;
 }
@@ -181,7 +181,7 @@ LightSample sample_environment(uvec4 words) {
   const EnvironmentRow row = fetch_environment_row(at.row);
   at.column = choose_environment_column(at.row, row.column_count, words.y);
   at.across = to_unit(words.z);
-  // sin² of half the angle from the nearer pole, even in the cosine.
+  // sin² of half the angle from the nearer pole, uniform in the cosine.
   const float s = row.upper_edge + to_unit(words.w) * (row.lower_edge - row.upper_edge);
   const float side = 2u * at.row < kEnvironmentCellRows ? 1.0 : -1.0;
   const float sin_theta = 2.0 * sqrt(max(0.0, s * (1.0 - s)));
@@ -194,7 +194,7 @@ LightSample sample_environment(uvec4 words) {
   ls.pdf_w = environment_cell_pdf(row, at.row, at.column);
   ls.mis_pdf = ls.pdf_w;
   if (kEnvironmentPictured) {
-    // At a cell's edge rounding may find the neighbour.
+    // At a cell's edge, rounding may lead to the neighbouring cell.
     const uint found = environment_row(sin_theta, cos_theta, at.down);
     at.down = found == at.row ? at.down : found > at.row ? 1.0 : 0.0;
   }

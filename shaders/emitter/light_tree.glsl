@@ -6,8 +6,9 @@
 layout(constant_id = kConstantLightTreeDepth) const uint kLightTreeDepth = 0u;
 const bool kLightTree = kLightTreeDepth > 0u;
 
-// Height of a group above a plane, for the choice: its middle is at `middle`, the rest up to `reach` above and below. 0 only if all of it is below.
-// The highest point is rarely the one that counts: 0.7 and 0.1 are from docs/conventions.md.
+// Height of a group above a plane, as used for the choice: its middle is at `middle`, and it reaches `reach` above and
+// below. 0 only if all of it is below. The highest point is rarely the one that counts: 0.7 and 0.1 are from
+// docs/conventions.md.
 float usual_height(float middle, float reach) { return middle + reach > 0.0 ? max(middle + 0.7 * reach, 0.1 * reach) : 0.0; }
 
 // Likely contribution of a group of lights to a surface at p with normal n, up to a common factor: power · cos · cos / d². 0 only if nothing arrives.
@@ -35,8 +36,8 @@ float left_share(LightPair pair, vec3 p, vec3 n) {
   return left + right > 0.0 ? left / (left + right) : -1.0;
 }
 
-// The number that decides at a level: a new one after every sixth, because stretching the rest of a number magnifies its rounding error, and other
-// devices would then choose other lights.
+// The number that decides at a level: a new one after every sixth level, because stretching the rest of a number
+// magnifies its rounding error, and devices would then choose different lights.
 const uint kLevelsPerWord = 6u;
 uint light_word(uint level, uint word) {
   uint x = word + level * 0x9e3779b9u;

@@ -1,6 +1,6 @@
 // Lights that are instances of shared meshes: one leaf of the light tree each, then a triangle by its area in the mesh. docs/conventions.md, "Shared meshes".
 
-// The word that chooses the triangle where the tree has used those of the light.
+// The word that chooses the triangle if the tree has used up those of the light.
 const uint kTriangleLevel = 36u;
 
 // `prob` is that of the instance, `word` chooses the triangle.

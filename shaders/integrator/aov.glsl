@@ -20,7 +20,7 @@ float aov_weight(Path path) {
 // Two halves of 16 bits, which floats hold exactly.
 vec3 number_value(uint number) { return vec3(float(number & 0xffffu), float(number >> 16u), 0.0); }
 
-// The ray may have passed hidden emitters, behind each of which it began anew.
+// The ray may have passed hidden emitters, restarting behind each of them.
 float distance_to_camera(Path path, Surface s) {
   float weight;
   uint sample_index = path.sample_index;
@@ -50,7 +50,7 @@ vec3 value_at_hit(Path path, Surface s, Instance instance, SurfacePoint at) {
   return vec3(1.0);
 }
 
-// Lamps and sky count with their colour, up to white.
+// Lamps and sky contribute their colour, up to white.
 void see_emission(inout Path path, vec3 le) {
   if (frame.aov == kAovAlbedo) path.radiance = max(path.radiance, min(path.beta * le, 1.0));
 }

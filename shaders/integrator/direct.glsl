@@ -1,7 +1,8 @@
 // The integrators direct and whitted, where they differ from path; docs/conventions.md, "Integrators".
 //
-// direct takes several samples of each strategy at the first surface, one of each a round. A round begins with the camera ray, which is traced anew:
-// nothing of a vertex is kept while other rays are traced. Segment 2r + 1 is the camera ray of round r, 2r + 2 the ray of its material sample.
+// direct takes several samples of each strategy at the first surface, one of each per round. A round begins by tracing
+// the camera ray again, because nothing about a vertex is kept while other rays are traced. Segment 2r + 1 is the
+// camera ray of round r, 2r + 2 the ray of its material sample.
 #ifndef DIRECT_GLSL
 #define DIRECT_GLSL
 

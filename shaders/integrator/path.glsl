@@ -285,7 +285,8 @@ void sample_direct_light(inout Path path, Scatterer chosen, OtherHalf other, ino
   path.shadow_value = path.beta * reflected * (w_light / (light_sample_count() * light.pdf_w));
   if (kVolumes)
     path.shadow_value *= transmittance(absorption_toward(chosen.material, to_local(s.frame, light.wi), path.absorption), path.shadow_ray.t_max);
-  // The contribution is unbounded near a point; this caps it closer than single precision can distinguish positions.
+  // The contribution is unbounded near a point light. The cap takes effect only at distances that single precision
+  // cannot resolve.
   if (kDeltaLights != 0u && light.instance == kDeltaLightSampled) path.shadow_value = min(path.shadow_value, vec3(frame.delta_light_limit));
   if (!part_counts(path.bounces + 1u)) path.shadow_value = vec3(0.0);
   path.shadow_passed = kNothingPassed;
@@ -489,8 +490,8 @@ void arrive(inout Path path, Hit hit, out Decisions decisions) {
   look_up(path, sky);
 }
 
-// What comes after the ray of a segment has met `hit`, for the kernels that look at single paths. `steps` counts traversal rounds; beyond the
-// budget the result is void.
+// Shades the end of a segment whose ray has hit `hit`, for the kernels that trace single paths. `steps` counts
+// traversal rounds; beyond the budget the result is void.
 void end_segment(inout Path path, Hit hit, uint step_budget, inout uint steps, out Decisions decisions) {
   arrive(path, hit, decisions);
   steps += (2u * kLightTreeDepth + 7u) / 8u;  // this lane's share of the loops that all lanes of a SIMD group go through together

@@ -1,4 +1,4 @@
-// One path, vertex by vertex, for naming the place where two renderers part.
+// One path, vertex by vertex, to find where two renderers diverge.
 #ifndef TRACE_PATH_GLSL
 #define TRACE_PATH_GLSL
 

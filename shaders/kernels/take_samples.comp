@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The film takes the samples of a pass: a lane adds those of one slot, in their order.
+// Adds the samples of a pass to the film: each lane adds those of one slot, in order.
 #include "../film.glsl"
 #include "../math.glsl"
 layout(set = kSetKernel, binding = kBindingFrame, std140) uniform FrameBlock { Frame frame; };
@@ -10,23 +10,23 @@ layout(local_size_x = kWorkgroupSize) in;
 
 layout(constant_id = kConstantLuminance) const bool kLuminance = false;
 layout(set = kSetKernel, binding = kBindingFilm, std430) buffer FilmBuffer { FilmSlot film[]; };
-// Of each slot the sum over the paths of an unfinished set; not bound where numbers are independent.
+// For each slot, the sum over the paths of an unfinished set; not bound if random numbers are independent.
 layout(set = kSetKernel, binding = kBindingSetSums, std430) buffer SetSumBuffer { vec4 set_sums[]; };
 layout(set = kSetKernel, binding = kBindingSamples, std430) readonly buffer SampleBuffer { vec4 samples[]; };
 
-// The first of a slot's paths that the film refused.
+// The first of a slot's paths that the film rejected.
 struct Rejected {
   uint path;  // kNone: none so far
   uint segments;
 };
 
-// What the film takes as a sample is the mean over a set: sets are independent of each other, the paths within one are not.
+// A sample of the film is the mean over a set: sets are independent of each other, the paths within one are not.
 void take_sample(uint path, vec4 traced, inout vec3 set_sum, inout FilmSlot sums, inout Rejected first_rejected) {
   vec3 value = kLuminance ? vec3(luminance(traced.xyz)) : traced.xyz;
   bool bad = false;
   bool complete = true;
   if (kSetBits > 0u) {
-    bad = !is_finite(value);  // found here, because the mean does not tell which path it was
+    bad = !is_finite(value);  // detected here, because the mean does not reveal which path it was
     set_sum += value;
     complete = (path & kSetMask) == kSetMask;
     value = set_sum / float(kSetMask + 1u);

@@ -1,4 +1,5 @@
-// Rays on their own: the walk of the tree without shading, for measuring it and for comparing its hits with those of others.
+// Single rays: the walk of the tree without shading, to measure it and to compare its hits with those of other
+// implementations.
 #ifndef RAY_PROBE_GLSL
 #define RAY_PROBE_GLSL
 
@@ -10,7 +11,7 @@ layout(push_constant) uniform PassBlock { Pass pass; };
 layout(set = kSetKernel, binding = kBindingRequests, std430) readonly buffer RayBuffer { RayRequest rays[]; };
 layout(set = kSetKernel, binding = kBindingResults, std430) writeonly buffer ResultBuffer { RayResult results[]; };
 
-// One ray a lane. A walk that exceeds the budget says so by its steps.
+// One ray per lane. The number of steps shows whether a walk has exceeded the budget.
 void cast_ray(uint i) {
   if (i >= pass.request_count) return;
   const RayRequest request = rays[i];

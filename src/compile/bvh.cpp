@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t kMaxBins = 64;
 constexpr std::uint32_t kParallel = 1u << 16;  // larger nodes are split by all threads together, smaller ones by one
 
-// Four lanes of a register, the last of which does not count: a box grows by one instruction a side.
+// Four lanes of a register, the last of which is unused: a box grows by one instruction per side.
 using Lanes = float __attribute__((vector_size(16)));
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kMax = std::numeric_limits<float>::max();
@@ -38,8 +38,8 @@ struct LaneBox {
 };
 
 // A primitive while the tree is built. Items are moved, not their indices, so that every pass reads memory in order.
-// The number of the primitive hides in the idle lane, with an exponent that makes it a normal float: denormal ones are
-// slow to add.
+// The number of the primitive is stored in the unused lane, with an exponent that makes it a normal float, because
+// denormal ones are slow to add.
 constexpr std::uint32_t kItemExponent = 0x40000000u;
 struct Item {
   LaneBox box;
@@ -78,11 +78,11 @@ struct BinMap {
   Lanes origin, scale;
   std::uint32_t bins;
 
-  // Small nodes do not need many planes.
+  // Small nodes need fewer planes.
   BinMap(const LaneBox& centroids, const Work& work, const BvhConfig& config)
       : origin(centroids.lower), scale{}, bins(std::min({config.bins, kMaxBins, std::max(4u, 2 * work.count())})) {
     const Lanes extent = centroids.extent();
-    // Finite, so that 0 · scale is 0 also where the extent is denormal.
+    // Finite, so that 0 · scale is 0 even if the extent is denormal.
     for (int a = 0; a < 3; ++a)
       scale[a] = extent[a] > 0.0f ? std::min(static_cast<float>(bins) / extent[a], kMax) : 0.0f;
   }
@@ -109,7 +109,7 @@ class BvhBuilder {
 
   Bvh build() {
     bvh_.nodes.resize(2 * items_.size() - 1);
-    // The upper levels one node at a time, each with all threads; then whole subtrees side by side.
+    // The upper levels are built one node at a time, each by all threads; then whole subtrees in parallel.
     std::vector<Work> pending{{.end = static_cast<std::uint32_t>(items_.size())}};
     std::vector<Work> subtrees;
     while (!pending.empty()) {
@@ -155,8 +155,8 @@ class BvhBuilder {
     pending.push_back({work.child, work.begin, middle, left, work.depth + 1});
   }
 
-  // Runs body over the node's items, in parallel when it is large; the results of chunks are merged in any order, so
-  // they must be order-free (minima, maxima, counts).
+  // Runs body over the node's items, in parallel if it is large. The results of chunks are merged in any order, so they
+  // must not depend on it (minima, maxima, counts).
   template <typename State, typename Body, typename Merge>
   State reduce(const Work& work, const State& empty, const Body& body, const Merge& merge) {
     const std::span<const Item> items(items_.data() + work.begin, work.count());
@@ -194,7 +194,7 @@ class BvhBuilder {
         });
   }
 
-  // Sorts the items into the two halves of the best split, returns the first of the second half.
+  // Partitions the items by the best split and returns the first of the second half.
   std::uint32_t partition(const Work& work, const LaneBox& centroids) {
     if (work.count() == 2) return work.begin + 1;
     const BinMap map(centroids, work, config_);
@@ -208,7 +208,7 @@ class BvhBuilder {
 
   Split find_split(const Work& work, const BinMap& map) {
     if (work.count() > kParallel) return best_split(bin_together(work, map), map);
-    // One set of bins a thread serves all its nodes: only those in use are made empty.
+    // Each thread has one set of bins for all its nodes, of which only those in use are cleared.
     thread_local AxisBins bins;
     for (auto& axis : bins) std::fill_n(axis.begin(), map.bins, Bin{});
     fill_bins({items_.data() + work.begin, work.count()}, map, bins);

@@ -1,5 +1,6 @@
 #pragma once
-/// Binary bounding volume hierarchy by binned surface-area heuristic [Wald2007], one primitive a leaf.
+/// Binary bounding volume hierarchy, built with the binned surface-area heuristic [Wald2007], with one primitive per
+/// leaf.
 
 #include <cstdint>
 #include <vector>
@@ -26,13 +27,13 @@ struct Bvh {
   std::vector<BvhNode> nodes;
 };
 
-/// The sibling of any node but the root.
+/// The sibling of a node other than the root.
 constexpr std::uint32_t bvh_sibling(std::uint32_t node) {
   return ((node - 1) ^ 1u) + 1;
 }
 
-/// A tree of all boxes but those `without`, an ascending list; one at least must be left. The same bytes for any number
-/// of threads. Nodes lie depth first.
+/// Builds a tree of all boxes except those in `without`, an ascending list; at least one must be left. The result is
+/// the same, byte for byte, for any number of threads. Nodes are in depth-first order.
 Bvh build_bvh(std::vector<Box> boxes, const std::vector<std::uint32_t>& without = {}, const BvhConfig& config = {});
 
 }  // namespace etendue

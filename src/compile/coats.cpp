@@ -23,7 +23,7 @@ class Facets {
   explicit Facets(const Roughness& roughness)
       : beckmann_(roughness.distribution == Roughness::Distribution::beckmann), alpha_(roughness.alpha_u.value) {}
 
-  /// D h.z³ α² by the slope in units of α: the distribution of slopes.
+  /// D h.z³ α² as a function of the slope in units of α: the distribution of slopes.
   double slope_density(double slope) const {
     const double s2 = slope * slope;
     return beckmann_ ? std::exp(-s2) / kPi : 1.0 / (kPi * (1.0 + s2) * (1.0 + s2));
@@ -53,9 +53,9 @@ struct Shares {
   double reflected = 0.0, passed = 0.0;
 };
 
-/// What the microfacets reflect and let pass of light from a direction of this cosine, eta = n_t / n_o; light that
-/// meets a second one is in neither. Midpoints over the slopes (q = ρ/(1 + ρ)) and half a turn, which is all by
-/// symmetry.
+/// The fractions of light from a direction of this cosine that the microfacets reflect and transmit, with eta = n_t /
+/// n_o; light that meets a second microfacet counts in neither. Midpoint rule over the slopes (q = ρ/(1 + ρ)) and half
+/// a turn, which suffices by symmetry.
 Shares shares(const Facets& facets, double cosine, double eta) {
   constexpr int kRings = 200, kSectors = 64;
   const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
@@ -81,7 +81,7 @@ Shares shares(const Facets& facets, double cosine, double eta) {
   return {sum.reflected * norm, sum.passed * norm};
 }
 
-/// Microfibres: their masking [Estevez2017].
+/// Masking of the microfibres of sheen [Estevez2017].
 double sheen_lambda(double cosine, double alpha) {
   const double t = (1.0 - alpha) * (1.0 - alpha);
   const auto blend = [t](double rough, double smooth) { return rough + t * (smooth - rough); };
@@ -91,7 +91,7 @@ double sheen_lambda(double cosine, double alpha) {
   return std::exp(cosine < 0.5 ? curve(cosine) : 2.0 * curve(0.5) - curve(1.0 - cosine));
 }
 
-/// By midpoints over the hemisphere, cosines even in their roots because the lobe lies at the horizon.
+/// Midpoint rule over the hemisphere, evenly spaced in the roots of the cosines, because the lobe is at the horizon.
 double sheen_albedo(double cosine, double alpha) {
   constexpr int kRings = 128, kSectors = 96;
   const double sine = std::sqrt(1.0 - cosine * cosine), masked = 1.0 + sheen_lambda(cosine, alpha);
@@ -121,7 +121,7 @@ std::vector<float> sheen_albedos() {
     const double roughness = 0.1 + 0.9 * row / (gpu::kSheenRoughnesses - 1);
     for (gpu::uint i = 0; i < gpu::kSheenCosines; ++i) {
       const double cosine = std::max(1e-3, static_cast<double>(i) / (gpu::kSheenCosines - 1));
-      // More than it is, so that what is interpolated is no less.
+      // Slightly more than the true value, so that interpolated values are never below it.
       table.push_back(static_cast<float>(1.02 * sheen_albedo(cosine, roughness * roughness) + 0.002));
     }
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// What kernels know of clear coats over a diffuse base; docs/conventions.md, "Coats".
+/// Tables for clear coats over a diffuse base; docs/conventions.md, "Coats".
 
 #include <array>
 #include <vector>
@@ -9,18 +9,18 @@
 
 namespace etendue {
 
-/// Share of diffuse light from inside that a smooth boundary of relative index `eta` (interior over exterior, > 1)
-/// reflects back inside.
+/// Fraction of diffuse light from inside that a smooth boundary of relative index `eta` (interior over exterior, > 1)
+/// reflects back inside; fit by [dEon2011].
 double diffuse_reflectance_inside(double eta);
 
 struct RoughCoat {
-  std::array<float, gpu::kTransmittanceNodes> transmittances{};  ///< from outside, at cosines even over [0, 1]
-  double reflectance_inside = 0.0;                               ///< of diffuse light from inside
+  std::array<float, gpu::kTransmittanceNodes> transmittances{};  ///< from outside, at cosines evenly spaced over [0, 1]
+  double reflectance_inside = 0.0;                               ///< for diffuse light from inside
 };
 RoughCoat rough_coat(const Roughness& roughness, double eta);
 
-/// What white sheen reflects of light: at kSheenCosines cosines even over [0, 1], the first 1e-3, for each of
-/// kSheenRoughnesses roughnesses even over [0.1, 1]; docs/conventions.md, "glTF".
+/// Albedo of white sheen at kSheenCosines cosines evenly spaced over [0, 1] (the first is 1e-3), for each of
+/// kSheenRoughnesses roughnesses evenly spaced over [0.1, 1]; docs/conventions.md, "glTF".
 std::vector<float> sheen_albedos();
 
 }  // namespace etendue

@@ -39,7 +39,7 @@
 namespace etendue {
 namespace {
 
-// A shape where its instance puts it: one of these, as the shape is.
+// A shape placed by its instance; only the member for its kind of shape is set.
 struct Placed {
   Placed(const Scene& scene, const Instance& instance) {
     const Shape& shape = scene.shape_of(instance);
@@ -52,7 +52,7 @@ struct Placed {
     if (const auto* c = std::get_if<Cylinder>(&shape)) cylinder = placed_cylinder(*c, instance);
   }
   std::size_t primitive_count() const { return mesh ? mesh->triangle_count() : 1; }
-  // Of primitive i, in world units.
+  // The area of primitive i, in world units.
   double area(std::size_t i) const {
     if (mesh) return triangle_area(mesh->triangle(i));
     if (disk) return disk->area();
@@ -60,14 +60,14 @@ struct Placed {
   }
 
   std::optional<Sphere> sphere;
-  bool inward = false;  // of the sphere
+  bool inward = false;  // the sphere's normal points inward
   std::optional<PlacedMesh> mesh;
   std::optional<PlacedDisk> disk;
   std::optional<PlacedCylinder> cylinder;
 };
 
-// A triangle with vertex normals shines on the side of its shading normals, which lie between those of its corners.
-// Where these have no half-space in common it may shine to any side.
+// A triangle with vertex normals emits on the side of its shading normals, which lie between those of its corners. If
+// these have no half-space in common, it may emit to any side.
 void use_corner_normals(const PlacedMesh& mesh, std::size_t triangle, LightLeaf& leaf) {
   const glm::uvec3 t = mesh.indices(triangle);
   leaf.corner_normals = {mesh.normal(t.x), mesh.normal(t.y), mesh.normal(t.z)};
@@ -78,12 +78,12 @@ void use_corner_normals(const PlacedMesh& mesh, std::size_t triangle, LightLeaf&
   }
 }
 
-// Of radiance 1. Power 0 for a triangle whose normal is made of rounding errors.
+// The leaf for radiance 1. The power is 0 for a triangle whose normal consists of rounding errors.
 LightLeaf light_leaf(const Placed& placed, std::size_t i) {
   LightLeaf leaf;
   leaf.area = placed.area(i);
   if (placed.sphere) {
-    leaf.power = leaf.area / 4.0;  // what it shows to each side
+    leaf.power = leaf.area / 4.0;  // its area as seen from any side
     leaf.lower = placed.sphere->center - placed.sphere->radius;
     leaf.upper = placed.sphere->center + placed.sphere->radius;
     return leaf;
@@ -96,7 +96,7 @@ LightLeaf light_leaf(const Placed& placed, std::size_t i) {
     return leaf;
   }
   if (const auto& cylinder = placed.cylinder) {
-    leaf.power = leaf.area / kPi;  // what it shows to the side
+    leaf.power = leaf.area / kPi;  // its area as seen from the side
     leaf.lower = glm::min(cylinder->p0, cylinder->p1) - cylinder->reach();
     leaf.upper = glm::max(cylinder->p0, cylinder->p1) + cylinder->reach();
     return leaf;
@@ -104,7 +104,7 @@ LightLeaf light_leaf(const Placed& placed, std::size_t i) {
   const auto [p0, p1, p2] = placed.mesh->triangle(i);
   leaf.lower = glm::min(p0, glm::min(p1, p2));
   leaf.upper = glm::max(p0, glm::max(p1, p2));
-  constexpr double kLeastShare = 1e-14;  // of the longest edge squared, for twice the area
+  constexpr double kLeastShare = 1e-14;  // smallest ratio of twice the area to the longest edge squared
   const double longest = std::max({glm::dot(p1 - p0, p1 - p0), glm::dot(p2 - p1, p2 - p1), glm::dot(p0 - p2, p0 - p2)});
   if (!(2.0 * leaf.area > kLeastShare * longest)) return leaf;
   leaf.power = leaf.area;
@@ -140,7 +140,7 @@ class Compiler {
   }
 
  private:
-  // The tree refuses what it cannot address; here it costs neither time nor memory.
+  // The tree would refuse a scene that it cannot address; checking here costs neither time nor memory.
   void check_size() const {
     std::size_t primitives = 0;
     for (std::size_t i = 0; i < scene_.instances.size(); ++i)
@@ -176,7 +176,7 @@ class Compiler {
       out_.instances.push_back(flat);
     }
     if (flat_primitives_.empty())
-      flat_primitives_.push_back({});  // a point-sized triangle: bindings are never empty, nothing is hit
+      flat_primitives_.push_back({});  // a triangle of size 0: bindings are never empty, and nothing is hit
     if (out_.instances.empty()) out_.instances.push_back({.place = gpu::kNone});
   }
 
@@ -194,7 +194,7 @@ class Compiler {
     return *mesh;
   }
 
-  // An instance of a shared mesh: a record whose place and, later, whose mesh's root it names.
+  // An instance of a shared mesh: the record names its place and, later, the root of the mesh's tree.
   void place_shared(const Instance& instance, gpu::uint index, gpu::Instance& flat) {
     const SharedMesh& mesh = shared_mesh(instance.shape);
     flat.first_triangle = mesh.first_triangle;
@@ -207,13 +207,13 @@ class Compiler {
     record.p1 = place.object_y;
     record.p2 = place.object_z;
     record.instance = index | gpu::kRecordInstance;
-    record.primitive = instance.shape;  // until its tree has a root
+    record.primitive = instance.shape;  // replaced once its tree has a root
     record.kind = flat.place;
     shared_records_.push_back(record);
     shared_boxes_.push_back(placed_box(mesh, place));
   }
 
-  // Not what is so small that single precision takes it for a point.
+  // Instances so small that single precision cannot distinguish them from a point are left out.
   static bool can_be_met(const gpu::Place& place) {
     constexpr float kLeast = 0x1p-60f, kMost = 0x1p55f;
     float most = 0.0f, inverse = 0.0f;
@@ -224,7 +224,7 @@ class Compiler {
     return most >= kLeast && inverse <= kMost;
   }
 
-  // Instances that show the same mesh at the same place are met together: the first one stands for all.
+  // Instances that show the same mesh at the same place are always hit together, so the first one stands for all.
   void drop_shared_twins() {
     const auto same = [&](const gpu::Primitive& a, const gpu::Primitive& b) {
       return a.primitive == b.primitive && a.p0 == b.p0 && a.p1 == b.p1 && a.p2 == b.p2 &&
@@ -309,7 +309,7 @@ class Compiler {
 
   // The primitives outside the tree, in the order of the scene.
   std::vector<std::uint32_t> take_few_primitives(const std::vector<Box>& boxes) {
-    // A ray that passes a surface begins there anew, and which of equally near ones lie behind only the tree can tell.
+    // A ray that passes a surface restarts there, and only the tree can tell which of equally near ones lie behind it.
     if (passes_) return {};
     std::vector<std::uint32_t> few = choose_few_primitives(boxes, boxes.size() - shared_records_.size());
     out_.few_count = static_cast<std::uint32_t>(few.size());
@@ -349,7 +349,7 @@ class Compiler {
     if (!shared_records_.empty()) add_shared_trees(tree.slot_of, first_shared);
   }
 
-  // The trees of the shared meshes, behind the tree of the scene, whose instances learn where their roots lie.
+  // Appends the trees of the shared meshes to that of the scene, and sets the roots in the records of the instances.
   void add_shared_trees(const std::vector<std::uint32_t>& slot_of, std::size_t first_shared) {
     std::vector<std::uint32_t> roots(meshes_.size(), gpu::kNone);
     std::uint32_t deepest = 0;
@@ -412,7 +412,7 @@ class Compiler {
     if (!thresholds.empty()) add_delta_lights(std::span(thresholds).subspan(areas.size()));
   }
 
-  // Those that stand somewhere are chosen beside the instances, and come after them in `weights`.
+  // Those that have a position are chosen along with the instances, and follow them in `weights`.
   void flatten_delta_lights(std::vector<double>& weights) {
     for (const std::uint32_t number : delta_light_order(scene_)) {
       const DeltaLight& light = scene_.delta_lights[number];
@@ -466,7 +466,7 @@ class Compiler {
     return count;
   }
 
-  // A shared mesh with its light primitives, which all of its instances share.
+  // Adds a shared mesh with its light primitives, which all its instances share.
   const SharedMesh& shared_light(std::uint32_t shape) {
     SharedMesh& mesh = *meshes_[shape];
     if (mesh.first_light_primitive != gpu::kNone) return mesh;
@@ -518,20 +518,20 @@ class Compiler {
 
   void make_light_tree() {
     const std::vector<LightLeaf> leaves = light_leaves();
-    if (leaves.size() < 2) return;  // nothing to choose: by power is the same
+    if (leaves.size() < 2) return;  // nothing to choose: the choice by power is the same
     FlatLightTree tree = build_light_tree(leaves, normalization_);
     std::vector<gpu::LightTrail>& trails = out_.light_trails;
     trails.resize(scene_.instances.size());
     for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
       if (!scene_.instances[i].emitter) continue;
       trails[i].turns = static_cast<gpu::uint>(trails.size());
-      // One of a shared mesh.
+      // An instance of a shared mesh.
       trails.resize(
           trails.size() + (sharing_.has_instance(i) ? 1 : primitive_count(scene_.shape_of(scene_.instances[i]))),
           gpu::LightTrail{0, 1.0f, 0, 0});
     }
     for (std::size_t i = 0; i < leaves.size(); ++i) {
-      if ((leaves[i].light_primitive & gpu::kLightLeafDelta) != 0) continue;  // no ray meets it
+      if ((leaves[i].light_primitive & gpu::kLightLeafDelta) != 0) continue;  // no ray can hit it
       if ((leaves[i].light_primitive & gpu::kLightLeafShared) != 0) {
         const gpu::uint instance = out_.light_instances[leaves[i].light_primitive & ~gpu::kLightLeafShared].instance;
         trails[trails[instance].turns] = {tree.trails[i].turns, std::abs(out_.instances[instance].light_area), 0, 0};
@@ -547,13 +547,13 @@ class Compiler {
   const Scene& scene_;
   Sharing sharing_;
   Normalization normalization_;
-  std::vector<bool> passing_;                        // by instance: a ray may pass it
-  bool passes_ = false;                              // some of them
-  std::vector<std::unique_ptr<SharedMesh>> meshes_;  // by shape; none where it is not shared
+  std::vector<bool> passing_;                        // by instance: whether rays may pass it
+  bool passes_ = false;                              // whether any of them is true
+  std::vector<std::unique_ptr<SharedMesh>> meshes_;  // by shape; null if not shared
   std::vector<gpu::Primitive> shared_records_;       // instances of these
   std::vector<Box> shared_boxes_;
   CompiledScene out_;
-  std::vector<gpu::Primitive> flat_primitives_;  // instance by instance, before the tree orders them
+  std::vector<gpu::Primitive> flat_primitives_;  // instance by instance, before the tree reorders them
   std::vector<std::size_t> first_primitive_;     // of each instance, into flat_primitives_
   double lights_power_ = 0.0;                    // Σ luminance · area
 };

@@ -14,16 +14,16 @@
 
 namespace etendue {
 
-/// The tables that follow from the materials and what their textures are.
+/// The tables that follow from the materials and the kinds of their textures.
 struct CompiledMaterials {
   std::vector<gpu::MaterialRecord> materials;
-  std::vector<gpu::MaterialTextures> material_textures;  ///< one for each material, or empty where none has any
+  std::vector<gpu::MaterialTextures> material_textures;  ///< one for each material, or empty if none has a texture
   std::vector<gpu::TextureUse> texture_uses;
   std::vector<gpu::vec4> transmittances;  ///< tables of rough coats, kTransmittanceNodes floats each
 };
 
 /// Everything a device needs to render a scene, in the layouts of shaders/gpu_types.h. Positions are normalised:
-/// translated and scaled by a power of two, so that single precision serves scenes of any size and place alike.
+/// translated and scaled by a power of two, so that single precision suffices for scenes of any size and position.
 struct CompiledScene : CompiledMaterials {
   Normalization normalization;
   EnvironmentTables environment;
@@ -39,27 +39,28 @@ struct CompiledScene : CompiledMaterials {
   std::vector<gpu::LightPrimitive> light_primitives;
   std::vector<gpu::DeltaLight> delta_lights;  ///< those infinitely far away first
   std::uint32_t distant_lights = 0;           ///< how many these are
-  std::vector<gpu::LightPair> light_pairs;    ///< of the light tree; empty where lights are chosen by power
-  /// Per instance in `turns` the place in this table of its first primitive's trail, then the trails.
+  std::vector<gpu::LightPair> light_pairs;    ///< of the light tree; empty if lights are chosen by power
+  /// For each instance an entry whose `turns` is the index, in this table, of its first primitive's trail; then the
+  /// trails.
   std::vector<gpu::LightTrail> light_trails;
-  std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 where there is no tree
-  std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone when all primitives stand outside the tree
-  std::uint32_t tree_depth = 0;  ///< levels of nodes, those of the deepest shared mesh and a step into it included
+  std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 if there is no tree
+  std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone if all primitives are outside the tree
+  std::uint32_t tree_depth = 0;  ///< levels of nodes, including those of the deepest shared mesh and the step into it
   bool has_spheres = false, inward_spheres = false, has_disks = false, has_cylinders = false;
-  bool two_sided_lights = false;                   ///< some light shines on both sides
-  std::uint32_t few_count = 0;                     ///< the first primitives stand outside the tree, see kFewPrimitives
+  bool two_sided_lights = false;                   ///< some light emits on both sides
+  std::uint32_t few_count = 0;                     ///< number of primitives outside the tree, see kFewPrimitives
   std::uint32_t few_spheres = 0;                   ///< bit i: the i-th of them is a sphere
   std::uint32_t few_disks = 0, few_cylinders = 0;  ///< the same
 };
 
-/// Shapes and lights; cameras, samplers and integrators are the business of compile_view. Lights get a tree where
+/// Compiles shapes, materials and lights; compile_view compiles cameras, samplers and integrators. Lights get a tree if
 /// the scene's light sampler asks for one, whether or not the scene's integrator uses it.
 CompiledScene compile_scene(const Scene& scene);
 
-/// Of a scene with or without textures; numbers of materials follow no others.
+/// Compiles the materials alone, for a scene with or without textures, whose other tables are kept.
 CompiledMaterials compile_materials(std::span<const Material> materials, bool has_textures);
 
-/// How often this process has called compile_scene: for tests of what is not compiled again.
+/// How often this process has called compile_scene; tests use it to check what is not recompiled.
 std::uint64_t scene_compilations();
 
 }  // namespace etendue

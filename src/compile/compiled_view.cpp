@@ -12,8 +12,8 @@
 namespace etendue {
 namespace {
 
-// A power of two that brings the camera's axes to where their squares fit a float; 1 for any usual camera. toWorld may
-// scale by whatever a double holds, and only the directions count.
+// A power of two that scales the camera's axes so that their squares fit a float; 1 for any usual camera. toWorld may
+// scale by anything that a double can hold, but only the directions matter.
 double camera_unit(const glm::dmat4& world_from_camera, double tan_x, double tan_y) {
   double largest = 0.0;
   for (int a = 0; a < 3; ++a) {
@@ -25,11 +25,11 @@ double camera_unit(const glm::dmat4& world_from_camera, double tan_x, double tan
   return std::abs(exponent) <= kUsual ? 1.0 : std::ldexp(1.0, exponent);
 }
 
-/// A camera farther than this from the scene, in normalised units, lets its rays begin before the scene.
+/// If the camera is farther than this from the scene, in normalised units, its rays begin just in front of the scene.
 constexpr double kFarCamera = 16.0;
 
-/// Camera depth of a plane that all of the scene lies beyond, a little before it; 0 where the scene reaches to the
-/// camera or behind it. Normalised scenes fill the cube from −1 to 1.
+/// Camera depth of a plane slightly in front of the whole scene; 0 if the scene reaches to the camera or behind it.
+/// Normalised scenes fill the cube from −1 to 1.
 double depth_before_scene(const Normalization& n, const glm::dmat4& world_from_camera) {
   const glm::dmat4 camera_from_world = glm::inverse(world_from_camera);
   const double middle = (camera_from_world * glm::dvec4(n.center, 1.0)).z;
@@ -83,7 +83,7 @@ void set_integrator(const SceneFacts& scene, const Integrator& integrator, Compi
   f.max_depth = path ? integrator.max_depth : aov ? gpu::kMaxAovSegments : Integrator::kUnlimitedDepth;
   f.aov = static_cast<gpu::uint>(integrator.aov);
   out.light_part = static_cast<gpu::uint>(integrator.light_part);
-  // Whitted's paths may end behind every mirror, those of direct nowhere.
+  // Roulette applies after every mirror for whitted, and nowhere for direct.
   f.rr_depth = path && integrator.rr_depth > 0 ? integrator.rr_depth : whitted ? 1 : gpu::kNone;
   if (integrator.type != Integrator::Type::distance) f.ray_length = static_cast<float>(integrator.length * n.scale);
   f.light_position = n.point(integrator.light.position);
@@ -92,7 +92,7 @@ void set_integrator(const SceneFacts& scene, const Integrator& integrator, Compi
   f.bsdf_samples = integrator.bsdf_samples;
 }
 
-/// Half of the film's width and height at depth 1; 0 where all rays have one direction.
+/// Half of the film's width and height at depth 1; 0 if all rays are parallel.
 glm::dvec2 slopes(const Camera& camera) {
   if (camera.type != Camera::Type::perspective && camera.type != Camera::Type::thin_lens) return glm::dvec2(0.0);
   const double half = std::tan(0.5 * camera.fov * kPi / 180.0), aspect = film_aspect(camera);
@@ -135,7 +135,7 @@ void set_camera(const SceneFacts& scene, const Camera& camera, CompiledView& out
   gpu::Frame& f = out.frame;
   const glm::dvec2 tan = slopes(camera);
   const bool from_plane = camera.type == Camera::Type::orthographic || camera.type == Camera::Type::irradiance_meter;
-  // Beyond this a scene of size 1 is far below what single precision can see, and squares would overflow.
+  // Beyond this, a scene of size 1 is far below what single precision can resolve, and squares would overflow.
   const glm::dvec3 farthest(0x1p60);
   const bool has_depth = camera.type != Camera::Type::spherical && camera.type != Camera::Type::irradiance_meter;
   const double before_scene = has_depth ? depth_before_scene(n, m) : 0.0;

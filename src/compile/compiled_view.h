@@ -9,7 +9,7 @@
 
 namespace etendue {
 
-/// What views need to know of a compiled scene.
+/// The facts about a compiled scene that views depend on.
 struct SceneFacts {
   Normalization normalization;
   EnvironmentFacts environment;

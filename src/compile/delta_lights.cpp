@@ -42,8 +42,8 @@ void flatten_spot(const DeltaLight& light, gpu::DeltaLight& flat) {
   flat.fade = between > 0.0 ? static_cast<float>(1.0 / between) : 0.0f;
 }
 
-/// Half a picture for a slope of 1 along `across` and along the cross product of forward and across, which points down
-/// where the frame is a mirror image.
+/// Half of the picture for a slope of 1, along `across` and along the cross product of forward and across, which points
+/// down if the frame is mirrored.
 glm::vec2 picture_scale(const DeltaLight& light) {
   const double up = glm::determinant(glm::dmat3(light.world_from_light)) < 0.0 ? -1.0 : 1.0;
   if (light.type == DeltaLight::Type::projector) return glm::vec2(-0.5 / light.slope.x, 0.5 * up / light.slope.y);

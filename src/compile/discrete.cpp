@@ -36,7 +36,7 @@ SearchTree::SearchTree(std::uint32_t count) {
 void write_search_tree(std::span<const std::uint64_t> thresholds, std::span<gpu::uvec4> nodes) {
   constexpr std::uint64_t kLargest = 0xffffffff;
   const std::size_t count = thresholds.size();
-  std::size_t range = 1, node = 0;  // entries that one branch stands for
+  std::size_t range = 1, node = 0;  // number of entries in one branch
   while (range * gpu::kSearchFan < count) range *= gpu::kSearchFan;
   for (; range > 0 && count > 1; range /= gpu::kSearchFan) {
     for (std::size_t first = 0; first < count; first += range * gpu::kSearchFan, ++node) {

@@ -9,12 +9,12 @@
 
 namespace etendue {
 
-/// T(0), …, T(n) of the conventions for non-negative `weights`; empty when they are all zero. T(n) = 2^32.
+/// T(0), …, T(n) of the conventions for non-negative `weights`, with T(n) = 2^32; empty if all weights are zero.
 std::vector<std::uint64_t> integer_thresholds(std::span<const double> weights);
 
-/// The choice of one of `count` entries as a tree of gpu::kSearchFan branches a node.
+/// The choice of one of `count` entries, as a tree with gpu::kSearchFan branches per node.
 struct SearchTree {
-  std::uint32_t levels = 0;  ///< least with kSearchFan^levels >= count
+  std::uint32_t levels = 0;  ///< the least number with kSearchFan^levels >= count
   std::uint32_t nodes = 0;   ///< of all levels
   explicit SearchTree(std::uint32_t count);
 };

@@ -63,7 +63,7 @@ class Tabulator {
   void tabulate_gradient() {
     out_.facts.cell_rows = kGradientRows + 1;
     for (std::uint32_t r = 0; r <= kGradientRows; ++r) {
-      // y from 1 down to 0, and the lower half of all directions.
+      // Rows for y from 1 down to 0, and one for the lower half of all directions.
       const double upper = 1.0 - static_cast<double>(r) / kGradientRows;
       const double lower = r < kGradientRows ? 1.0 - (r + 1.0) / kGradientRows : -1.0;
       edges_.push_back({0.5 * (1.0 - upper), 0.5 * (1.0 - lower), 0.5 * (1.0 + upper), 0.5 * (1.0 + lower)});
@@ -107,13 +107,13 @@ class Tabulator {
     });
   }
 
-  // The first node of the search for a row's column: behind that for the row.
+  // The first node of the search for a row's column; these follow the search for the row.
   std::size_t search_of_row(std::uint32_t r) const {
     const EnvironmentFacts& facts = out_.facts;
     return SearchTree(facts.cell_rows).nodes + std::size_t{r} * SearchTree(facts.columns).nodes;
   }
 
-  // Thresholds of a row's cells; `weights` is room for them.
+  // Thresholds of a row's cells; `weights` is scratch memory for their weights.
   void tabulate_cells(std::uint32_t r, bool bands, std::vector<double>& weights) {
     const EnvironmentFacts& facts = out_.facts;
     const std::uint32_t last = facts.texel_rows - 1;
@@ -141,7 +141,7 @@ class Tabulator {
     write_search_tree(std::span(thresholds).first(facts.columns), std::span(out_.search).subspan(search_of_row(r)));
   }
 
-  // The environment's share of the light.
+  // The environment's share of all light.
   double share(double sum) const {
     constexpr double kLeast = 1.0 / 4.0;
     if (!(lights_power_ > 0.0)) return 1.0;
@@ -150,7 +150,7 @@ class Tabulator {
     return std::clamp(power / (power + lights_power_), kLeast, 1.0 - kLeast);
   }
 
-  // One discrete choice of the rows, behind them of the directional lights, and then of all others.
+  // One discrete choice: first the rows, then the directional lights, then all other lights as one entry.
   void choose_rows() {
     EnvironmentFacts& facts = out_.facts;
     const std::size_t rows = weights_.size();

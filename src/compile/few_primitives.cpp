@@ -13,9 +13,9 @@ namespace {
 // Costs in steps of the walk, a step being a fetch of one record and its intersection. A primitive outside the tree is
 // a handful of multiplications with constants, the same for all lanes.
 constexpr double kTestOutside = 0.1;
-// A large primitive in the tree is a step for every ray that meets its box, and so is most of a node above it.
+// A large primitive in the tree costs every ray that meets its box one step, and most of another for a node above it.
 constexpr double kTestInside = 2.0;
-// Steps of a ray that meets the box of a tree of n primitives: about this times log2 n (measured on meshes of 10^5 to
+// A ray that meets the box of a tree of n primitives takes about this times log2 n steps (measured on meshes of 10^5 to
 // 10^6 triangles).
 constexpr double kStepsPerDoubling = 1.2;
 
@@ -48,7 +48,7 @@ std::vector<std::uint32_t> choose_few_primitives(const std::vector<Box>& boxes, 
     }
     Box all = rest;
     for (const std::uint32_t i : candidates) all.extend(boxes[i]);
-    // From all candidates outside to none: `inside` is what those that went in cost there.
+    // Moves candidates into the tree one by one; `inside` is the cost of those already there.
     const double steps = kStepsPerDoubling * std::log2(static_cast<double>(boxes.size()));
     const double whole = std::max(double{all.half_area()}, 1e-30);
     double lowest = INFINITY, inside = 0.0;

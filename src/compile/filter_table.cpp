@@ -33,12 +33,12 @@ bool is_narrow_gaussian(const ReconstructionFilter& f) {
   return f.type == ReconstructionFilter::Type::gaussian && kGaussianReach * f.stddev < f.radius;
 }
 
-// Where the filter is not 0, in pixels: a Gaussian may be far narrower than its radius.
+// The radius in pixels beyond which the filter is 0; a Gaussian may be far narrower than its nominal radius.
 double filter_reach(const ReconstructionFilter& f) {
   return is_narrow_gaussian(f) ? kGaussianReach * f.stddev : filter_radius(f);
 }
 
-// exp(−x²/2σ²) − exp(−r²/2σ²), up to a factor, at x = u · reach: as a product, so that nothing cancels when σ is much
+// exp(−x²/2σ²) − exp(−r²/2σ²), up to a factor, at x = u · reach: as a product, so that nothing cancels if σ is much
 // larger than r.
 double gaussian(const ReconstructionFilter& f, double u) {
   if (is_narrow_gaussian(f)) return std::exp(-0.5 * kGaussianReach * kGaussianReach * u * u);
@@ -60,7 +60,7 @@ double lanczos(double x, double lobes) {
   return sinc(x) * sinc(x / lobes);
 }
 
-// At u · reach, u in [−1, 1], up to a factor.
+// The filter at u · reach, with u in [−1, 1], up to a factor.
 double filter_value(const ReconstructionFilter& f, double u) {
   u = std::abs(u);
   switch (f.type) {
@@ -78,7 +78,7 @@ double filter_value(const ReconstructionFilter& f, double u) {
   return 0.0;
 }
 
-// Where the filter turns negative, as a part of its reach; 1 when it does not.
+// Where the filter becomes negative, as a fraction of its reach; 1 if it never does.
 double find_zero(const ReconstructionFilter& f) {
   double positive = 0.0, negative = 1.0;
   for (int i = 1; i < kIntegrationSteps; ++i) {

@@ -11,7 +11,7 @@ struct FilterTable {
   std::vector<float> knots;  ///< inverse CDF of |filter| at i/kFilterSteps, in pixels; empty for the box of one pixel
   double weight = 1.0;       ///< ∫|f| / ∫f
   bool turns_negative = false;
-  double zero = 0.0;        ///< |x| beyond which the filter is negative, where it turns so once
+  double zero = 0.0;        ///< |x| beyond which the filter is negative, if its sign changes once
   bool alternates = false;  ///< the sign changes at every whole number of pixels instead
 };
 

@@ -13,7 +13,7 @@ namespace {
 using Index = std::uint32_t;
 using Corner = std::array<std::int32_t, 6>;  // centre and normal of a leaf in integers
 
-// Half turns count as much as an eighth of the lights' extent.
+// In choosing the axis, opposite normals count as much as an eighth of the extent of all lights.
 constexpr double kCenterSteps = 65535.0;
 constexpr double kNormalSteps = 8192.0;
 
@@ -64,7 +64,8 @@ class LightTreeBuilder {
   }
 
  private:
-  // Makes the half of a pair for order_[first, first + count), `level` turns below the root; returns what points to it.
+  // Makes the half of a pair for order_[first, first + count), `level` turns below the root; returns the reference to
+  // it.
   Index half(Index first, Index count, Index level, Index turns) {
     if (count > 1) return branch(first, count, level, turns);
     const LightLeaf& leaf = leaves_[order_[first]];
@@ -88,8 +89,8 @@ class LightTreeBuilder {
     return index;
   }
 
-  // Reorders the leaves and returns how many go left: the widest of the six axes is cut in its middle. Where all leaves
-  // coincide, or the tree would become too deep, half of them go left.
+  // Reorders the leaves and returns how many go left, by cutting the widest of the six axes in its middle. If all
+  // leaves coincide, or the tree would become too deep, half of them go left.
   Index split(Index first, Index count, Index level) {
     const auto begin = order_.begin() + first, end = begin + count;
     Corner least = corners_[*begin], most = least;
@@ -122,7 +123,7 @@ class LightTreeBuilder {
     }
     const double length = glm::length(sum);
     const bool directed =
-        length > 1e-3 * power;  // else the normals cancel, and their sum has no direction but that of rounding
+        length > 1e-3 * power;  // otherwise the normals cancel, and the direction of their sum is rounding error
     const glm::dvec3 axis = directed ? sum / length : glm::dvec3(0.0, 0.0, 1.0);
     double cosine = directed ? 1.0 : -1.0;
     for (Index i = first; i < first + count; ++i) {
@@ -130,7 +131,8 @@ class LightTreeBuilder {
       cosine = std::min(cosine, leaf.normal == glm::dvec3(0.0) ? -1.0 : farthest_cosine(axis, leaf));
       for (const glm::dvec3& normal : leaf.corner_normals) {
         const double c = glm::dot(axis, normal);
-        cosine = std::min(cosine, c < 0.0 ? -1.0 : c);  // beyond a right angle a cone does not hold what lies between
+        // A cone wider than a right angle does not contain all normals in between.
+        cosine = std::min(cosine, c < 0.0 ? -1.0 : c);
       }
     }
     power_share = static_cast<float>(power / total_power_);

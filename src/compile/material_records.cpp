@@ -33,7 +33,7 @@ gpu::MaterialRecord flatten(const DielectricBsdf& bsdf) {
 gpu::MaterialRecord flatten(const NullBsdf&) {
   return {.header = gpu::kBsdfNull | gpu::kMaterialDelta};
 }
-// Rows are whole numbers below 2^24, which floats hold.
+// Rows are integers below 2^24, which floats represent exactly.
 gpu::MaterialRecord flatten(const TwoSidedAdapter& adapter) {
   return {.params = glm::vec3(adapter.front, adapter.back, 0.0f), .header = gpu::kAdapterTwoSided};
 }
@@ -73,12 +73,13 @@ gpu::MaterialRecord flatten(const PrincipledThinBsdf& bsdf) {
           .eta = glm::vec3(bsdf.eta.value, bsdf.roughness.value, bsdf.flatness.value),
           .k = glm::vec3(bsdf.sheen.value, bsdf.sheen_tint.value, 0.0)};
 }
-// Tabulated once in the life of the program.
+// Tabulated once per process.
 const std::vector<float>& sheen_table() {
   static const std::vector<float> table = sheen_albedos();
   return table;
 }
-// Of the indices of red and blue, for a dispersion of 1, in terms of the index less 1 [Khronos2021].
+// Half the difference of the indices for red and blue at a dispersion of 1, relative to the index minus 1
+// [Khronos2021].
 constexpr double kHalfSpread = 0.025;
 // A negative exponent of a solid's transmittance, per scene unit.
 glm::dvec3 absorption(const GltfBsdf& bsdf) {
@@ -159,7 +160,7 @@ gpu::MaterialRecord flatten(const ThinDielectricBsdf& bsdf) {
           .eta = glm::vec3(bsdf.int_ior, bsdf.ext_ior, 0.0)};
 }
 
-// Share of samples that go to the coat, but for Fresnel's factor.
+// Share of the samples for the coat, apart from Fresnel's factor.
 template <typename Plastic>
 float coat_share(const Plastic& bsdf) {
   const auto mean = [](const glm::dvec3& c) { return (c.x + c.y + c.z) / 3.0; };
@@ -227,7 +228,7 @@ struct Place {
   gpu::uint floats;
 };
 
-// Where flatten() puts the parameters, by their names in each_parameter().
+// Where flatten() stores the parameters, by their names in each_parameter().
 constexpr Place kPlaces[] = {
     {"albedo", color_at(0)},
     {"kd", color_at(0)},

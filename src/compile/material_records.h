@@ -1,5 +1,5 @@
 #pragma once
-/// Materials → records for a device, and the textures that their floats are multiplied with.
+/// Converts materials to records for a device, with the textures that multiply their floats.
 
 #include <vector>
 
@@ -8,10 +8,10 @@
 
 namespace etendue {
 
-/// What a record needs beside itself is added to `tables`, see kTransmittanceNodes.
+/// Additional tables that a record needs are appended to `tables`, see kTransmittanceNodes.
 gpu::MaterialRecord material_record(const Material& material, std::vector<gpu::vec4>& tables);
 
-/// Adds the uses of textures by a material; of an adapter only its first parameter has one.
+/// Appends the texture uses of a material. In an adapter, only the first parameter can have a texture.
 gpu::MaterialTextures material_textures(const Material& material, std::vector<gpu::TextureUse>& uses);
 
 }  // namespace etendue

@@ -28,10 +28,10 @@ std::uint32_t scale_exponent(float scale) {
   return std::bit_cast<std::uint32_t>(scale) >> 23;
 }
 
-// The scale of a grid from `origin` to `upper`, its exponent `least` or more.
+// The scale of a grid from `origin` to `upper`, with an exponent of at least `least`.
 float fit_scale(float origin, float upper, std::uint32_t least) {
   std::uint32_t e = std::max(biased_exponent(upper - origin), least);
-  // The far plane must be reachable after rounding too.
+  // The far plane must be within reach after rounding, too.
   while (origin + kGridMax * exponent_scale(e) < upper) ++e;
   return exponent_scale(e);
 }

@@ -1,7 +1,7 @@
 #pragma once
-/// How a node of the wide tree lies in texels of 16 bytes, for either width, and how to read it back: the host's side
-/// of shaders/node4.glsl and shaders/node8.glsl. Which width the kernels walk is gpu::kBvhWidth; both are built and
-/// tested.
+/// The layout of a node of the wide tree in texels of 16 bytes, for either width, and functions to read it back: the
+/// host's counterpart of shaders/node4.glsl and shaders/node8.glsl. Which width the kernels walk is gpu::kBvhWidth;
+/// both are built and tested.
 
 #include <algorithm>
 #include <cstdint>
@@ -28,22 +28,22 @@ struct GridBox {
   glm::uvec3 lower{255u};
   glm::uvec3 upper{0u};
 };
-/// Where the children of a node lie.
+/// The location of a node's children.
 struct ChildGroup {
   std::uint32_t first_texel;  ///< a multiple of the layout's kGroupTexels
   std::uint32_t count;        ///< 2 to the layout's width
-  std::uint32_t inner;        ///< how many are nodes
+  std::uint32_t inner;        ///< number of those that are nodes
 };
 
 /// A layout has
-///   kNodeTexels          texels of a node,
-///   kSlotTexels          what slot numbers count: slot s is texel s · kSlotTexels,
+///   kNodeTexels          texels per node,
+///   kSlotTexels          texels per slot: slot s begins at texel s · kSlotTexels,
 ///   kGroupTexels         the children of a node begin at a multiple of it,
 ///   kNodesFirst          whether the children that are nodes come before those that are primitives,
 ///   kTailTexels          texels after the last record that a kernel may load and does not use,
 ///   kMaxTexels           texels that a node can address,
-///   kTexelsPerPrimitive  of the finished trees of meshes, about,
-///   fit_grid             the finest grid over a box that the layout can write down,
+///   kTexelsPerPrimitive  approximate number in the finished tree of a mesh,
+///   fit_grid             the finest grid over a box that the layout can represent,
 ///   encode               a node, from its grid, its children's boxes and their place,
 ///   grid, box, group     what was encoded.
 template <std::uint32_t width>
@@ -74,11 +74,11 @@ struct NodeLayout<8> {
   static constexpr std::uint32_t kSlotTexels = 1;
   static constexpr std::uint32_t kGroupTexels = 4;  // cache lines
   static constexpr bool kNodesFirst = true;
-  static constexpr std::uint32_t kTailTexels = 1;  // a step loads four texels, of primitives too
+  static constexpr std::uint32_t kTailTexels = 1;  // a step loads four texels, even for primitives
   static constexpr std::uint64_t kMaxTexels = kGroupTexels * (std::uint64_t{gpu::kNode8BaseMask} + 1);
   static constexpr double kTexelsPerPrimitive = 4.1;
 
-  /// Coordinates must lie in [−2, 2). Throws Error(bug) for others: normalised scenes have none.
+  /// Coordinates must lie in [−2, 2). Throws Error(bug) for others, which cannot occur in normalised scenes.
   static NodeGrid fit_grid(const Box& box);
   static void encode(const NodeGrid& grid, std::span<const GridBox, 8> boxes, const ChildGroup& group, Texel* node);
   static NodeGrid grid(const Texel* node);
@@ -96,14 +96,14 @@ constexpr std::uint32_t child_offset(std::uint32_t child, std::uint32_t inner) {
   return kPrimitiveTexels * child + (Layout::kNodeTexels - kPrimitiveTexels) * std::min(child, inner);
 }
 
-/// The smallest box of the grid that holds `box`, which must lie within the grid.
+/// The smallest box of the grid that contains `box`, which must be inside the grid.
 GridBox quantize(const NodeGrid& grid, const Box& box);
-/// Its corners as the kernels compute them.
+/// The corners of a box, as computed by the kernels.
 inline Box dequantize(const NodeGrid& grid, const GridBox& q) {
   return {grid.origin + glm::vec3(q.lower) * grid.scale, grid.origin + glm::vec3(q.upper) * grid.scale};
 }
 
-/// Reads a finished tree by slots.
+/// Reads a finished tree, slot by slot.
 template <std::uint32_t width>
 class TreeReader {
  public:
@@ -118,7 +118,7 @@ class TreeReader {
   }
   NodeGrid grid(std::uint32_t slot) const { return Layout::grid(at(slot)); }
   GridBox grid_box(std::uint32_t slot, std::uint32_t child) const { return Layout::box(at(slot), child); }
-  /// Conservative: contains the exact box of what lies below.
+  /// Conservative: contains the exact box of everything below.
   Box child_box(std::uint32_t slot, std::uint32_t child) const { return dequantize(grid(slot), grid_box(slot, child)); }
   std::uint32_t child_count(std::uint32_t slot) const { return Layout::group(at(slot)).count; }
   std::uint32_t child_slot(std::uint32_t slot, std::uint32_t child) const {

@@ -18,7 +18,7 @@ double median(std::vector<double>& values) {
 }
 
 // Calls visit(lower corner, upper corner, centroid) for every primitive.
-// An instance of a shared mesh counts as one, by the box around its transformed box.
+// An instance of a shared mesh counts as one primitive, by the box around its transformed box.
 template <typename Visit>
 void for_each_primitive(const Scene& scene, const Visit& visit) {
   const Sharing sharing(scene);

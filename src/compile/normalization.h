@@ -15,7 +15,7 @@ struct Normalization {
 };
 
 /// Centres the scene on the component-wise median of its primitives' centroids (where most of the geometry is, even
-/// when a huge ground sphere stands below it) and scales the farthest coordinate into [1/2, 1].
+/// above a huge ground sphere) and scales the farthest coordinate into [1/2, 1].
 Normalization find_normalization(const Scene& scene);
 
 }  // namespace etendue

@@ -12,7 +12,7 @@
 namespace etendue {
 namespace {
 
-/// Those of the device, in normalised coordinates, instance by instance.
+/// The boxes that the device uses, in normalised coordinates, instance by instance.
 std::vector<gpu::Primitive> collect(const Scene& scene, const Normalization& normalization) {
   std::vector<gpu::Primitive> primitives;
   const Sharing sharing(scene);
@@ -21,7 +21,7 @@ std::vector<gpu::Primitive> collect(const Scene& scene, const Normalization& nor
     const Instance& instance = scene.instances[n];
     gpu::Primitive p{};
     p.instance = n;
-    if (sharing.has_instance(n)) {  // as one, by its box: three of the corners stand for it
+    if (sharing.has_instance(n)) {  // counts as one box, represented by three corners
       p.p0 = normalization.point(boxes[n].min);
       p.p1 = normalization.point(boxes[n].max);
       p.p2 = {p.p0.x, p.p1.y, p.p0.z};
@@ -37,7 +37,7 @@ std::vector<gpu::Primitive> collect(const Scene& scene, const Normalization& nor
       primitives.push_back(p);
       continue;
     }
-    if (!std::holds_alternative<TriangleMesh>(scene.shape_of(instance))) {  // by its box, too
+    if (!std::holds_alternative<TriangleMesh>(scene.shape_of(instance))) {  // also by its box
       const Bounds box = bounds_of(scene, instance);
       p.p0 = normalization.point(box.min);
       p.p1 = normalization.point(box.max);
@@ -74,14 +74,14 @@ bool contains(const Box& b, const glm::vec3& p) {
   return glm::all(glm::lessThanEqual(b.lower, p)) && glm::all(glm::lessThanEqual(p, b.upper));
 }
 
-/// The slab test; a direction's zeros become tiny, so that no product is 0 · infinity.
+/// The slab test. Zeros in a direction become tiny numbers, so that no product is 0 · infinity.
 bool meets(const Box& b, const glm::vec3& o, const glm::vec3& inverse, float distance) {
   const glm::vec3 t0 = (b.lower - o) * inverse, t1 = (b.upper - o) * inverse;
   const glm::vec3 near = glm::min(t0, t1), far = glm::max(t0, t1);
   return std::max({near.x, near.y, near.z, 0.0f}) <= std::min({far.x, far.y, far.z, distance});
 }
 
-/// Sum of `count(i)` over i < n, by all threads.
+/// Sum of `count(i)` over i < n, computed by all threads.
 template <typename Count>
 std::size_t sum_in_parallel(std::size_t n, const Count& count) {
   std::atomic<std::size_t> sum = 0;

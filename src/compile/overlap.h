@@ -1,5 +1,5 @@
 #pragma once
-/// Places and rays where so many primitives overlap that a walk through the tree takes long, or too long.
+/// Finds places where so many primitives overlap that traversing the tree takes too long.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,8 +12,9 @@
 
 namespace etendue {
 
-/// How many boxes of a scene's primitives a place or a ray is in. A ray has to test a primitive whose box it meets
-/// before it has hit anything, whatever the tree. Primitives that leave no trace in the tree (find_twins) do not count.
+/// Counts the boxes of primitives that contain a point or meet a ray. Whatever the tree, a ray must test every
+/// primitive whose box it meets before its first hit. Primitives that are left out of the tree (find_twins) do not
+/// count.
 class Crowding {
  public:
   explicit Crowding(const Scene& scene);
@@ -22,14 +23,16 @@ class Crowding {
 
   struct Place {
     glm::dvec3 at{0.0};        ///< world space
-    std::size_t count = 0;     ///< boxes it is in
-    std::size_t instance = 0;  ///< of one of them
+    std::size_t count = 0;     ///< number of boxes that contain it
+    std::size_t instance = 0;  ///< instance of one of them
   };
-  /// The most crowded among the centres of 64 to 512 primitives, fewer where there are millions, chosen evenly: a heap
-  /// of a thirtieth of all primitives is missed once in nine scenes or less. Nothing for a scene without primitives.
+  /// The most crowded place among the centres of 64 to 512 evenly chosen primitives (fewer if there are millions). A
+  /// heap of a thirtieth of all primitives is missed in at most one of nine scenes. Nothing for a scene without
+  /// primitives.
   std::optional<Place> find_place() const;
 
-  /// Boxes that a ray from `origin` along `direction` (world space, not 0) meets within `distance` times its length.
+  /// The number of boxes that a ray from `origin` along `direction` (world space, not 0) meets within `distance` times
+  /// the length of `direction`.
   std::size_t count_along(const glm::dvec3& origin, const glm::dvec3& direction, double distance) const;
 
  private:

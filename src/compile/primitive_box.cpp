@@ -7,7 +7,7 @@
 namespace etendue {
 namespace {
 
-// Around what lies within `reach` of a point, rounded outward.
+// The box of all points within `reach` of a point along each axis, rounded outward.
 Box box_around(const glm::dvec3& point, const glm::dvec3& reach) {
   Box box;
   for (int a = 0; a < 3; ++a) {

@@ -1,12 +1,12 @@
 #pragma once
-/// Boxes of primitives as they are uploaded.
+/// Boxes of primitives in the form in which they are uploaded.
 
 #include "compile/box.h"
 #include "gpu_types.h"
 
 namespace etendue {
 
-/// Holds all of the primitive; of what is not flat, rounded outward.
+/// Contains the whole primitive; for curved ones, rounded outward.
 Box primitive_box(const gpu::Primitive& p);
 
 }  // namespace etendue

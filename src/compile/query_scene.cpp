@@ -13,9 +13,9 @@
 namespace etendue {
 namespace {
 
-// Of boxes in the world, in normalised units. A ray that the kernels give the driver begins within kNearOrigin = 8 of
-// the centre and ends within 10 of its beginning: 128 units in the last place of 1 are 16 roundings of numbers below 8.
-// A test of a box takes some six, the test of the primitive in it as many.
+// The margin of boxes in the world, in normalised units. A ray that the kernels pass to the driver begins within
+// kNearOrigin = 8 of the centre and is at most 10 long; 128 units in the last place of 1 are 16 roundings of numbers
+// below 8. Testing a box takes about six roundings, and testing the primitive in it as many.
 constexpr double kWorldSlack = 0x1p-17;
 
 // The slots of the primitives below a node, depth first.
@@ -44,8 +44,9 @@ void append(std::vector<gpu::uvec4>& texels, const gpu::Record& record) {
   texels.insert(texels.end(), {record.a, record.b, record.c});
 }
 
-// The driver inverts the instance's matrix M for itself and takes the ray into the mesh's space by it: a ray's origin o
-// becomes W (o − origin) with an error of units of |W| |o|, and those of the inverse W are units of |W| |M| |W|.
+// The driver computes its own inverse W of the instance's matrix M to transform the ray into the mesh's space. A ray's
+// origin o becomes W (o − origin) with errors of the order of |W| |o| units, and those of the inverse itself are of the
+// order of |W| |M| |W| units.
 double slack_of(const gpu::Place& place) {
   const glm::dmat3 m(glm::dvec3(place.x), glm::dvec3(place.y), glm::dvec3(place.z));
   const glm::dmat3 w =
@@ -98,7 +99,7 @@ QueryScene query_scene(const CompiledScene& scene) {
   out.instances_at = count() * gpu::kPrimitiveSlots;
   const std::uint32_t first_instance = count();
   out.records.resize(out.records.size() + instances.size() * gpu::kRecordTexels);
-  std::map<std::uint32_t, std::uint32_t> mesh_of;  // by the slot of the root of its tree
+  std::map<std::uint32_t, std::uint32_t> mesh_of;  // key: the slot of the root of its tree
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     gpu::Record record = instances[i];
     const gpu::Place& place = scene.places[record.c.w];

@@ -1,5 +1,6 @@
 #pragma once
-/// A compiled scene as a driver's acceleration structures take it: the host's side of shaders/trace_query.glsl.
+/// A compiled scene in the form needed for the driver's acceleration structures: the host's counterpart of
+/// shaders/trace_query.glsl.
 
 #include <cstdint>
 #include <vector>
@@ -9,15 +10,15 @@
 
 namespace etendue {
 
-/// Primitives that lie beside each other: those of the world, or of a shared mesh.
+/// Consecutive primitives: those of the world, or of a shared mesh.
 struct QueryMesh {
-  std::uint32_t first = 0;  ///< number of its first record
+  std::uint32_t first = 0;  ///< index of its first record
   std::uint32_t count = 0;
-  /// Boxes are larger by this on all sides: what rounding may move a ray by, against them, in this mesh's space.
+  /// Boxes are widened by this on all sides: the distance by which rounding may move a ray, in this mesh's space.
   float slack = 0.0f;
 };
 
-/// Where the driver meets a mesh.
+/// An instance of a mesh, for the driver.
 struct QueryInstance {
   std::uint32_t mesh = 0;
   std::uint32_t name = gpu::kQueryWorld;
@@ -25,17 +26,17 @@ struct QueryInstance {
 };
 
 struct QueryScene {
-  std::vector<gpu::uvec4> records;  ///< in place of the tree's, see gpu::kQueryWorld
-  std::uint32_t instances_at = 0;   ///< slot of the first instance's record, or where it would be
+  std::vector<gpu::uvec4> records;  ///< replace those of the tree, see gpu::kQueryWorld
+  std::uint32_t instances_at = 0;   ///< slot of the first instance's record, or where it would be without instances
   std::vector<QueryMesh> meshes;    ///< none of them is empty
   std::vector<QueryInstance> instances;
 };
 
-/// Of a scene without a tree nothing but the few primitives. Throws Error(lost) for more instances than a driver can
-/// tell apart.
+/// For a scene without a tree, the result contains only the few primitives. Throws Error(lost) if there are more
+/// instances than a driver can distinguish.
 QueryScene query_scene(const CompiledScene& scene);
 
-/// Of the mesh's primitives, in their order.
+/// The boxes of the mesh's primitives, in their order.
 std::vector<Box> query_boxes(const QueryScene& scene, const QueryMesh& mesh);
 
 }  // namespace etendue

@@ -29,11 +29,12 @@ class Optimizer {
       : nodes_(bvh.nodes), config_(config), parents_(nodes_.size(), kNowhere), heights_(nodes_.size(), 0) {
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) adopt_children(i);
     for (auto i = static_cast<std::uint32_t>(nodes_.size()); i-- > 0;)
-      update_height(i);  // children follow their parent
+      update_height(i);  // children come after their parent
   }
 
   void run() {
-    // The large boxes first, because every ray meets them and because one move there changes what the next is worth.
+    // Large boxes come first, because every ray meets them, and one by one, because a move there changes the gain of
+    // the next.
     for (std::uint32_t pass = 0; pass < config_.large_passes; ++pass) {
       if (move_one_by_one(largest(config_.large)) == 0) break;
     }
@@ -53,7 +54,7 @@ class Optimizer {
     if (n.leaf == 0) heights_[node] = static_cast<std::uint8_t>(1 + std::max(heights_[n.first], heights_[n.first + 1]));
   }
 
-  // The nodes with the largest boxes, largest first, the root apart.
+  // The nodes with the largest boxes, largest first, without the root.
   std::vector<std::uint32_t> largest(std::size_t count) const {
     std::vector<std::uint32_t> all(nodes_.size() - 1);
     std::iota(all.begin(), all.end(), 1u);
@@ -80,7 +81,7 @@ class Optimizer {
     return made;
   }
 
-  // The best move of each candidate while the tree stands still; the most profitable first.
+  // The best move of each candidate in the unchanged tree; the most profitable first.
   std::vector<Move> find_moves(const std::vector<std::uint32_t>& candidates) const {
     std::vector<Move> moves(candidates.size());
     parallel_for(candidates.size(), 64, [&](std::uint64_t begin, std::uint64_t end) {
@@ -93,8 +94,8 @@ class Optimizer {
   }
 
   // Walks from `from` up to the root, and from each sibling on the way down again. `freed` is the area saved so far:
-  // the parent that goes, and the boxes on the way up that shrink. On the way down boxes grow, which bounds what can
-  // still be gained there.
+  // that of the parent, which disappears, and that by which boxes on the way up shrink. On the way down boxes grow,
+  // which limits what can still be gained there.
   Move find_move(std::uint32_t from) const {
     Move best{.from = from};
     const Box& moved = nodes_[from].box;
@@ -102,7 +103,7 @@ class Optimizer {
     const std::uint32_t parent = parents_[from];
     std::uint32_t sibling = bvh_sibling(from);
     float freed = nodes_[parent].box.half_area();
-    Box rest = nodes_[sibling].box;  // what is left of the box of `up` without `from`
+    Box rest = nodes_[sibling].box;  // the box of `up` without `from`
     for (std::uint32_t up = parent;;) {
       search_below(sibling, freed, moved, moved_area, best);
       if (up != parent) {
@@ -140,7 +141,7 @@ class Optimizer {
     }
   }
 
-  // Makes the moves that touch no node of an earlier one; returns how many.
+  // Carries out the moves that touch no node of an earlier one; returns their number.
   std::size_t apply(const std::vector<Move>& moves) {
     std::vector<bool> touched(nodes_.size(), false);
     std::size_t made = 0;
@@ -155,10 +156,10 @@ class Optimizer {
     return made;
   }
 
-  // False when earlier moves have put the target into the subtree that is to be moved, or the tree would become too
+  // Returns false if earlier moves have put the target into the subtree to be moved, or if the tree would become too
   // deep.
   bool fits(const Move& move) const {
-    std::uint32_t depth = 1;  // of the pair that takes the target's place
+    std::uint32_t depth = 1;  // depth of the pair that takes the target's place
     for (std::uint32_t node = move.to; node != 0; node = parents_[node]) {
       if (node == move.from) return false;
       ++depth;
@@ -166,7 +167,8 @@ class Optimizer {
     return depth + std::max(heights_[move.from], heights_[move.to]) <= config_.max_depth;
   }
 
-  // The sibling takes its parent's place, and the pair it leaves takes the target's: one of it becomes the target.
+  // The sibling takes its parent's place. The pair that it leaves takes the target's place: one of it becomes the
+  // target, the other the moved subtree.
   void make(const Move& move) {
     const std::uint32_t sibling = bvh_sibling(move.from), parent = parents_[move.from];
     nodes_[parent] = nodes_[sibling];

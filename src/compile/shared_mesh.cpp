@@ -30,7 +30,7 @@ Box triangle_box(const gpu::Primitive& p) {
   return box;
 }
 
-// The boxes of nodes that together hold a tree, about `count` of them: the largest are opened first.
+// The boxes of about `count` nodes that together contain a tree; the largest nodes are opened first.
 std::vector<Box> cover(const Bvh& bvh, std::size_t count) {
   std::vector<std::uint32_t> nodes{0};
   const auto smaller = [&](std::uint32_t a, std::uint32_t b) {
@@ -50,7 +50,7 @@ std::vector<Box> cover(const Bvh& bvh, std::size_t count) {
   return boxes;
 }
 
-// Cofactors: what the cross product of two edges is multiplied by.
+// The cofactor matrix, by which cross products of edges are transformed.
 glm::dmat3 cofactors(const glm::dmat3& m) {
   return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
 }
@@ -96,7 +96,7 @@ SharedMesh prepare_shared_mesh(const Shape& shape) {
 MeshLight measure_mesh_light(const TriangleMesh& mesh) {
   constexpr double kLeastShare = 1e-14;  // of the longest edge squared, for twice the area
   MeshLight light;
-  std::vector<glm::dvec3> normals;  // of the triangles that shine, and of their corners
+  std::vector<glm::dvec3> normals;  // of the triangles that emit, and of their corners
   glm::dvec3 sum(0.0);
   bool all_sides = false;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -125,7 +125,7 @@ MeshLight measure_mesh_light(const TriangleMesh& mesh) {
   const glm::dvec3 axis = glm::normalize(sum);
   double cosine = 1.0;
   for (const glm::dvec3& n : normals) cosine = std::min(cosine, glm::dot(axis, n));
-  if (!(cosine > 0.0)) return light;  // a cone wider than a half space is not convex: it may miss normals in between
+  if (!(cosine > 0.0)) return light;  // a cone wider than a half-space is not convex and may miss normals in between
   light.axis = axis;
   light.cos_cone = cosine;
   return light;
@@ -144,14 +144,14 @@ LightLeaf placed_light_leaf(const SharedMesh& mesh, const Instance& instance) {
   leaf.lower = box.min;
   leaf.upper = box.max;
   if (mesh.light.cos_cone <= 0.0) return leaf;
-  // Normals go by the cofactors, turned where the instance turns the winding.
+  // Normals are transformed by the cofactors, and reversed if the instance reverses the winding.
   const glm::dmat3 c = cofactors(glm::dmat3(instance.world_from_object));
   const glm::dvec3 axis = c * mesh.light.axis;
   const double length = glm::length(axis);
   double cosine = mesh.light.cos_cone;
   if (!is_conformal(c)) {
-    // A normal at angle a from the axis lands at least cos a |C axis| − sin a ‖C‖ along C axis, and at most
-    // sin a ‖C‖ beside it.
+    // A normal at angle a from the axis is transformed to a vector with a component of at least cos a |C axis| − sin a
+    // ‖C‖ along C axis and at most sin a ‖C‖ perpendicular to it.
     const double norm = std::sqrt(glm::dot(c[0], c[0]) + glm::dot(c[1], c[1]) + glm::dot(c[2], c[2]));
     const double beside = std::sqrt(1.0 - std::min(1.0, cosine * cosine)) * norm;
     const double along = cosine * length - beside;
@@ -178,11 +178,11 @@ gpu::Place make_place(const SharedMesh& mesh, const Instance& instance, const No
   place.object_z = glm::vec3(rows[2]);
   place.side = turns_winding(instance) ? -1.0f : 1.0f;
   place.root_determinant = static_cast<float>(std::sqrt(std::abs(glm::determinant(m))));
-  // Where the mesh lies about its origin, per world axis.
+  // The extent of the mesh around its origin, per world axis.
   glm::dvec3 reach(0.0);
   for (int i = 0; i < 3; ++i) reach += glm::abs(m[i]);
-  // A ray's origin o becomes W (o − origin): five roundings of terms of |W| |o − origin|, its direction as many again,
-  // and the test in there takes 16 units of coordinates up to 1, as it does in the world (surface_error).
+  // A ray's origin o becomes W (o − origin): five roundings of terms of |W| |o − origin|, and as many again for its
+  // direction; the test in mesh space takes 16 units of coordinates up to 1, as it does in the world (surface_error).
   double error = 0.0, condition = 0.0;
   for (int k = 0; k < 3; ++k) {
     double near = 0.0, far = 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-/// A mesh that several instances show: its tree in a space of its own, and where an instance puts that space.
+/// A mesh with several instances: its tree in object space, and the placement of that space by an instance.
 
 #include <cstdint>
 #include <vector>
@@ -13,12 +13,12 @@
 
 namespace etendue {
 
-/// Of a mesh as a light, in object space: docs/conventions.md, "Shared meshes".
+/// A mesh as a light, in object space: docs/conventions.md, "Shared meshes".
 struct MeshLight {
   std::vector<double> areas;  ///< of the triangles; 0 for degenerate ones
   double area = 0.0;          ///< their sum
   glm::dmat3 spread{0.0};     ///< sum over triangles of area times n nᵀ, n the unit geometric normal
-  glm::dvec3 axis{0.0};       ///< of the cone of normals; 0 where the mesh shines to all sides
+  glm::dvec3 axis{0.0};       ///< of the cone of normals; 0 if the mesh emits in all directions
   double cos_cone = -1.0;
 };
 
@@ -26,9 +26,9 @@ struct MeshLight {
 struct SharedMesh {
   Normalization normalization;                ///< object space → [−1, 1]³
   std::vector<gpu::Primitive> primitives;     ///< triangles in the order of the mesh
-  Bvh bvh;                                    ///< empty where no ray can hit any of them
+  Bvh bvh;                                    ///< empty if no ray can hit any of them
   Bounds bounds;                              ///< in object space
-  std::vector<Box> parts;                     ///< boxes that together hold the primitives
+  std::vector<Box> parts;                     ///< boxes that together contain the primitives
   std::uint32_t first_triangle = gpu::kNone;  ///< into the compiled triangle indices
   std::uint32_t first_light_primitive = gpu::kNone, light_primitive_count = 0;
   MeshLight light;  ///< filled in for meshes that emit somewhere
@@ -38,17 +38,15 @@ struct SharedMesh {
 SharedMesh prepare_shared_mesh(const Shape& shape);
 MeshLight measure_mesh_light(const TriangleMesh& mesh);
 
-/// What a mesh with an area and normals like these sends as a light where an instance puts it: leaf of the light tree
-/// with power for radiance 1. `area` is not set.
+/// The leaf of the light tree for a mesh placed by an instance, with the power for radiance 1. `area` is not set.
 LightLeaf placed_light_leaf(const SharedMesh& mesh, const Instance& instance);
-/// The area by which instances are weighed: that of the transformed mesh, or a little more where axes are scaled
+/// The area used as the weight of an instance: that of the transformed mesh, or slightly more if the axes are scaled
 /// unevenly.
 double placed_area(const MeshLight& light, const Instance& instance);
 
-/// Object space of the mesh (normalised) → normalised world, with bounds on what rounding does to rays.
+/// The map from the mesh's normalised object space to the normalised world, with bounds on the rounding errors of rays.
 gpu::Place make_place(const SharedMesh& mesh, const Instance& instance, const Normalization& world);
-/// Bounds of the instance in normalised world coordinates, widened by what rounding can do to a ray within the mesh's
-/// space.
+/// Bounds of the instance in normalised world coordinates, widened by the rounding errors of a ray in the mesh's space.
 Box placed_box(const SharedMesh& mesh, const gpu::Place& place);
 
 }  // namespace etendue

@@ -25,7 +25,7 @@ gpu::uint format_bits(const Bitmap& bitmap) {
   return log2_bytes << gpu::kTextureFormatShift | bitmap.channels << gpu::kTextureChannelsShift;
 }
 
-/// Floats coded by the curve of sRGB become light here: kernels know the curve of 8-bit codes alone.
+/// Floats encoded by the sRGB curve are decoded here, because kernels decode 8-bit codes only.
 std::shared_ptr<const Bitmap> linear_floats(const Bitmap& coded) {
   auto linear = std::make_shared<Bitmap>();
   linear->width = coded.width;
@@ -48,7 +48,7 @@ std::shared_ptr<const Bitmap> linear_floats(const Bitmap& coded) {
   return linear;
 }
 
-/// What the textures of an instance read of its shape.
+/// The attributes of an instance's shape that its textures read.
 struct Needs {
   std::uint32_t sets = 0;
   bool vertex_colors = false, face_colors = false, tangents = false;
@@ -69,8 +69,8 @@ class TextureCompiler {
   }
 
  private:
-  /// Instances of one shape and winding have the same attributes. Weights of a mesh that lies in its own space are
-  /// those of its vertices as they stand there.
+  /// Instances of one shape with the same winding have the same attributes. The weights of a shared mesh are those of
+  /// its vertices in their original order.
   std::pair<std::uint32_t, bool> key(const Instance& instance) const {
     const auto index = static_cast<std::size_t>(&instance - scene_.instances.data());
     return {instance.shape, turns_winding(instance) && !sharing_.has_instance(index)};
@@ -103,7 +103,7 @@ class TextureCompiler {
     if (is_textured(*emitter)) out_.features |= gpu::kTexturesRadiance;
   }
 
-  /// Of shapes that have texture coordinates of their own.
+  /// The feature for a shape that has texture coordinates of its own.
   static gpu::uint feature_of(const Shape& shape) {
     if (std::holds_alternative<Sphere>(shape)) return gpu::kTexturesSphere;
     if (std::holds_alternative<Disk>(shape)) return gpu::kTexturesDisk;
@@ -123,7 +123,7 @@ class TextureCompiler {
     }
   }
 
-  /// Of what has texture coordinates.
+  /// Adds what a material needs whose frame follows texture coordinates, if the shape has any.
   void add_tangents(const Instance& instance, Needs& needs) {
     textured_ = needs.any = true;
     out_.features |= gpu::kTexturesTangents | feature_of(scene_.shape_of(instance));
@@ -131,7 +131,7 @@ class TextureCompiler {
     if (mesh != nullptr && !mesh->uv_sets.empty()) needs.sets = std::max(needs.sets, 1u);
   }
 
-  /// What the AOV of texture coordinates shows, textured or not.
+  /// The AOV of texture coordinates needs them even without textures.
   void add_coordinates(const Instance& instance, Needs& needs) {
     const Shape& shape = scene_.shape_of(instance);
     const auto* mesh = std::get_if<TriangleMesh>(&shape);
@@ -236,7 +236,7 @@ class TextureCompiler {
     flat.layout_bits = needs.sets | (needs.vertex_colors ? gpu::kAttributesVertexColors : 0u) |
                        (needs.face_colors ? gpu::kAttributesFaceColors : 0u) |
                        (needs.tangents ? gpu::kAttributesTangents : 0u);
-    // Tangents lie in the world, unless the mesh is shared.
+    // Tangents are in world space, unless the mesh is shared.
     const auto index = static_cast<std::size_t>(&instance - scene_.instances.data());
     const std::size_t own = needs.tangents && !sharing_.has_instance(index) ? index : scene_.instances.size();
     const auto [place, added] =
@@ -246,8 +246,7 @@ class TextureCompiler {
     return flat;
   }
 
-  /// Rows of the rotation from the world into the sphere's space; a mirror is part of it. Normals that point inward are
-  /// turned.
+  /// Rows of the rotation or reflection from the world into the sphere's space. Normals that point inward are reversed.
   void add_rotation(const Instance& instance) {
     const glm::dmat3 axes(instance.world_from_object);
     for (int row = 0; row < 3; ++row) {
@@ -256,7 +255,8 @@ class TextureCompiler {
     }
   }
 
-  /// Where angles around a cylinder begin, and what lies a quarter turn on; normals that point inward are turned.
+  /// The direction where angles around a cylinder begin, and the one a quarter turn further; normals that point inward
+  /// are reversed.
   void add_turn(const Cylinder& cylinder, const Instance& instance) {
     const glm::dvec3 axis = glm::normalize(cylinder.p1 - cylinder.p0);
     // Source: [Duff2017], listing 3.
@@ -292,7 +292,8 @@ class TextureCompiler {
   gpu::vec4 placed_tangent(const Instance& instance, const glm::vec4& tangent) const {
     const auto index = static_cast<std::size_t>(&instance - scene_.instances.data());
     if (sharing_.has_instance(index)) return tangent;
-    // Directions alone count: brought to the size of single precision for all of the instance alike.
+    // Only directions matter: the lengths are scaled to suit single precision, by the same factor for the whole
+    // instance.
     const glm::dmat3 linear(instance.world_from_object);
     const double size = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
     return {glm::vec3(linear * (glm::dvec3(tangent) / size)), turns_winding(instance) ? -tangent.w : tangent.w};
@@ -304,7 +305,7 @@ class TextureCompiler {
   CompiledTextures out_;
   bool textured_ = false;
   std::map<std::pair<std::uint32_t, bool>, Needs> needs_;
-  // First texel of their attributes, where needs be of one instance.
+  // First texel of the attributes, for each shape, or for one instance if it must be.
   std::map<std::pair<std::pair<std::uint32_t, bool>, std::size_t>, gpu::uint> meshes_;
   std::map<BitmapUse, std::uint64_t> places_;  // in multiples of 16 bytes
   std::map<BitmapUse, std::shared_ptr<const Bitmap>> placed_;

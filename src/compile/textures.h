@@ -1,5 +1,5 @@
 #pragma once
-/// Textures → tables for a device.
+/// Converts textures to tables for a device.
 
 #include <cstdint>
 #include <memory>
@@ -10,17 +10,17 @@
 
 namespace etendue {
 
-/// What shaders/texture.glsl reads. All of it is empty for a scene whose surfaces and lamps have no textures.
+/// The tables read by shaders/texture.glsl. All are empty for a scene whose surfaces and lamps have no textures.
 struct CompiledTextures {
-  std::uint32_t features = 0;  ///< kTextures*: what kernels are built for
+  std::uint32_t features = 0;  ///< kTextures*: the features that kernels need
   std::vector<gpu::TextureRecord> textures;
   std::vector<gpu::InstanceAttributes> instances;
   std::vector<gpu::vec4> attributes;
-  /// Their texels lie one behind the other, each from a multiple of 16 bytes on, as they are: no copies are made.
+  /// Their texels follow one another unchanged, each picture starting at a multiple of 16 bytes; no copies are made.
   std::vector<std::shared_ptr<const Bitmap>> bitmaps;
 };
 
-/// Throws Error(scene) where a picture is too large to be addressed.
+/// Throws Error(scene) if a picture is too large to be addressed.
 CompiledTextures compile_textures(const Scene& scene);
 
 }  // namespace etendue

@@ -49,7 +49,7 @@ std::vector<Twin> find_twins(const std::vector<gpu::Primitive>& primitives,
     std::size_t at = hash_of(primitives[i]) & (table.size() - 1);
     while (table[at] != kNone && !same_geometry(primitives[table[at]], primitives[i]))
       at = (at + 1) & (table.size() - 1);
-    // What a ray may pass stands for copies of its own instance alone.
+    // A primitive that rays may pass can only stand for copies within its own instance.
     const bool passed = table[at] != kNone && !passing_instances.empty() &&
                         primitives[table[at]].instance != primitives[i].instance &&
                         passing_instances[primitives[table[at]].instance];

@@ -12,7 +12,7 @@
 namespace etendue {
 namespace {
 
-// Levels beyond the least possible ones: one lets the cheapest collapse be taken nearly everywhere.
+// Levels allowed beyond the minimum: one would permit the cheapest collapse nearly everywhere.
 constexpr std::uint32_t kSpareLevels = 0;
 constexpr std::uint64_t kGrain = 1u << 14;
 
@@ -23,14 +23,15 @@ struct Children {
   std::uint32_t count = 0;
 };
 
-// Which nodes of a binary tree become wide ones [Ylitie2017]. A wide node takes the place of a small tree of binary
-// nodes; its children are what hangs below, at most kWidth. For every binary node and k = 1 … kWidth − 1 the plan holds
-// the lowest cost of its subtree when k children of a wide node are spent on it. A step of the walk is a fetch of one
-// record, node or primitive alike, so the cost of a record is the chance that a ray meets its box: its area.
+// Chooses which nodes of a binary tree become wide ones [Ylitie2017]. A wide node replaces a small tree of binary
+// nodes; its children, at most kWidth, are the nodes below that tree. For every binary node and k = 1 … kWidth − 1 the
+// plan holds the lowest cost of its subtree if k children of a wide node are spent on it. A step of the walk fetches
+// one record, a node or a primitive, so the cost of a record is the probability that a ray meets its box, which is
+// proportional to its area.
 //
-// Cost alone makes some paths longer than need be, and the kernel's stack has an entry for each level of the deepest
-// one. So the plan also holds the least number of levels, and where the cheap way would need more than the root's
-// allowance, the flat way is taken.
+// Minimising the cost alone makes some paths longer than necessary, and the kernel's stack has an entry for each level
+// of the deepest one. The plan therefore also holds the least number of levels; where the cheapest solution would
+// exceed the root's allowance, the flattest is taken.
 template <std::uint32_t kWidth>
 class CollapsePlan {
  public:
@@ -42,7 +43,7 @@ class CollapsePlan {
   /// Least levels of wide nodes below and including `node`.
   std::uint32_t least_levels(std::uint32_t node) const { return levels(node, 1); }
 
-  /// The children of the wide node at `node` if what is below may have `allowed` levels.
+  /// The children of the wide node at `node` if everything below may have `allowed` levels.
   Children<kWidth> children(std::uint32_t node, std::uint32_t allowed) const {
     const Children<kWidth> cheap = children(node, &Entry::left_share);
     for (std::uint32_t i = 0; i < cheap.count; ++i) {
@@ -56,7 +57,7 @@ class CollapsePlan {
   struct Entry {
     std::array<float, kWidth - 1> cost;           // with k = 1 … kWidth − 1 children of a wide node
     std::array<std::uint8_t, kWidth - 1> levels;  // least levels with k children
-    Shares left_share;  // of k = 2 … kWidth children, how many go to the left subtree at the lowest cost; 0: k − 1
+    Shares left_share;  // for k = 2 … kWidth children, how many go to the left subtree at the lowest cost; 0: k − 1
                         // children are as good
     Shares flat_share;  // the same for the least levels
   };
@@ -111,7 +112,7 @@ class CollapsePlan {
     entries_[(left - 1) / 2] = e;
   }
 
-  // The binary nodes that the subtree contributes when k children of a wide node are spent on it.
+  // The binary nodes that the subtree contributes if k children of a wide node are spent on it.
   void collect(std::uint32_t node, std::uint32_t k, Shares Entry::*shares, Children<kWidth>& out) const {
     if (k == 1 || nodes_[node].leaf != 0) {
       out.node[out.count++] = node;
@@ -134,7 +135,7 @@ class CollapsePlan {
   std::vector<Entry> entries_;
 };
 
-// While the tree is laid out, a node's texels hold what becomes of them.
+// While the tree is being laid out, the texels of a node hold this draft.
 template <std::uint32_t kWidth>
 struct Draft {
   std::uint32_t node;  // of the binary tree
@@ -156,7 +157,7 @@ class WideBuilder {
     const std::size_t first = round_up(wide_.texels.size(), Layout::kNodeTexels);
     const std::size_t root = round_up(first + kPrimitiveTexels * outside.size(), Layout::kNodeTexels);
     wide_.slot_of.resize(primitives_.size());
-    // Growing by doubling would need the memory twice.
+    // Growing by doubling would need twice the memory.
     wide_.texels.reserve(
         root + static_cast<std::size_t>(1.05 * Layout::kTexelsPerPrimitive * static_cast<double>(leaf_count())));
     wide_.texels.resize(root);
@@ -183,7 +184,7 @@ class WideBuilder {
     std::memcpy(&wide_.texels[texel], &primitives_[primitive], sizeof(gpu::Primitive));
   }
 
-  // Makes room for a node's children behind everything there is.
+  // Appends space for a node's children.
   ChildGroup make_group(Children<kWidth>& children) {
     const auto nodes_end = [&] {
       const auto is_inner = [&](std::uint32_t node) { return !is_leaf(node); };

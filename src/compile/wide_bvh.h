@@ -1,5 +1,5 @@
 #pragma once
-/// Binary BVH → quantised wide BVH [Wald2008] with four or eight children a node, in the layouts of node_layout.h.
+/// Binary BVH → quantised wide BVH [Wald2008] with four or eight children per node, in the layouts of node_layout.h.
 
 #include <cstdint>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace etendue {
 
-/// Primitives beyond which a scene cannot be addressed, whatever its tree.
+/// The number of primitives beyond which a scene cannot be addressed, whatever its tree.
 inline constexpr std::uint64_t kMaxPrimitives = KernelLayout::kMaxTexels / kPrimitiveTexels;
 
 struct WideBvh {
@@ -20,10 +20,10 @@ struct WideBvh {
   std::uint32_t depth = 0;             ///< levels of nodes: the stack never holds more entries
 };
 
-/// `primitives` are in their original order. The children of a node are neighbours. The same bytes for any number of
-/// threads. Throws Error(scene) beyond the texels that the layout addresses.
-/// `outside`, primitives that stand outside the tree, come first, one after the other.
-/// `before`, texels of other trees, stay where they are; all of this comes behind them.
+/// `primitives` are in their original order. The children of a node are neighbours. The result is the same, byte for
+/// byte, for any number of threads. Throws Error(scene) if there are more texels than the layout can address.
+/// `outside` are the primitives outside the tree, which come first, one after the other. `before` are texels of other
+/// trees, which stay where they are; everything else follows them.
 template <std::uint32_t width>
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives,
                       const std::vector<std::uint32_t>& outside = {}, std::vector<Texel> before = {});

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kLineLength = 80;
 constexpr std::size_t kTextColumn = 28;  // where descriptions begin
 
-// Characters, where continuation bytes of UTF-8 count nothing.
+// The number of characters; continuation bytes of UTF-8 do not count.
 std::size_t width_of(std::string_view text) {
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
@@ -38,7 +38,7 @@ void add_wrapped(std::string& out, std::string_view text, std::size_t at, std::s
   out += '\n';
 }
 
-// "  -o, --output FILE     image to write", the description on a line of its own where the names are long.
+// "  -o, --output FILE     image to write"; if the names are long, the description starts on a new line.
 void add_row(std::string& out, const std::string& heading, const std::string& description) {
   std::string start = "  " + heading;
   std::size_t at = width_of(start);

@@ -1,6 +1,5 @@
 #pragma once
-/// What a program knows about its commands and options: one table, from which the help, the manual page and the
-/// completion of the shells are written.
+/// The table of a program's commands and options, from which its help, manual page and shell completions are written.
 
 #include <string>
 #include <vector>
@@ -9,13 +8,13 @@ namespace etendue {
 
 /// One option or positional argument.
 struct OptionFacts {
-  std::vector<std::string> names;  ///< "-o", "--output"; none: a positional argument
-  std::string value;               ///< what its value is called, "FILE"; empty: a flag
+  std::vector<std::string> names;  ///< "-o", "--output"; empty for a positional argument
+  std::string value;               ///< placeholder of its value, "FILE"; empty for a flag
   std::string description;
-  std::string default_text;          ///< empty: nothing to tell
-  std::vector<std::string> words;    ///< values it can have, or some of them
-  std::vector<std::string> endings;  ///< of files, ".exr"; none: any
-  std::string section;               ///< heading that the help lists it under; "Options" where it has none
+  std::string default_text;          ///< empty if it is not shown
+  std::vector<std::string> words;    ///< possible values, or some of them
+  std::vector<std::string> endings;  ///< file name endings, ".exr"; empty: any
+  std::string section;               ///< heading under which the help lists it; "Options" by default
   bool takes_file = false, takes_folder = false;
   bool required = false, repeatable = false;
   bool value_optional = false;  ///< `--json` or `--json=FILE`
@@ -29,33 +28,33 @@ struct CommandFacts {
   std::string name;         ///< "render"
   std::string full_name;    ///< "etendue render"
   std::string description;  ///< a sentence without its full stop
-  std::string footer;       ///< paragraphs behind the options, "\n" between them
+  std::string footer;       ///< paragraphs after the options, separated by "\n"
   std::string version;      ///< of a program
   std::vector<OptionFacts> options;
   std::vector<CommandFacts> commands;
 };
 
-/// The names with commas between them and the value: "-o, --output FILE", "--json[=FILE]", "SCENE".
+/// The names, separated by commas, and the value: "-o, --output FILE", "--json[=FILE]", "SCENE".
 std::string heading_of(const OptionFacts& option);
 
-/// What follows the program's name: "render [OPTIONS] SCENE".
+/// The usage line after the program's name: "render [OPTIONS] SCENE".
 std::string synopsis_of(const CommandFacts& command);
 
-/// The sections in the order in which they come up, each with its options; hidden ones are left out. Positional
-/// arguments come first, as "Arguments".
+/// The sections in order of appearance, each with its options; hidden ones are left out. Positional arguments come
+/// first, as "Arguments".
 struct OptionSection {
   std::string name;
   std::vector<const OptionFacts*> options;
 };
 std::vector<OptionSection> sections_of(const CommandFacts& command);
 
-/// What --help prints: lines of at most 80 characters, but for words that are longer.
+/// The text printed by --help, in lines of at most 80 characters, except for longer words.
 std::string help_text(const CommandFacts& command);
 
 /// A manual page for section 1, in the macros of man(7).
 std::string manual_page(const CommandFacts& program);
 
-/// Scripts that complete the program's commands, options and values. Each is to be sourced or put where the shell looks
+/// Scripts that complete the program's commands, options and values. Source them, or install them where the shell looks
 /// for completions.
 std::string bash_completion(const CommandFacts& program);
 std::string zsh_completion(const CommandFacts& program);

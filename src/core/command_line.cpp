@@ -18,12 +18,12 @@
 namespace etendue {
 namespace {
 
-/// A usage error in our own words.
+/// A usage error with a message of this project instead of the library's.
 struct Problem : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Something that the command line asks to be printed instead of running a command.
+/// Thrown if the command line asks for something to be printed instead of running a command.
 struct Asked {
   std::string text;
 };
@@ -50,7 +50,7 @@ std::optional<T> number_of(const std::string& text) {
   return value;
 }
 
-/// What is wrong with a text that is to become a T; see Check::complaint.
+/// What is wrong with a text to be converted to T; see Check::complaint.
 template <class T>
 std::string number_complaint(const std::string& text) {
   if constexpr (std::is_same_v<T, std::string>) {
@@ -76,13 +76,13 @@ std::string text_of(const T& value) {
   }
 }
 
-/// "-o,--output" to its parts; a positional argument has none that begins with a dash.
+/// Splits "-o,--output" into names; for a positional argument, none begins with a dash.
 std::vector<std::string> split_names(const std::string& names) {
   const std::vector<std::string_view> parts = text::split(names, ',');
   return {parts.begin(), parts.end()};
 }
 
-/// The name that messages use: the first long one.
+/// The name used in messages: the first long one.
 std::string name_of(const OptionFacts& facts) {
   for (const std::string& name : facts.names) {
     if (name.starts_with("--")) return name;
@@ -94,7 +94,7 @@ bool looks_like_option(const std::string& word) {
   return word.size() > 1 && word[0] == '-' && word != "--";
 }
 
-/// Those that a person may have meant.
+/// The names that the user may have meant.
 std::vector<std::string> visible_names(const CommandFacts& facts) {
   std::vector<std::string> out;
   for (const OptionFacts& option : facts.options) {
@@ -105,12 +105,12 @@ std::vector<std::string> visible_names(const CommandFacts& facts) {
 
 std::string unknown_option(const CommandFacts& facts, const std::string& word) {
   const std::string name = word.substr(0, word.find('='));
-  // Between short names everything is a slip of the pen, so only long ones are guessed.
+  // Any two short names are one typo apart, so only long names are suggested.
   const std::string guess = name.starts_with("--") ? text::did_you_mean(name, visible_names(facts)) : "";
   return fmt::format("'{}' has no option '{}'{}", facts.full_name, name, guess);
 }
 
-/// Of an option without its value, with too many of them, or of a flag that has one; "" where the error is another.
+/// The message for an option without its value or with too many, or for a flag with a value; "" for other errors.
 std::string value_complaint(const CommandFacts& known, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr &&
       dynamic_cast<const CLI::ConversionError*>(&error) == nullptr)
@@ -126,7 +126,7 @@ std::string value_complaint(const CommandFacts& known, const CLI::ParseError& er
   return "";
 }
 
-/// `words` with the value "-" for options like --json that stand alone.
+/// `words`, with the value "-" inserted for options such as --json that stand alone.
 void fill_optional_values(const CommandFacts& program, std::vector<std::string>& words) {
   std::vector<std::string> names;
   const auto collect = [&](const CommandFacts& facts) {
@@ -257,7 +257,7 @@ Command::Command(CLI::App* app, const std::string& full_name) : app_(app), full_
 
 Command::~Command() = default;
 
-// An option that is answered before anything else is looked at.
+// An option that takes effect before anything else is checked.
 void Command::ask(const std::string& name, const std::string& value, const std::string& description,
                   std::vector<std::string> words, std::function<std::string(const std::string&)> answer) {
   CLI::Option* option = nullptr;
@@ -341,7 +341,7 @@ const Command& Command::chosen() const {
   return *this;
 }
 
-// What is required and was not given; "" when nothing is.
+// The message about a required argument that is missing; "" if none is.
 std::string Command::missing_text() const {
   for (const auto& option : options_) {
     const OptionFacts& facts = option->facts();
@@ -418,7 +418,7 @@ CommandOption* Command::add_option(const std::string& names, T& variable, const 
   return option;
 }
 
-// Types of variables that options can have.
+// The types of variables that options support.
 template CommandOption* Command::add_option(const std::string&, std::string&, const std::string&);
 template CommandOption* Command::add_option(const std::string&, int&, const std::string&);
 template CommandOption* Command::add_option(const std::string&, std::uint32_t&, const std::string&);

@@ -20,14 +20,15 @@ class ParseError;
 
 namespace etendue {
 
-/// What the value of an option has to fulfil.
+/// A condition on the value of an option.
 struct Check {
-  /// What is wrong with the value, continuing "'--spp 0' …": "is out of range; write 1 to 64". Empty: nothing.
+  /// Says what is wrong with the value, continuing "'--spp 0' …": "is out of range; write 1 to 64". Empty if nothing
+  /// is.
   std::function<std::string(const std::string&)> complaint;
-  std::vector<std::string> words;  ///< the values it allows, where these are words
+  std::vector<std::string> words;  ///< the allowed values, if these are words
 };
 
-/// From low to high, both allowed. T: int, unsigned, unsigned long or double.
+/// A number from low to high, inclusive. T is int, unsigned, unsigned long or double.
 template <class T>
 Check in_range(T low, T high);
 /// A number above 0.
@@ -35,32 +36,32 @@ Check positive();
 /// One of these words.
 Check one_of(std::vector<std::string> words);
 
-/// One option or positional argument. All functions return `this`, for chains.
+/// One option or positional argument. All functions return `this`, so that calls can be chained.
 class CommandOption {
  public:
   CommandOption(CLI::Option* option, OptionFacts facts, std::function<std::string()> show_value);
 
   CommandOption* required();
-  /// What --help calls the value: "FILE", "WxH".
+  /// Sets the placeholder of the value in --help: "FILE", "WxH".
   CommandOption* type_name(const std::string& name);
-  /// Says the value that the variable has now in --help.
+  /// Shows the present value of the variable as the default in --help.
   CommandOption* capture_default_str();
   CommandOption* check(const Check& check);
-  /// Whether several values may follow one mention of an option that takes a list.
+  /// Allows several values after one mention of an option that takes a list.
   CommandOption* allow_extra_args(bool allow);
   /// Splits a value into several: "1,2".
   CommandOption* delimiter(char character);
-  /// The heading that --help lists it under; "": nowhere.
+  /// Sets the heading under which --help lists it; "" hides it.
   CommandOption* group(const std::string& name);
-  /// The value names a file, one with these endings (".exr") where there are any; for completion in shells.
+  /// Declares that the value names a file, with one of these endings (".exr") if any are given; for shell completion.
   CommandOption* file(std::vector<std::string> endings = {});
-  /// The value names a folder.
+  /// Declares that the value names a folder.
   CommandOption* folder();
-  /// Some values that it can have, beside others.
+  /// Some of its possible values; others are allowed.
   CommandOption* suggest(std::vector<std::string> words);
 
   const OptionFacts& facts() const { return facts_; }
-  /// Whether the command line had it.
+  /// Whether the command line contained it.
   bool was_given() const;
 
  private:
@@ -80,31 +81,30 @@ class Command {
 
   /// Makes --version print that, --man the manual page, and --completion the script for a shell.
   void set_version_flag(const std::string& text);
-  /// Exactly one command has to be named.
+  /// Requires exactly one command.
   void require_subcommand();
-  /// The end of --help.
+  /// Text at the end of --help.
   void footer(const std::string& text);
-  /// Lives as long as this.
+  /// Adds a command; the reference is valid as long as this object.
   Command* add_subcommand(const std::string& name, const std::string& description);
-  /// Called by parse if the command was named, after its options were read.
+  /// Sets the function that parse calls if the command was named, after reading its options.
   void callback(std::function<void()> function);
 
-  /// Names: "-o,--output", or "SCENE" for a positional argument. The variable has to outlive parse. T is one of the
-  /// types at the end of command_line.cpp, or a new line there.
+  /// Names: "-o,--output", or "SCENE" for a positional argument. The variable must outlive parse. T must be one of the
+  /// types listed at the end of command_line.cpp.
   template <class T>
   CommandOption* add_option(const std::string& names, T& variable, const std::string& description = "");
   CommandOption* add_flag(const std::string& names, bool& variable, const std::string& description = "");
-  /// An option whose value may be left out and stands behind a "=" where it is given: `--json` makes the variable "-",
-  /// `--json=FILE` makes it FILE.
+  /// An option whose value is optional and follows a "=": `--json` sets the variable to "-", `--json=FILE` to FILE.
   CommandOption* add_optional_value(const std::string& name, std::string& variable, const std::string& value,
                                     const std::string& description);
 
   /// The table of all options, and of all commands.
   CommandFacts facts() const;
 
-  /// Reads the arguments and calls the callbacks; nothing: go on. Else the program is to end: true after --help,
-  /// --version and the like, false after a usage error, which has been told to the log.
-  /// `print` takes what belongs to stdout; without it that is printed here, where nobody learns why it did not arrive.
+  /// Reads the arguments and calls the callbacks. Returns nothing if the program should continue. Otherwise it must
+  /// end: true after --help, --version and the like, false after a usage error, which has been logged. `print` receives
+  /// the text for stdout; without it, the text is printed here, and failures to write go unnoticed.
   std::optional<bool> parse(int argc, char** argv, const std::function<void(std::string_view)>& print = {});
 
  private:

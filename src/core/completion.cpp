@@ -11,28 +11,28 @@
 namespace etendue {
 namespace {
 
-/// In single quotes, as every shell here reads it; fish knows the backslash within them, too.
+/// In single quotes, as all three shells read it; fish also interprets backslashes within them.
 std::string shell_word(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
 }
 
-/// A name that functions of shells can have: "etendue_sculpt".
+/// A valid name for a shell function: "etendue_sculpt".
 std::string function_name(const CommandFacts& program) {
   std::string out = program.name;
   std::ranges::replace(out, '-', '_');
   return out;
 }
 
-/// What a value is called and what it can be, without the pieces that shells give meaning to.
+/// The placeholder and description of a value, without characters that are special in shells.
 std::string plain(const std::string& text) {
   std::string out;
   for (const char c : text) out += c == '[' || c == ']' || c == ':' ? ' ' : c;
   return out;
 }
 
-/// A description up to where it goes into details.
+/// The beginning of a description, without its details.
 std::string summary(const std::string& description) {
   std::size_t end = description.size();
   for (const char* pause : {": ", "; ", " ("}) end = std::min(end, description.find(pause));
@@ -41,7 +41,7 @@ std::string summary(const std::string& description) {
 
 // --- bash ---
 
-/// A call that fills COMPREPLY with the values an option or argument can have; nothing where there is nothing to offer.
+/// A call that fills COMPREPLY with the possible values of an option or argument; empty if there are none to offer.
 std::string bash_values(const OptionFacts& option, const std::string& function) {
   std::string out;
   if (!option.words.empty())
@@ -62,7 +62,7 @@ std::string bash_command(const CommandFacts& command, const std::string& functio
     }
     names += (names.empty() ? "" : " ") + fmt::format("{}", fmt::join(option.names, " "));
     if (option.value.empty()) continue;
-    // What stands behind "=" is a value, and so is the next word, unless the value may be left out.
+    // The text after "=" is a value, and so is the next word, unless the value is optional.
     std::vector<std::string> before;
     for (const std::string& name : option.names) {
       if (!option.value_optional) before.push_back(name);
@@ -89,7 +89,7 @@ std::string zsh_values(const OptionFacts& option) {
   return option.words.empty() ? " " : fmt::format("({})", fmt::join(option.words, " "));
 }
 
-/// Specifications of _arguments, one a line.
+/// Specifications for _arguments, one per line.
 std::string zsh_arguments(const CommandFacts& command, const std::string& indent) {
   std::string out;
   for (const OptionFacts& option : command.options) {
@@ -122,7 +122,7 @@ std::string zsh_arguments(const CommandFacts& command, const std::string& indent
 
 // --- fish ---
 
-/// fish reads \\ and \' within single quotes.
+/// Within single quotes, fish interprets \\ and \'.
 std::string fish_quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) {
@@ -231,7 +231,7 @@ std::string zsh_completion(const CommandFacts& program) {
                          zsh_arguments(command, "            "));
     out += "      esac ;;\n  esac\n";
   }
-  // Both ways of loading it: as a file of $fpath, and by source.
+  // Works in both ways of loading it: as a file in $fpath, and by source.
   out += fmt::format("}}\n\nif [[ $funcstack[1] == _{1} ]]; then\n  _{1} \"$@\"\nelse\n  compdef _{1} {0}\nfi\n",
                      program.name, function);
   return out;

@@ -6,15 +6,15 @@
 
 namespace etendue {
 
-/// What went wrong. A program decides by it what to do next; etendue itself derives its exit code from it.
+/// What went wrong. Programs use it to decide what to do next; etendue derives its exit code from it.
 enum class ErrorKind {
-  usage,        ///< a wrong option or argument: the caller can do better
+  usage,        ///< a wrong option or argument
   scene,        ///< bad scene or mesh
   device,       ///< no suitable Vulkan device
   lost,         ///< device lost or hanging, or out of memory
   file,         ///< a file cannot be read or written
-  comparison,   ///< results differ from what they should be
-  interrupted,  ///< stopped because the caller asked for it
+  comparison,   ///< results differ from the expected ones
+  interrupted,  ///< stopped at the caller's request
   bug,          ///< an error in the project itself
 };
 

@@ -10,7 +10,7 @@
 namespace etendue {
 
 struct JsonWriter {
-  // The same value as the library's.
+  // The same value as an object of the library.
   nlohmann::json operator()(const Json& json) const { return std::visit(*this, json.value_); }
   nlohmann::json operator()(std::monostate) const { return nullptr; }
   nlohmann::json operator()(const Json::Array& array) const {
@@ -28,7 +28,7 @@ struct JsonWriter {
     return plain;
   }
 
-  // {"name", value}: what an object is made of.
+  // {"name", value}: a member of an object.
   static bool is_member(const Json& json) {
     const auto* pair = std::get_if<Json::Array>(&json.value_);
     return pair != nullptr && pair->size() == 2 && std::holds_alternative<std::string>(pair->front().value_);
@@ -74,8 +74,8 @@ std::string escaped(const std::string& s, std::size_t i, std::size_t length) {
   return fmt::format("\\u{:04x}", code);
 }
 
-/// Escapes what the library leaves as it is and a terminal obeys: DEL, C1 and the controls of bidirectional text. They
-/// can only stand inside strings, so the value is the same.
+/// Escapes characters that the library leaves alone but terminals obey: DEL, C1 and the controls of bidirectional text.
+/// They can occur only inside strings, so the value does not change.
 std::string without_controls(const std::string& json) {
   std::string out;
   out.reserve(json.size());

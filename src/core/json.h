@@ -1,5 +1,5 @@
 #pragma once
-/// JSON that a program puts together and writes; nothing here reads any.
+/// Building and writing JSON; nothing here reads it.
 /// The library that writes it takes many seconds to compile wherever it is included, so only json.cpp includes it.
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 namespace etendue {
 
 /// A JSON value, copied as a whole. `{1, 2}` is an array, `{{"a", 1}, {"b", 2}}` an object: a list of lists that each
-/// hold a string and one more value. Members of an object are written in the order of their names.
+/// contain a string and one more value. Members of an object are written in the order of their names.
 class Json {
  public:
   using Array = std::vector<Json>;
@@ -28,7 +28,7 @@ class Json {
   Json(std::string_view text) : value_(std::string(text)) {}
   Json(std::string text) : value_(std::move(text)) {}
   Json(const char* text) : value_(std::string(text)) {}
-  /// Infinities and NaN are written as null: JSON has no word for them.
+  /// Infinities and NaN are written as null, because JSON cannot represent them.
   template <class T>
   requires std::is_arithmetic_v<T> Json(T number) : value_(widest(number)) {}
   /// Vectors, arrays and sets become arrays, maps with strings as keys objects.
@@ -56,8 +56,9 @@ class Json {
   /// Appends. A null becomes an array first; throws std::bad_variant_access for any other value.
   void push_back(Json element);
 
-  /// The text, UTF-8: one line if `indent` is negative, else a value a line with so many blanks for each level. Bytes
-  /// that are no UTF-8 become U+FFFD, so the text is valid JSON whatever names hold. Numbers read back as they were.
+  /// The text, UTF-8: one line if `indent` is negative, otherwise one value per line, indented by so many blanks per
+  /// level. Bytes that are not UTF-8 become U+FFFD, so the text is valid JSON whatever the names contain. Numbers
+  /// survive a round trip exactly.
   std::string dump(int indent = -1) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-/// Messages and progress that a library reports to the person who waits. All of it goes to a sink chosen by the
-/// program; without one it is discarded. Nothing here throws.
+/// Messages and progress reports for the user. All go to a sink chosen by the program; without one they are discarded.
+/// Nothing here throws.
 
 #include <string_view>
 

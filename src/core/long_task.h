@@ -1,5 +1,5 @@
 #pragma once
-/// How far a long computation has come, for the person who waits for it.
+/// Progress of a long computation, for the waiting user.
 
 #include <atomic>
 #include <chrono>
@@ -9,17 +9,17 @@
 
 namespace etendue {
 
-/// Says nothing for the first seconds, so that short tasks stay silent; then tells the sink of log.h up to five times a
-/// second.
+/// Stays silent for the first seconds, so that short tasks report nothing; then reports to the sink of log.h up to five
+/// times per second.
 class LongTask {
  public:
   using Seconds = std::chrono::duration<double>;
-  /// `what` is the beginning of the line: "Building the tree". Parts of it are `total`.
+  /// `what` is the beginning of the line: "Building the tree". The task has `total` parts.
   LongTask(std::string what, std::uint64_t total, Seconds silent = Seconds(2.0));
   ~LongTask();
   LongTask(const LongTask&) = delete;
   LongTask& operator=(const LongTask&) = delete;
-  /// `parts` more are done. From any thread.
+  /// Reports that `parts` more are done. May be called from any thread.
   void advance(std::uint64_t parts);
 
  private:
@@ -27,7 +27,7 @@ class LongTask {
   std::string what_;
   std::uint64_t total_;
   std::atomic<std::uint64_t> done_{0};
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards the members below
   Clock::time_point next_;
   bool shown_ = false;
 };

@@ -11,7 +11,7 @@
 namespace etendue {
 namespace {
 
-/// Text that roff sets as it is: no escapes, no requests, dashes that can be copied into a shell.
+/// Text that roff prints literally: no escapes, no requests, and dashes that can be copied into a shell.
 std::string roff(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -62,7 +62,7 @@ void add_options(std::string& out, const CommandFacts& command, bool with_names)
   }
 }
 
-/// A sentence of a description, which has no capital and no full stop.
+/// Turns a description, which has no capital and no full stop, into a sentence.
 std::string sentence(std::string text) {
   if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text.ends_with('.') ? text : text + ".";
@@ -71,7 +71,7 @@ std::string sentence(std::string text) {
 }  // namespace
 
 std::string manual_page(const CommandFacts& program) {
-  // No date: the same sources make the same page.
+  // No date, so that the same sources give the same page.
   std::string out = fmt::format(".\\\" Made by {} --man.\n.TH {} 1 \"\" \"{}\" \"User Commands\"\n", program.full_name,
                                 upper(program.name), program.version);
   out += fmt::format(".SH NAME\n{} \\- {}\n.SH SYNOPSIS\n", roff(program.name), roff(program.description));

@@ -1,19 +1,19 @@
 #pragma once
-/// Memory given back before its owner ends, and how much there is.
+/// Releasing memory early, and the amount available.
 
 #include <cstdint>
 #include <vector>
 
 namespace etendue {
 
-/// Empties a vector and frees what it holds. `v = {}` only empties it: that assigns an empty list and keeps the memory.
+/// Empties a vector and frees its memory. `v = {}` would only empty it, because it assigns an empty list and keeps the
+/// memory.
 template <typename T>
 void release(std::vector<T>& vector) {
   std::vector<T>().swap(vector);
 }
 
-/// Bytes of this machine that can be used without others having to give way; the largest number where the system does
-/// not say.
+/// Bytes of memory available on this machine without displacing others; the largest number if the system does not tell.
 std::uint64_t available_memory();
 
 }  // namespace etendue

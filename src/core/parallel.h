@@ -6,7 +6,7 @@
 
 namespace etendue {
 
-/// Number of threads `parallel_for` uses: the hardware's (respecting the CPU affinity mask) unless set.
+/// Number of threads that `parallel_for` uses: those of the hardware (within the CPU affinity mask), unless set.
 unsigned thread_count();
 void set_thread_count(unsigned count);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Which files are read, and how they were when they were: for those who want to know when one of them changes.
+/// Records which files are read and their state at that time, so that changes can be detected.
 
 #include <cstdint>
 #include <map>
@@ -7,18 +7,19 @@
 
 namespace etendue {
 
-/// What a file looks like from outside; all zero where there is none.
+/// Facts about a file that change when it is modified; all zero if there is no such file.
 struct FileStamp {
   std::uint64_t device = 0, inode = 0, size = 0;
-  std::int64_t seconds = 0, nanoseconds = 0;  ///< of the last change
+  std::int64_t seconds = 0, nanoseconds = 0;  ///< time of the last change
   bool operator==(const FileStamp&) const = default;
 };
 FileStamp stamp_of(const std::string& path);
 
-/// By path.
+/// Stamps by path.
 using FileStamps = std::map<std::string, FileStamp>;
 
-/// While it lives, all files that readers open, or try to, in any thread. One at a time.
+/// Records all files that readers open, or try to open, in any thread during its lifetime. Only one may exist at a
+/// time.
 class ReadLog {
  public:
   ReadLog();
@@ -26,11 +27,11 @@ class ReadLog {
   ReadLog(const ReadLog&) = delete;
   ReadLog& operator=(const ReadLog&) = delete;
 
-  /// As they were before they were opened first.
+  /// The files as they were before they were first opened.
   FileStamps files() const;
 };
 
-/// Called by whoever opens a file to read it, before it does.
+/// To be called before opening a file for reading.
 void note_read(const std::string& path);
 
 }  // namespace etendue

@@ -18,11 +18,12 @@ namespace etendue {
 namespace {
 
 std::atomic<bool> g_line_is_open{false};
-// The last wait for a reader of stderr was in vain.
+// Whether the last wait for a reader of stderr was in vain.
 std::atomic<bool> g_stalled{false};
 constexpr int kPatience = 2000;  // ms
 
-// Whether stderr takes bytes now, or within `patience` ms. An error counts as "takes": the write that follows finds it.
+// Whether stderr accepts bytes now or within `patience` ms. An error counts as acceptance; the write that follows will
+// find it.
 bool takes_bytes(int patience) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::milliseconds(patience);
@@ -71,7 +72,7 @@ void put_line(std::string_view line) noexcept {
   const bool rewritten = stderr_is_terminal();
   try {
     put(fmt::format("{}{}{}", rewritten ? "\r" : "", line, rewritten ? "\x1b[K" : "\n"));
-  } catch (...) {  // no memory: the next one may find some
+  } catch (...) {  // out of memory: the next message may succeed
     return;
   }
   g_line_is_open = rewritten;
@@ -117,7 +118,7 @@ void TerminalLog::progress(std::string_view what, double fraction) noexcept {
   next_line_ = now + (terminal::stderr_is_terminal() ? std::chrono::milliseconds(0) : std::chrono::milliseconds(5000));
   try {
     terminal::put_line(fmt::format("{}: {:.0f} %", what, 100.0 * fraction));
-  } catch (...) {  // no memory: the next one may find some
+  } catch (...) {  // out of memory: the next message may succeed
   }
 }
 

@@ -1,7 +1,6 @@
 #pragma once
-/// stderr as a person sees it: for programs. Libraries tell what they have to tell to log.h. Nothing here throws or
-/// waits long: a terminal that went away, a full disk or a broken pipe costs the message and never the work it tells
-/// about.
+/// Output to stderr, for programs; libraries report through log.h. Nothing here throws or waits long: a closed
+/// terminal, a full disk or a broken pipe costs the message, never the work.
 
 #include <chrono>
 #include <string_view>
@@ -10,8 +9,8 @@
 
 namespace etendue {
 
-/// The sink of programs: messages and progress to stderr, while it lives. On a terminal progress is one line that is
-/// rewritten, elsewhere a line every few seconds.
+/// The sink for programs: during its lifetime, messages and progress go to stderr. On a terminal, progress is one line
+/// that is rewritten; elsewhere, a line every few seconds.
 class TerminalLog : public log::Sink {
  public:
   TerminalLog();
@@ -30,19 +29,19 @@ class TerminalLog : public log::Sink {
 namespace terminal {
 
 bool stderr_is_terminal();
-/// True when stderr is a terminal that wants colour (NO_COLOR unset).
+/// True if stderr is a terminal and NO_COLOR is unset.
 bool use_color();
 
-/// Writes bytes to stderr as they are. What stderr does not take is dropped; a pipe that nobody reads is waited for two
-/// seconds once, and not at all until it takes something again.
+/// Writes bytes to stderr unchanged and drops what stderr does not accept. A pipe that nobody reads is waited for once,
+/// for two seconds, and then not again until it accepts something.
 void put(std::string_view text) noexcept;
 
 /// Writes to stdout, for programs without results of their own (cli/results.h has theirs).
 void print(std::string_view text) noexcept;
 
-/// A line about progress: on a terminal it takes the place of the one before, and stays open.
+/// Writes a line of progress: on a terminal it replaces the previous one and stays open.
 void put_line(std::string_view line) noexcept;
-/// Ends the open line, if there is one, so that something else can be written. Messages do so themselves.
+/// Ends the open line, if any, so that something else can be written. Messages do so themselves.
 void end_line() noexcept;
 
 }  // namespace terminal

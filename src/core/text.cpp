@@ -170,7 +170,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string closest(std::string_view word, const std::vector<std::string>& candidates) {
-  constexpr std::size_t kMaxWord = 64;  // keeps the quadratic distance cheap whatever the file holds
+  constexpr std::size_t kMaxWord = 64;  // keeps the quadratic distance cheap whatever the file contains
   if (word.empty() || word.size() > kMaxWord) return {};
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(1, std::min<std::size_t>(3, word.size() / 3)) + 1;

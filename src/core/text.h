@@ -25,25 +25,25 @@ std::string describe(NumberError error, std::string_view token, const char* kind
 /// XML's white space: blank, tab, carriage return, newline.
 bool is_blank(char c);
 std::string_view trim(std::string_view s);
-/// The pieces between separators, empty ones included; of an empty text there is none.
+/// The pieces between separators, including empty ones; an empty text has none.
 std::vector<std::string_view> split(std::string_view s, char separator);
 bool equal_ignoring_case(std::string_view a, std::string_view b);
 
-/// True for a pointer of Git LFS, and what to say then.
+/// Detects a pointer file of Git LFS, and says what to do about it.
 bool is_lfs_pointer(std::string_view beginning);
 inline constexpr const char* kLfsPointer =
     "this is a Git LFS pointer, not the file itself; fetch it with `git lfs pull`";
-/// What to say of the few lines that stand for a large file in a repository with Git LFS or git-annex until the file
-/// itself is fetched; nullptr where `beginning` are no such lines.
+/// The advice for a placeholder of Git LFS or git-annex, which stands for a large file until the file itself is
+/// fetched; nullptr if `beginning` is not the beginning of one.
 const char* pointer_sentence(std::string_view beginning);
-/// The same of the target of a symbolic link that leads nowhere, as git-annex leaves them.
+/// The same for the target of a dangling symbolic link, as git-annex leaves them.
 const char* link_sentence(std::string_view target);
 
-/// The candidate closest to `word`, or "" if none is close enough to be a slip of the pen.
+/// The candidate closest to `word`, or "" if none is close enough to be a typo.
 std::string closest(std::string_view word, const std::vector<std::string>& candidates);
 /// `; did you mean "width"?` or nothing.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
-/// With `&`, `<`, `>` and `"` as XML and HTML need them, in elements and in attributes.
+/// Escapes `&`, `<`, `>` and `"` for XML and HTML, in elements and in attributes.
 std::string xml_escaped(std::string_view s);
 /// "a, b, c".
 std::string join(const std::vector<std::string>& words);

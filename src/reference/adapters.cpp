@@ -8,7 +8,8 @@
 namespace etendue::reference {
 namespace {
 
-/// What the colour of a normal map makes of `n`, which with `side` −1 is the opposite of the surface's; not normalised.
+/// The normal that a normal map's colour gives for `n`, which with `side` −1 is the opposite of the surface's; not
+/// normalised.
 std::optional<Vec3> mapped(const Scene& scene, const Surface& surface, const Vec3& color, std::uint32_t uv_set,
                            bool vertex_tangents, const Vec3& n, double side) {
   Vec3 u(0.0);
@@ -26,22 +27,22 @@ std::optional<Vec3> mapped(const Scene& scene, const Surface& surface, const Vec
   return c.x * t + c.y * b + c.z * n;
 }
 
-/// A normal that is not seen from where the surface is seen lies on the other side of the surface's.
+/// The turned normal, mirrored about `n` if it faces away from the side on which the surface is seen.
 Vec3 seen(const Vec3& turned, const Vec3& n, const Vec3& d) {
   if (glm::dot(turned, d) * glm::dot(n, d) > 0.0) return turned;
   return glm::normalize(2.0 * glm::dot(n, turned) * n - turned);
 }
 
-/// A place on the way from an adapter to a material.
+/// A step on the way from an adapter to a material.
 struct Place {
   std::uint32_t row;
   Frame frame;
-  double side = 1.0;  ///< of the frame's normal, against that of the surface
+  double side = 1.0;  ///< of the frame's normal, relative to that of the surface
   std::optional<Vec3> base = {};
   bool shadowed = true;
 };
 
-/// Goes the way.
+/// Follows the way from an adapter to a material.
 struct Chooser : Place {
   const Scene& scene;
   const Surface& surface;
@@ -49,9 +50,9 @@ struct Chooser : Place {
   const SampleRandom& random;
   SampleRandom::Decision decision;
   double share = 1.0;
-  std::optional<Place> other = {};  ///< where the first blend did not go
+  std::optional<Place> other = {};  ///< the branch that the first blend did not take
 
-  // Each goes on to a row, or says that the ray passes.
+  // Each continues with a row, or says that the ray passes.
   bool step(const TwoSidedAdapter& adapter) {
     const bool behind = glm::dot(d, frame.normal()) > 0.0;
     if (behind) {
@@ -78,7 +79,7 @@ struct Chooser : Place {
     row = second ? blend.second : blend.first;
     return true;
   }
-  /// Tangent, bitangent and normal are those of the surface; seen from behind, height is counted backward.
+  /// Tangent, bitangent and normal are those of the surface; seen from behind, heights have the opposite sign.
   bool step(const NormalMapAdapter& map) {
     const std::uint32_t uv_set = scene.textures[*map.normals.texture].uv_set;
     const Vec3 color = at_point(scene, map.normals, surface);
@@ -87,7 +88,7 @@ struct Chooser : Place {
     row = map.inner;
     return true;
   }
-  /// The normal of p + h n, by its derivatives without those of n [Blinn1978].
+  /// The normal of p + h n from its derivatives, neglecting those of n [Blinn1978].
   bool step(const BumpMapAdapter& map) {
     const Tangents by = tangents(scene, scene.textures[*map.height.texture].uv_set, surface);
     const Vec3 n = frame.normal();
@@ -111,7 +112,7 @@ struct Chooser : Place {
   }
 };
 
-/// Goes to the end. Nothing where the ray passes.
+/// Follows the way to its end. Nothing if the ray passes.
 std::optional<ChosenMaterial> arrive(Chooser& chooser) {
   for (;;) {
     const Material& material = chooser.scene.materials[chooser.row];
@@ -139,7 +140,7 @@ Bsdf material_at(const Scene& scene, const ChosenMaterial& chosen, const Surface
   auto* gltf = std::get_if<GltfBsdf>(&bsdf);
   if (gltf == nullptr || !gltf->coat_keeps_normal) return bsdf;
   Vec3 n = chosen.base.value_or(chosen.frame.normal());
-  // At the point, a textured parameter has become a constant.
+  // Textured parameters are evaluated at the point and become constants.
   const ColorParameter& map = std::get<GltfBsdf>(scene.materials[chosen.row].bsdf).coat_normals;
   if (map.texture) {
     const std::uint32_t uv_set = scene.textures[*map.texture].uv_set;

@@ -1,5 +1,5 @@
 #pragma once
-/// What stands between a surface and its materials; docs/conventions.md, "Adapters".
+/// Adapters between a surface and its materials; docs/conventions.md, "Adapters".
 
 #include <cstdint>
 #include <optional>
@@ -15,28 +15,28 @@ namespace etendue::reference {
 struct ChosenMaterial {
   std::uint32_t row = 0;
   Frame frame;
-  /// The normal before maps turned it, on the same side; nothing where none has.
+  /// The normal before maps turned it, on the same side; nothing if no map did.
   std::optional<Vec3> base = {};
   double side = 1.0;     ///< of the frame's normal, against that of the surface
-  bool shadowed = true;  ///< by the normal that maps have turned
+  bool shadowed = true;  ///< whether the turned normal shadows
 };
 
-/// A material that was chosen, and what the outermost blend on the way to it would have chosen else.
+/// A chosen material, and the alternative that the outermost blend on the way did not choose.
 struct ChosenMaterials {
   ChosenMaterial chosen;
-  double share = 1.0;                        ///< the probability with which that blend chose as it did
-  std::optional<ChosenMaterial> other = {};  ///< nothing where there is no blend, or where light would pass
+  double share = 1.0;                        ///< the probability of that blend's choice
+  std::optional<ChosenMaterial> other = {};  ///< nothing if there is no blend, or if light would pass
 };
 
-/// The material that stands where a ray in direction `d` has met a surface: vertex `k`, or what a shadow ray from there
-/// has met. Nothing where the ray passes.
+/// The material where a ray in direction `d` has hit a surface: at vertex `k`, or at a hit of a shadow ray from there.
+/// Nothing if the ray passes.
 std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface& surface, const Vec3& d,
                                               const SampleRandom& random, std::uint32_t k, bool shadow_ray);
-/// The same with what a blend did not choose, for a path that arrives at vertex `k`.
+/// The same, with the alternative that a blend did not choose, for a path that arrives at vertex `k`.
 std::optional<ChosenMaterials> choose_materials(const Scene& scene, const Surface& surface, const Vec3& d,
                                                 const SampleRandom& random, std::uint32_t k);
 
-/// A chosen material at a point that a ray in direction `d` has met: all of its parameters are constants.
+/// A chosen material at a point hit by a ray in direction `d`: all its parameters are constants.
 Bsdf material_at(const Scene& scene, const ChosenMaterial& chosen, const Surface& surface, const Vec3& d);
 
 }  // namespace etendue::reference

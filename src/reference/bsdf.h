@@ -22,7 +22,7 @@ enum class Lobe : std::uint32_t {
   delta_transmission = 3,
   glossy_reflection = 4,
   glossy_transmission = 5,
-  passed = 6,  ///< the surface was as if it were not there
+  passed = 6,  ///< the ray passed the surface
   diffuse_transmission = 7
 };
 
@@ -94,8 +94,8 @@ Vec3 eval(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 double pdf(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi);
 BsdfSample sample(const GltfBsdf& bsdf, const Vec3& wo, double u_lobe, const Vec2& u);
 
-/// What `sample` returns of a material whose lobes overlap: whichever of them, `lobe`, proposed `wi`, it is weighed
-/// with the density of all. No sample, where that is zero.
+/// The result of `sample` for a material with overlapping lobes: whichever lobe proposed `wi`, the weight uses the
+/// density of all. No sample if that density is zero.
 template <typename T>
 BsdfSample weighed_by_all_lobes(const T& bsdf, const Vec3& wo, const Vec3& wi, Lobe lobe, double eta = 1.0) {
   const double density = pdf(bsdf, wo, wi);
@@ -113,11 +113,11 @@ inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, double u_lobe, const 
   return std::visit([&](const auto& b) { return sample(b, wo, u_lobe, u); }, bsdf);
 }
 
-/// What holds for a material at every point and for all directions; each has to say it for itself.
+/// Properties of a material that hold at every point and for all directions; every material must state them.
 struct BsdfTraits {
-  bool delta = false;         ///< nothing but delta lobes scatter: next-event estimation cannot find light then
+  bool delta = false;         ///< only delta lobes scatter, so light sampling finds nothing
   bool one_sided = false;     ///< the side behind the normal is black
-  bool transmissive = false;  ///< light from both sides is scattered toward either, and not only by delta lobes
+  bool transmissive = false;  ///< light from both sides is scattered to both, and not only by delta lobes
 };
 constexpr BsdfTraits traits(const DiffuseBsdf&) {
   return {.delta = false, .one_sided = true};

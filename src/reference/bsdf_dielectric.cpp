@@ -25,8 +25,8 @@ BsdfSample sample(const DielectricBsdf& bsdf, const Vec3& wo, double u_lobe, con
             .pdf = fresnel.reflectance,
             .lobe = Lobe::delta_reflection};
   }
-  // Snell: the tangential part shrinks by n_o/n_i. Radiance grows with the squared index of the medium it is in, and
-  // what the path carries back to the camera is the radiance on the side of `wo` [Veach1997, §5.2].
+  // Snell: the tangential part shrinks by n_o/n_i. Radiance is proportional to the squared index of its medium, and the
+  // path carries the radiance on the side of `wo` back to the camera [Veach1997, §5.2].
   const double ratio = n_o / n_i;
   const Vec3 wi(-ratio * wo.x, -ratio * wo.y, outside ? -fresnel.cos_transmitted : fresnel.cos_transmitted);
   return {.wi = glm::normalize(wi),

@@ -1,5 +1,5 @@
-/// The material of glTF 2.0 and of the extensions of Khronos [Khronos2021], in layers that keep what they reflect from
-/// those below; docs/conventions.md, "glTF".
+/// The material of glTF 2.0 and of the extensions of Khronos [Khronos2021], in layers, where the reflection of each is
+/// subtracted from those below; docs/conventions.md, "glTF".
 
 #include <algorithm>
 #include <array>
@@ -36,13 +36,13 @@ Roughness facets_of(const GltfBsdf& b) {
   return {Roughness::Distribution::ggx, std::max(kMinRoughness, along), std::max(kMinRoughness, alpha)};
 }
 
-/// A bound of the mean of (1 − c)⁵ over what GGX microfacets of this roughness show.
+/// An upper bound for the mean of (1 − c)⁵ over the visible GGX microfacets of this roughness.
 double grazing_share(double cosine, double alpha) {
   const double rough = (1.0 - cosine) * (1.0 - cosine) / (1.0 + 16.0 * alpha);
   return std::min(1.0, 0.0026 + std::min(schlick_weight(cosine), rough));
 }
 
-/// The material seen from the side of `wo`. Directions are those of the frame of its tangent, z > 0 where wo is.
+/// The material seen from the side of `wo`. Directions are in the frame of its tangent, with z > 0 on the side of wo.
 struct GltfView {
   /// In the order of sampling.
   enum Part { facets, front, behind, coat, sheen };
@@ -82,12 +82,12 @@ struct GltfView {
   bool black() const { return wo.z <= 0.0 || (side < 0.0 && !may_refract(bsdf)); }
   double total() const { return weights[0] + weights[1] + weights[2] + weights[3] + weights[4]; }
 
-  /// Reflectance of what is not metal, by the cosine outside.
+  /// Reflectance of the non-metallic part, as a function of the cosine outside.
   Vec3 dielectric(double c) const {
     return below_film(along_normal + (Vec3(bsdf.specular.value) - along_normal) * schlick_weight(c), along_normal, c);
   }
   Vec3 metal(double c) const { return below_film(schlick(bsdf.base_color.value, c), bsdf.base_color.value, c); }
-  /// What becomes of a reflectance where a film lies on the base.
+  /// The reflectance of the base, changed by a film on it.
   Vec3 below_film(const Vec3& bare, const Vec3& normal, double c) const {
     if (bsdf.iridescence.value == 0.0) return bare;
     return glm::mix(bare, film(normal).reflectance(c), bsdf.iridescence.value);
@@ -95,22 +95,22 @@ struct GltfView {
   ThinFilm film(const Vec3& normal) const {
     return {bsdf.iridescence_ior.value, bsdf.iridescence_thickness.value, normal};
   }
-  /// By which of the angles on both sides of a microfacet light is reflected.
+  /// The cosine by which a microfacet reflects: that on the outside.
   double outside(double wo_h) const { return n_i < n_o ? fresnel_dielectric(wo_h, n_o, n_i).cos_transmitted : wo_h; }
-  /// Of microfacets' samples, the share that passes where this much is reflected.
+  /// The fraction of the microfacets' samples that transmit, if this much is reflected.
   double passing(double wo_h) const {
     const double c = outside(wo_h);
     if (weights[facets] == 0.0 || (n_i < n_o && c == 0.0)) return 0.0;
     return clear * (1.0 - largest(dielectric(c))) / weights[facets];
   }
-  /// What the boundary and the coat reflect of light from a direction, at most.
+  /// Upper bounds for what the boundary and the coat reflect of light from a direction.
   double boundary_albedo(double cosine) const {
     const double least = largest(along_normal), alpha = std::min(surface.alpha_u.value, surface.alpha_v.value);
     const double grazing = grazing_share(cosine, alpha), most = largest(film(along_normal).bound());
     return glm::mix(least + (bsdf.specular.value - least) * grazing, most + (1.0 - most) * grazing,
                     bsdf.iridescence.value);
   }
-  /// Of light from a direction, by the coat's own normal.
+  /// An upper bound for what the coat reflects of light from a direction, by its own normal.
   double coat_albedo(const Vec3& w) const {
     return bsdf.clearcoat.value * (0.04 + 0.96 * grazing_share(std::abs(glm::dot(w, coat_normal)), coat_alpha));
   }
@@ -129,7 +129,7 @@ struct GltfView {
   std::array<double, kParts> weights{};
 };
 
-/// A direction as the material sees it, with the half vector.
+/// A direction in the material's frame, with the half vector.
 struct GltfMeeting {
   GltfMeeting(const GltfView& s, const Vec3& i) : wi(s.inward(i)), through(wi.z < 0.0) {
     image = s.bsdf.thin && through ? Vec3(wi.x, wi.y, -wi.z) : wi;
@@ -150,12 +150,13 @@ struct GltfMeeting {
   bool through, met, possible;
 };
 
-/// What coat and sheen leave to what lies below them, and what keeps the sheen from reflecting more than arrives.
+/// The light that coat and sheen leave to the layers below, and the factor that keeps the sheen from reflecting more
+/// than arrives.
 struct Layers {
   Layers(const GltfView& s, const GltfMeeting& m) {
     if (!s.all_layers && !m.through) return;
     double a = s.wo.z, b = std::abs(m.wi.z);
-    if (m.through && !s.bsdf.thin) (s.side > 0.0 ? b : a) = s.side > 0.0 ? a : b;  // the layers are on one side
+    if (m.through && !s.bsdf.thin) (s.side > 0.0 ? b : a) = s.side > 0.0 ? a : b;  // only one side has the layers
     const bool inside_too = m.through && !s.bsdf.thin;
     const Vec3& first = inside_too && s.side < 0.0 ? m.wi : s.wo;
     const Vec3& second = inside_too ? first : m.wi;
@@ -247,7 +248,7 @@ double pdf(const GltfBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
 
 namespace {
 
-/// A direction by microfacets; z = 0 where there is none.
+/// A direction sampled from the microfacets; z = 0 if there is none.
 Vec3 sample_facets(const GltfView& s, double x, const Vec2& u, Lobe& lobe) {
   const Vec3 h = MicrofacetDistribution(s.surface).sample_visible(s.wo, u);
   const double wo_h = glm::dot(s.wo, h);
@@ -262,7 +263,7 @@ Vec3 sample_facets(const GltfView& s, double x, const Vec2& u, Lobe& lobe) {
   return (ratio * wo_h - fresnel_dielectric(wo_h, s.n_o, s.n_i).cos_transmitted) * h - ratio * s.wo;
 }
 
-/// A direction of the other lobe that x chooses.
+/// A direction sampled from the other lobe that x chooses.
 Vec3 sample_rest(const GltfView& s, double x, const Vec2& u, Lobe& lobe) {
   lobe = Lobe::diffuse_reflection;
   if (x < s.weights[GltfView::front]) return square_to_cosine_hemisphere(u);

@@ -1,5 +1,5 @@
-/// A diffuse base under a coat of microfacets: f = kd/π + ks F D G / (4 cos θ_o cos θ_i), ks = 1 − max kd. A
-/// convention of the teaching renderer Nori, which does not subtract from the base what the coat reflects.
+/// A diffuse base under a coat of microfacets: f = kd/π + ks F D G / (4 cos θ_o cos θ_i), ks = 1 − max kd. This is the
+/// convention of the teaching renderer Nori, which does not dim the base by the coat's reflection.
 
 #include "reference/bsdf.h"
 #include "reference/fresnel.h"

@@ -1,4 +1,4 @@
-/// Nothing: light goes straight on. Integrators pass it before they ask.
+/// Nothing: light goes straight on. Integrators pass such surfaces before they call this.
 
 #include "reference/bsdf.h"
 

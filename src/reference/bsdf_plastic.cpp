@@ -14,7 +14,7 @@ double mean(const Vec3& color) {
 double coat_reflects(const PlasticBsdf& bsdf, double cosine) {
   return fresnel_dielectric(cosine, bsdf.ext_ior, bsdf.int_ior).reflectance;
 }
-/// Probability of sampling the coat: by how much each of the two is likely to reflect.
+/// Probability of sampling the coat, in proportion to the estimated reflectances of coat and base.
 double coat_prob(const PlasticBsdf& bsdf, double cos_o) {
   const double f = coat_reflects(bsdf, cos_o);
   const double coat = f * mean(bsdf.specular_reflectance.value),

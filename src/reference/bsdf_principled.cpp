@@ -1,5 +1,5 @@
 /// Burley's principled material: the reflecting one of 2012 and its extension to refraction of 2015 [Burley2012]
-/// [Burley2015], with the parameters that Mitsuba has given it.
+/// [Burley2015], with Mitsuba's parameters.
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ struct Coat {
     const double a2 = alpha * alpha;
     return (a2 - 1.0) / (kPi * std::log(a2) * (1.0 + (a2 - 1.0) * h.z * h.z));
   }
-  /// By D(h) h.z.
+  /// Samples in proportion to D(h) h.z.
   Vec3 sample(const Vec2& u) const {
     const double a2 = alpha * alpha, z2 = (1.0 - std::pow(a2, 1.0 - u.x)) / (1.0 - a2);
     const double r = std::sqrt(std::max(0.0, 1.0 - z2)), phi = 2.0 * kPi * u.y;
@@ -52,7 +52,7 @@ struct PrincipledView {
   }
   bool black() const { return wo.z <= 0.0 || (!front && clear == 0.0); }
   double total() const { return facet_weight + base_weight + coat_weight; }
-  /// Of a sample of the microfacets: the chance that it passes one that reflects `f`.
+  /// The probability that a sample of the microfacets is transmitted by one of reflectance `f`.
   double passing(double f) const { return front ? clear * (1.0 - f) / facet_weight : 1.0 - f; }
 
   const PrincipledBsdf& bsdf;
@@ -86,10 +86,11 @@ struct PrincipledMeeting {
   Vec3 wi, h{0.0};
   bool reflected, possible = false;
   double wo_h = 0.0, wi_h = 0.0, fresnel = 0.0;
-  double outer = 0.0;  ///< cosine on the side of the lesser index
+  double outer = 0.0;  ///< cosine on the side of the smaller index
 };
 
-/// Reflectance of microfacets: of a metal of the base's colour, of a dielectric, and of one whose reflection is tinted.
+/// Reflectance of microfacets: a mixture of a metal of the base's colour, a dielectric, and a dielectric with tinted
+/// reflection.
 Vec3 facet_reflectance(const PrincipledView& s, const PrincipledMeeting& m) {
   if (!s.front) return Vec3(s.clear * m.fresnel);
   const double tinted = s.bsdf.spec_tint.value, r0 = std::pow((s.n_i - s.n_o) / (s.n_i + s.n_o), 2);
@@ -116,7 +117,7 @@ Vec3 eval(const PrincipledBsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   const double visible = s.facets.density(m.h) * s.facets.masking(s.wo, m.h) * s.facets.masking(m.wi, m.h) * m.wo_h *
                          m.normals_by_directions(s) / s.wo.z;
   if (!m.reflected) {
-    const double scaling = s.n_o / s.n_i;  // of radiance
+    const double scaling = s.n_o / s.n_i;  // radiance scaling
     return glm::sqrt(bsdf.base_color.value) * (s.clear * (1.0 - m.fresnel) * visible * scaling * scaling);
   }
   Vec3 value = facet_reflectance(s, m) * visible;

@@ -1,5 +1,5 @@
-/// Burley's material of a thin sheet [Burley2015, §5], with the parameters that Mitsuba has given it: what passes is a
-/// mirror image of what is reflected.
+/// Burley's material of a thin sheet [Burley2015, §5], with Mitsuba's parameters: transmitted light is distributed like
+/// the mirror image of reflected light.
 
 #include <algorithm>
 #include <cmath>
@@ -40,10 +40,10 @@ struct Sheet {
   const PrincipledThinBsdf& bsdf;
   Vec3 wo;
   double clear, behind, front;
-  double weights[4];  ///< of sampling: microfacets that reflect and that let pass, the base in front and behind
+  double weights[4];  ///< sampling weights: reflecting and transmitting microfacets, the base in front and behind
 };
 
-/// `wi` as the sheet sees it, and on the side of wo.
+/// `wi` in the sheet's frame, and mirrored to the side of wo.
 struct Turned {
   Turned(const Vec3& o, const Vec3& i) : wi(o.z < 0.0 ? mirrored(i) : i), through(wi.z < 0.0) {
     image = through ? mirrored(wi) : wi;
@@ -53,7 +53,7 @@ struct Turned {
   Vec3 image;
 };
 
-/// What microfacets reflect that are met at this angle: in part in the tint of the base.
+/// Reflectance of microfacets at this angle, partly in the tint of the base.
 Vec3 reflectance(const PrincipledThinBsdf& bsdf, double wo_h) {
   const double eta = bsdf.eta.value, tinted = bsdf.spec_tint.value, r0 = std::pow((eta - 1.0) / (eta + 1.0), 2);
   const Fresnel fresnel = fresnel_dielectric(wo_h, 1.0, eta);

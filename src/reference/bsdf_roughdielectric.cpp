@@ -1,5 +1,5 @@
-/// Rough boundary between two clear media [Walter2007, eqs. 16, 17, 20, 21]. What is carried is radiance, which scales
-/// with the squared index of the medium it is in.
+/// Rough boundary between two clear media [Walter2007, eqs. 16, 17, 20, 21]. Paths carry radiance, which is
+/// proportional to the squared index of its medium.
 
 #include "reference/bsdf.h"
 #include "reference/fresnel.h"
@@ -8,7 +8,7 @@
 namespace etendue::reference {
 namespace {
 
-/// A pair of directions as the boundary sees it: `wo` is turned to the side z > 0.
+/// A pair of directions in the boundary's frame, where `wo` is on the side z > 0.
 struct Meeting {
   Meeting(const RoughDielectricBsdf& bsdf, const Vec3& o, const Vec3& i) : facets(bsdf.roughness) {
     const double side = o.z < 0.0 ? -1.0 : 1.0;
@@ -25,7 +25,7 @@ struct Meeting {
     reflectance = possible ? fresnel_dielectric(wo_h, n_o, n_i).reflectance : 0.0;
   }
 
-  /// Solid angle of `h` by that of `wi`.
+  /// The derivative dω_h/dω_i.
   double normals_by_directions() const {
     if (reflected) return 1.0 / (4.0 * wo_h);
     const double sum = n_o * wo_h + n_i * wi_h;

@@ -1,4 +1,4 @@
-/// A pane whose faces lie together: light is reflected to and fro between them, without shift.
+/// A pane whose two faces coincide: light is reflected back and forth between them, without displacement.
 
 #include "reference/bsdf.h"
 #include "reference/fresnel.h"

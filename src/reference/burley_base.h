@@ -1,5 +1,5 @@
 #pragma once
-/// What Burley's materials share: the diffuse base and the sheen over it, the tint, Schlick's reflectance.
+/// Common parts of Burley's materials: the diffuse base and the sheen over it, the tint, Schlick's reflectance.
 
 #include "reference/vec.h"
 #include "scene/bsdfs.h"
@@ -8,7 +8,7 @@ namespace etendue::reference {
 
 /// (1 − x)⁵ [Schlick1994].
 double schlick_weight(double cosine);
-/// From the reflectance along the normal.
+/// Schlick's reflectance, from that at normal incidence.
 Vec3 schlick(const Vec3& normal, double cosine);
 /// A colour of luminance 1; white for black.
 Vec3 tint_of(const Vec3& color);

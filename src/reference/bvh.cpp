@@ -15,15 +15,15 @@ namespace {
 constexpr int kBins = 16;
 constexpr std::size_t kLeafSize = 4;
 
-/// Half-open bins along one axis; what is at the upper end belongs to the last one.
+/// Half-open bins along one axis; the upper end belongs to the last one.
 struct Binning {
   int axis;
   double lo, scale;
   int bin(const Vec3& center) const { return std::clamp(static_cast<int>((center[axis] - lo) * scale), 0, kBins - 1); }
 };
 
-/// Index of the first bin of the right side where the surface area heuristic is least, and its cost relative to one
-/// primitive test with the parent's half area as unit.
+/// Index of the first bin on the right side of the split with the least cost by the surface-area heuristic, and that
+/// cost, in primitive tests times the parent's half area.
 template <class Iterator>
 std::pair<int, double> best_split(Iterator begin, Iterator end, const Binning& binning) {
   std::array<Box, kBins> box;
@@ -54,7 +54,7 @@ std::pair<int, double> best_split(Iterator begin, Iterator end, const Binning& b
   return best;
 }
 
-/// Splits [begin, end) and returns the middle, or `begin` when it should be a leaf.
+/// Splits [begin, end) and returns the middle, or `begin` if it should be a leaf.
 template <class Iterator>
 Iterator split(Iterator begin, Iterator end, const Box& bounds, bool halve) {
   const auto count = static_cast<std::size_t>(end - begin);

@@ -24,7 +24,7 @@ struct Box {
     lo = glm::min(lo, box.lo);
     hi = glm::max(hi, box.hi);
   }
-  /// Half the surface area: what the probability of a random ray hitting the box is proportional to.
+  /// Half the surface area, to which the probability of a random ray hitting the box is proportional.
   double half_area() const {
     const Vec3 d = hi - lo;
     return d.x * d.y + d.y * d.z + d.z * d.x;
@@ -41,7 +41,7 @@ class Bvh {
   const std::vector<std::uint32_t>& order() const { return order_; }
 
   /// Calls `visit(position, t_max)` for the positions in `order()` whose boxes the ray meets before t_max, near boxes
-  /// first. `visit` may lower t_max; returning true ends the traversal. Returns whether it ended so.
+  /// first. `visit` may lower t_max; returning true ends the traversal. Returns whether `visit` ended it.
   template <class Visit>
   bool traverse(const Ray& ray, Visit&& visit) const;
 
@@ -51,7 +51,7 @@ class Bvh {
     std::uint32_t first = 0;  ///< leaf: first position; inner node: its children are `first` and `first + 1`
     std::uint32_t count = 0;  ///< leaf: number of primitives; inner node: 0
   };
-  /// Bounds the depth, with it the traversal stack: below kSahDepth nodes are halved.
+  /// Bounds the depth, and with it the traversal stack: below kSahDepth, nodes are halved.
   static constexpr int kSahDepth = 64;
   static constexpr int kMaxDepth = kSahDepth + 33;
 
@@ -62,9 +62,9 @@ class Bvh {
   std::vector<std::uint32_t> order_;
 };
 
-/// Slab test: entry distance, or infinity when missed. The far distance is widened by the rounding errors of this
-/// computation [Ize2013]; comparisons are written so that the NaN of 0 · ∞ (a ray in the plane of a face) counts as
-/// "inside".
+/// Slab test: the entry distance, or infinity if the box is missed. The far distance is widened by the rounding errors
+/// of this computation [Ize2013]; comparisons are written so that the NaN of 0 · ∞ (a ray in the plane of a face)
+/// counts as "inside".
 inline double enter_box(const Box& box, const Vec3& origin, const Vec3& inverse, double t_min, double t_max) {
   for (int axis = 0; axis < 3; ++axis) {
     const bool positive = inverse[axis] >= 0.0;
@@ -88,7 +88,8 @@ bool Bvh::traverse(const Ray& ray, Visit&& visit) const {
   };
   std::array<Entry, kMaxDepth + 1> stack;
   int size = 0;
-  // A box is entered no later than what is in it is met, but for rounding; surfaces at the same distance all count.
+  // Apart from rounding, a ray enters a box before it hits anything inside; of surfaces at the same distance, all are
+  // visited.
   constexpr double kSlack = 1.0 + 0x1p-40;
   const auto enter = [&](std::uint32_t node) {
     return enter_box(nodes_[node].box, ray.origin, inverse, ray.t_min / kSlack, t_max * kSlack);

@@ -64,7 +64,7 @@ LocalRay local_ray(const Camera& camera, const Vec2& film, const SampleRandom::L
       const double tan_x = half_width(camera), tan_y = tan_x * film_aspect(camera);
       const Vec3 direction(tan_x * ndc.x, tan_y * ndc.y, 1.0);
       if (camera.type == Camera::Type::perspective) return {.direction = direction};
-      // Whatever point of the lens a ray leaves, it meets the same point of the plane in focus.
+      // All points of the lens see the same point of the plane in focus.
       const Vec3 start(aperture_point(camera.aperture, lens), 0.0);
       const double focus = camera.aperture.focus_distance;
       return {.origin = start, .direction = (focus * direction - start) / focus};

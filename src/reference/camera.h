@@ -8,11 +8,10 @@
 namespace etendue::reference {
 
 /// The ray through film position `film` (pixels; (0,0) is the top left corner of the top left pixel). Its interval runs
-/// from the near to the far clipping plane. `lens` is looked at by cameras with an aperture, and by meters of
-/// irradiance.
+/// from the near to the far clipping plane. `lens` is used by cameras with an aperture and by irradiance meters.
 Ray camera_ray(const Camera& camera, const Vec2& film, const SampleRandom::Lens& lens = {0.5, 0.5, 0.5});
 
-/// What a sample of radiance along that ray is multiplied by: π for a meter of irradiance, else 1.
+/// The factor of a radiance sample along that ray: π for an irradiance meter, otherwise 1.
 double camera_weight(const Camera& camera);
 
 }  // namespace etendue::reference

@@ -16,9 +16,9 @@ namespace {
 
 enum class Way { reflected, passed };
 
-/// Share of light from a direction of this cosine that the microfacets reflect, ∫ F G1(wi) of the normals it sees, or
-/// let pass, ∫ (1 − F) G1(wt). By Simpson's rule over the angle of the normal's slope, tan = ρ with ρ in units of the
-/// roughness, and half a turn.
+/// Fraction of light from a direction of this cosine that the microfacets reflect, ∫ F G1(wi) over the visible normals,
+/// or transmit, ∫ (1 − F) G1(wt). Simpson's rule over half a turn and over the angle atan ρ, with ρ the slope of the
+/// normal in units of the roughness.
 double share(const Roughness& roughness, double cosine, double n_o, double n_t, Way way) {
   const MicrofacetDistribution facets(roughness);
   const Vec3 w(std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), 0.0, cosine);
@@ -37,7 +37,7 @@ double share(const Roughness& roughness, double cosine, double n_o, double n_t, 
     return wt.z < 0.0 ? (1.0 - fresnel.reflectance) * facets.masking(wt, h) : 0.0;
   };
   double sum = 0.0;
-  for (int i = 0; i < kRings; ++i) {  // the last ring is at infinity, where nothing is
+  for (int i = 0; i < kRings; ++i) {  // the last ring is at infinity and contributes nothing
     const double angle = step * i, slope = roughness.alpha_u.value * std::tan(angle);
     // dω of the normals: h.z³ · slope · d(slope) dφ.
     const double z = 1.0 / std::hypot(1.0, slope);
@@ -50,12 +50,12 @@ double share(const Roughness& roughness, double cosine, double n_o, double n_t, 
   return 2.0 * sum * step * turn / 9.0;
 }
 
-/// The coat of a material, made once in the life of the program for each set of numbers.
+/// The coat of a material, computed once per process for each set of parameters.
 const RoughCoat& rough_coat(const Roughness& roughness, double int_ior, double ext_ior) {
   using Key = std::tuple<Roughness::Distribution, double, double, double>;
   static std::mutex mutex;
   static std::map<Key, std::unique_ptr<RoughCoat>> coats;
-  thread_local std::map<Key, const RoughCoat*> own;  // without waiting for others
+  thread_local std::map<Key, const RoughCoat*> own;  // found without locking
   const RoughCoat*& known = own[Key(roughness.distribution, roughness.alpha_u.value, int_ior, ext_ior)];
   if (known != nullptr) return *known;
   const std::lock_guard lock(mutex);
@@ -106,7 +106,7 @@ CoatAt::CoatAt(Roughness::Distribution distribution, const ScalarParameter& alph
 
 Vec3 coated_base(const Vec3& albedo, bool nonlinear, double inside, double ratio, double enters, double leaves,
                  double cos_i) {
-  // Radiance that leaves the coat shrinks by (n_outside / n_inside)²; 1/(1 − inside) sums the reflections to and fro.
+  // Radiance that leaves the coat shrinks by (n_outside / n_inside)²; 1/(1 − inside) sums the repeated reflections.
   const Vec3 again = nonlinear ? albedo * inside : Vec3(inside);
   return albedo / (Vec3(1.0) - again) * (ratio * ratio * enters * leaves * cos_i / kPi);
 }

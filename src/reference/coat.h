@@ -9,16 +9,16 @@
 
 namespace etendue::reference {
 
-/// Share of diffuse light that a smooth boundary reflects back, seen from inside. A fit [dEon2011].
+/// Fraction of diffuse light that a smooth boundary reflects back inside; fit by [dEon2011].
 double diffuse_reflectance_inside(double int_ior, double ext_ior);
 
-/// A coat of isotropic microfacets, tabulated: 64 cosines even over [0, 1].
+/// A coat of isotropic microfacets, tabulated at 64 cosines evenly spaced over [0, 1].
 class RoughCoat {
  public:
   static constexpr std::size_t kNodes = 64;
   RoughCoat(const Roughness& roughness, double int_ior, double ext_ior);
 
-  /// Share that enters from a direction of this cosine; linear between the nodes.
+  /// Fraction of light from a direction of this cosine that enters; linear between the nodes.
   double transmittance(double cosine) const;
   double reflectance_inside() const { return inside_; }
 
@@ -27,8 +27,8 @@ class RoughCoat {
   double inside_ = 0.0;
 };
 
-/// A rough coat at a point. Where a texture says how rough it is, it lies between the two that are next among 16 whose
-/// roots are even over [0, 1] (the first has the least roughness there is).
+/// A rough coat at a point. If its roughness is textured, it is interpolated between the two nearest of 16 coats whose
+/// roots of the roughness are evenly spaced over [0, 1] (the first has the smallest roughness allowed).
 class CoatAt {
  public:
   CoatAt(Roughness::Distribution distribution, const ScalarParameter& alpha, double int_ior, double ext_ior);
@@ -46,7 +46,7 @@ class CoatAt {
   double way_ = 0.0;
 };
 
-/// f cos of the base: `albedo`, what is reflected inside, and the shares that enter and leave.
+/// f cos of the base, from its albedo, the fraction reflected back inside, and the fractions that enter and leave.
 Vec3 coated_base(const Vec3& albedo, bool nonlinear, double inside, double ratio, double enters, double leaves,
                  double cos_i);
 

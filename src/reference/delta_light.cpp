@@ -14,7 +14,7 @@ double radians(double degrees) {
   return degrees * kPi / 180.0;
 }
 
-/// Share of a spot's light at the angle `theta` from its axis.
+/// Fraction of a spot's intensity at the angle `theta` from its axis.
 double fading(const DeltaLight& spot, double theta) {
   const double edge = radians(spot.cutoff), beam = radians(spot.beam_width);
   if (theta >= edge) return 0.0;
@@ -60,7 +60,7 @@ double choice_power(const Scene& scene, const DeltaLight& light) {
   const double mean = luminance(mean_intensity(scene, light));
   switch (light.type) {
     case DeltaLight::Type::point:  // 4π I over π
-    case DeltaLight::Type::spot:   // as bright where it shines
+    case DeltaLight::Type::spot:   // as bright as a point inside its cone
       return 4.0 * mean;
     case DeltaLight::Type::projector:  // irradiance of the plane times the area of the picture there
       return mean * (2.0 * light.slope.x) * (2.0 * light.slope.y) / kPi;

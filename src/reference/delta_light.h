@@ -9,10 +9,10 @@ namespace etendue::reference {
 /// Intensity of a point, spot or projector along the unit direction `w` away from it.
 Vec3 intensity(const Scene& scene, const DeltaLight& light, const Vec3& w);
 
-/// What it counts for in a choice by power: Φ/π; of a directional light its irradiance.
+/// Its weight in a choice by power: Φ/π; for a directional light its irradiance.
 double choice_power(const Scene& scene, const DeltaLight& light);
 
-/// Cosine of the half angle of the cone about its axis that it shines into.
+/// Cosine of the half angle of the cone of emission around its axis.
 double cone_cosine(const DeltaLight& light);
 
 }  // namespace etendue::reference

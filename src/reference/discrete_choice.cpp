@@ -16,7 +16,8 @@ DiscreteChoice::DiscreteChoice(const std::vector<double>& weights) {
     prefix += weights[i];
     thresholds_[i + 1] = static_cast<std::uint64_t>(std::floor(0x1p32 * prefix / sum));
   }
-  // Whatever has weight must have a chance: at least one unit each, upward, then downward to end at 2^32 again.
+  // Every entry with a positive weight gets at least one unit: first in ascending order, then in descending order, so
+  // that the sum is 2^32 again.
   for (std::size_t i = 0; i < n; ++i)
     thresholds_[i + 1] = std::max(thresholds_[i + 1], thresholds_[i] + (weights[i] > 0.0 ? 1 : 0));
   thresholds_[n] = std::uint64_t{1} << 32;

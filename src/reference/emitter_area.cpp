@@ -16,13 +16,13 @@
 namespace etendue::reference {
 namespace {
 
-/// Whether an inward sphere shines at a place: inside, or on the sphere as far as that can be told.
+/// Whether an inward sphere illuminates a point: one inside, or on the sphere within rounding.
 bool is_inside(const Sphere& sphere, const Vec3& from) {
   const double slack = 1e-12 * (largest_coordinate(sphere.center) + sphere.radius);
   return glm::distance(from, sphere.center) < sphere.radius + slack;
 }
 
-/// A point of a sphere that shines inward, uniform in the directions from a place inside.
+/// A point of a sphere that emits inward, uniform in the directions from a point inside.
 void sample_sphere_from_inside(const Sphere& sphere, double prob, const Vec3& from, const SampleRandom::Light& random,
                                LightSample& sample) {
   const Vec3 to_center = sphere.center - from;
@@ -41,7 +41,7 @@ void sample_sphere_from_inside(const Sphere& sphere, double prob, const Vec3& fr
   sample.pdf_w = sample.pdf_w_mis = prob / (4.0 * kPi);
 }
 
-/// A point of the sphere, uniform in the solid angle the sphere fills from outside.
+/// A point of the sphere, uniform in the solid angle that the sphere subtends from outside.
 void sample_sphere(const Sphere& sphere, double prob, const Vec3& from, const SampleRandom::Light& random,
                    LightSample& sample) {
   const Vec3 to_center = sphere.center - from;
@@ -68,8 +68,8 @@ double primitive_area(const Scene& scene, const AreaLight& light, std::uint32_t 
   return triangle_area(p0, p1, p2);
 }
 
-/// What the density of a choice by area in object space spreads the probability of the instance over, at a triangle of
-/// it: the area of the mesh, stretched as the triangle is.
+/// The area over which a choice by object-space area spreads the probability of the instance, at one of its triangles:
+/// the area of the mesh, scaled in the same ratio as the triangle.
 double stretched_area(const Scene& scene, const AreaLight& light, std::uint32_t primitive) {
   const auto& mesh = std::get<TriangleMesh>(scene.shape_of(scene.instances[light.instance]));
   const glm::uvec3 t = mesh.triangles[primitive];
@@ -118,7 +118,7 @@ void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, con
                              const SampleRandom::Light& random, LightSample& sample) const {
   const std::array<Vec3, 3> p = chosen.light->placement.triangle(mesh, chosen.primitive);
   Vec3 b = square_to_triangle({random.u, random.v});
-  // Weights are those of the vertices as they stand in the mesh, where it is shared.
+  // For a shared mesh, the weights are those of the vertices in their original order.
   const bool shared = chosen.light->shared != nullptr;
   if (shared && chosen.light->placement.turned()) std::swap(b.y, b.z);
   sample.surface.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
@@ -154,7 +154,7 @@ void Lights::sample_round(const Shape& shape, Chosen chosen, const Vec3& from, c
   see_from(from, chosen, false, sample);
 }
 
-/// From a density by area to one by solid angle.
+/// Converts a density by area to one by solid angle.
 void Lights::see_from(const Vec3& from, const Chosen& chosen, bool shared, LightSample& sample) {
   const Vec3 to_light = sample.surface.p - from;
   const double distance = glm::length(to_light);
@@ -169,7 +169,7 @@ void Lights::see_from(const Vec3& from, const Chosen& chosen, bool shared, Light
   sample.pdf_w_mis = chosen.pdf_a_mis * area_to_solid_angle;
 }
 
-/// The light's own point, which no other point of the scene hides from itself.
+/// The sampled point itself, whose surface must not occlude it.
 LightSample Lights::sample_delta(const Scene& scene, std::uint32_t number, double prob, const Vec3& from) {
   const DeltaLight& light = scene.delta_lights[number];
   LightSample sample;
@@ -211,7 +211,8 @@ double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, c
   const std::optional<std::size_t> index = of_instance_[at.instance];
   if (!index) return 0.0;
   const AreaLight& light = lights_[*index];
-  // By power, the weights see all triangles of an instance as one; its probability and its area stand for them.
+  // With the choice by power, the MIS weights treat all triangles of an instance as one, using its probability and its
+  // area.
   const bool by_tree = !tree_.empty();
   const double prob_light = by_tree && light.shared ? tree_.prob(from, ns, static_cast<std::uint32_t>(*index), 0)
                             : by_tree               ? prob(from, ns, at.instance, at.primitive)

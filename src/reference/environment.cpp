@@ -77,7 +77,7 @@ std::vector<double> Environment::make_picture_rows() {
            : edge == count ? kPi
                            : kPi * (static_cast<double>(edge) - 0.5) / static_cast<double>(height);
   };
-  // Luminance of the texels of the row above and of that below the cells at hand.
+  // Luminance of the texels in the rows above and below the current cells.
   std::vector<double> above(columns_), below(columns_), cells(columns_), weights;
   const auto read_row = [&](std::int64_t y, std::vector<double>& row) {
     for (std::uint32_t x = 0; x < columns_; ++x) row[x] = luminance(texel(y, x));
@@ -100,7 +100,7 @@ std::vector<double> Environment::make_picture_rows() {
   return weights;
 }
 
-/// Rows beyond the first and the last are these.
+/// Rows before the first and after the last repeat these.
 Vec3 Environment::texel(std::int64_t row, std::uint32_t column) const {
   const Bitmap& bitmap = *sky_.picture->bitmap;
   const auto y = static_cast<std::uint32_t>(std::clamp<std::int64_t>(row, 0, std::int64_t{bitmap.height} - 1));

@@ -14,8 +14,8 @@ namespace etendue::reference {
 
 /// A direction that was sampled.
 struct EnvironmentSample {
-  Vec3 wi{0.0};        ///< of the world, unit
-  double pdf_w = 0.0;  ///< the choice of the environment included
+  Vec3 wi{0.0};        ///< in the world, unit
+  double pdf_w = 0.0;  ///< including the choice of the environment
   Vec3 radiance{0.0};
   std::uint32_t cell = 0;  ///< counted row by row
   /// A directional light, number `cell` of the scene's lights without extent: `pdf_w` is the probability of its choice,
@@ -25,19 +25,18 @@ struct EnvironmentSample {
 
 class Environment {
  public:
-  /// Directional lights are part of it. `lights_power` is the sum of luminance times area of everything else that
-  /// emits.
+  /// Includes directional lights. `lights_power` is the sum of luminance times area of everything else that emits.
   Environment(const Scene& scene, double lights_power);
   Environment() = default;
 
-  /// Without directional lights, black environments are not sampled.
+  /// Whether it is sampled: black environments without directional lights are not.
   bool is_sampled() const { return !rows_.empty() || !distant_.empty(); }
-  /// The probability with which `sample` leaves the choice to the lights; 1 where the environment is black.
+  /// The probability with which `sample` leaves the choice to the lights; 1 if the environment is black.
   double lights_prob() const { return is_sampled() ? lights_prob_ : 1.0; }
 
   /// Radiance that arrives along direction `w`, pointing away from the scene.
   Vec3 radiance(const Vec3& w) const;
-  /// Chooses a direction; nothing where a light is to be chosen instead. Only where it is sampled.
+  /// Chooses a direction, or nothing if a light must be chosen instead. To be called only if it is sampled.
   std::optional<EnvironmentSample> sample(const SampleRandom::Environment& random) const;
   /// The density with which `sample` finds `w`.
   double pdf_w(const Vec3& w) const;
@@ -45,7 +44,7 @@ class Environment {
  private:
   struct Row {
     double cos_upper = 1.0, cos_lower = -1.0;
-    DiscreteChoice cells;  ///< empty where none has weight
+    DiscreteChoice cells;  ///< empty if none has weight
   };
   struct Place {
     std::uint32_t row = 0, column = 0;

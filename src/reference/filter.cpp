@@ -8,8 +8,8 @@
 namespace etendue::reference {
 namespace {
 
-/// Difference to the Gaussian's value at the radius, written as a product so that nothing cancels when stddev is much
-/// larger than the radius and nothing overflows when it is much smaller.
+/// Difference to the Gaussian's value at the radius, written as a product so that nothing cancels if stddev is much
+/// larger than the radius, and nothing overflows if it is much smaller.
 double gaussian(double x, double radius, double stddev) {
   if (std::abs(x) >= radius) return 0.0;
   const double scale = 1.0 / (2.0 * stddev * stddev);
@@ -24,7 +24,8 @@ double mitchell(double x, double b, double c) {
   return ((-b - 6 * c) * x * x * x + (6 * b + 30 * c) * x * x + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) / 6;
 }
 
-/// The sinc function sin(πx)/(πx), cut off at `lobes` by the middle lobe of a wider one; source: [Turkowski1990].
+/// The sinc function sin(πx)/(πx), windowed by the central lobe of a wider one that ends at `lobes`; source:
+/// [Turkowski1990].
 double lanczos(double x, double lobes) {
   const double t = std::numbers::pi * std::abs(x);
   if (std::abs(x) >= lobes) return 0.0;
@@ -44,7 +45,7 @@ double integrate(const Function& g, double a, double b) {
   return half * sum;
 }
 
-/// Where `holds` turns from true (at `a`) to false (at `b`), to the last bit.
+/// The position, to the last bit, where `holds` changes from true (at `a`) to false (at `b`).
 template <class Predicate>
 double bisect(double a, double b, const Predicate& holds) {
   for (int i = 0; i < 200; ++i) {
@@ -59,13 +60,13 @@ double bisect(double a, double b, const Predicate& holds) {
 std::vector<double> cell_ends(const ReconstructionFilter& filter) {
   constexpr int kCells = 2048;
   const double radius = filter_radius(filter);
-  // A Gaussian far narrower than its radius needs its cells where its mass is; 39 standard deviations reach 1e-330.
+  // A Gaussian far narrower than its radius needs its cells where its mass is; at 39 standard deviations it is 1e-330.
   const bool narrow = filter.type == ReconstructionFilter::Type::gaussian && 39.0 * filter.stddev < radius;
   const double reach = narrow ? 39.0 * filter.stddev : radius;
   std::vector<double> ends;
   for (int i = 0; i <= kCells; ++i) ends.push_back(reach * i / kCells);
   if (narrow) ends.push_back(radius);
-  // |filter| has a kink where the filter changes sign: put a cell's end there.
+  // |filter| has a kink where the filter changes sign, so a cell ends there.
   for (int i = 0; i < kCells; ++i) {
     const bool positive = filter_value(filter, ends[i]) > 0.0;
     const auto same = [&](double x) { return (filter_value(filter, x) > 0.0) == positive; };

@@ -17,7 +17,7 @@ class Frame {
     s_ = {1.0 + sign * unit.x * unit.x * a, sign * b, -sign * unit.x};
     t_ = {b, sign + unit.y * unit.y * a, -unit.y};
   }
-  /// The same with its s along `u` as far as that is across the normal; any s where that says nothing.
+  /// The same, with s along the part of `u` perpendicular to the normal; any s if that part vanishes.
   Frame along(const Vec3& u) const {
     const Vec3 across = u - glm::dot(u, n_) * n_;
     if (!(glm::length(across) > 0.0)) return *this;
@@ -27,7 +27,7 @@ class Frame {
     return other;
   }
   const Vec3& normal() const { return n_; }
-  /// The same seen from the other side: left-handed where this is right-handed.
+  /// The same frame seen from the other side: left-handed if this one is right-handed.
   Frame mirrored() const {
     Frame other = *this;
     other.n_ = -n_;

@@ -11,7 +11,7 @@
 
 namespace etendue::reference {
 
-/// Folds a sample's decisions into its signature and, when asked, keeps them one by one; docs/conventions.md, "Path
+/// Folds a sample's decisions into its signature and, if requested, records them one by one; docs/conventions.md, "Path
 /// signature".
 class DecisionLog {
  public:
@@ -25,7 +25,7 @@ class DecisionLog {
   void environment(const EnvironmentSample& sample, bool contributed);
   void lobe(Lobe lobe);
   void roulette(bool survived);
-  /// What the path has gathered so far.
+  /// The radiance gathered so far.
   void radiance(const Vec3& rgb);
 
   std::uint32_t signature() const { return hash_; }
@@ -45,17 +45,17 @@ class DecisionLog {
 /// Path tracing (integrators `path` and `whitted`) [Kajiya1986] as in docs/conventions.md, "Path estimator".
 Vec3 path_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
 
-/// Light from emitters and sky that the first surface reflects (integrator `direct`).
+/// Light from emitters and sky reflected by the first surface (integrator `direct`).
 Vec3 direct_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
 
-/// Integrators that look at the first surface alone: `normals` in both forms, `depth`, `simple`, `ao` and `av`;
+/// Integrators that look only at the first surface: `normals` in both forms, `depth`, `simple`, `ao` and `av`;
 /// docs/conventions.md, "Integrators".
 Vec3 first_hit_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
 
-/// What a camera ray says of one AOV: docs/conventions.md, "AOVs".
+/// The value of one AOV for a camera ray: docs/conventions.md, "AOVs".
 Vec3 aov_value(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log);
 
-/// What a sample of an AOV counts for, `weight` being that of a sample of the picture.
+/// The weight of a sample of an AOV; `weight` is that of a sample of the picture.
 double aov_weight(const Scene& scene, double weight, std::uint32_t sample);
 
 }  // namespace etendue::reference

@@ -9,7 +9,7 @@
 namespace etendue::reference {
 namespace {
 
-/// How far normal and albedo look through mirrors and glass; segments.
+/// Number of segments for which normal and albedo look through mirrors and glass.
 constexpr std::uint32_t kMaxSegments = 64;
 
 bool known_at_hit(Aov aov) {
@@ -20,7 +20,7 @@ Vec3 halves(std::uint32_t number) {
   return {number % 65536u, number / 65536u, 0.0};
 }
 
-/// Follows a camera ray to where its value is known.
+/// Follows a camera ray to the surface where its value is known.
 class Look {
  public:
   Look(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log)
@@ -67,12 +67,12 @@ class Look {
     return hit;
   }
 
-  /// Lamps and sky are part of what a denoiser calls albedo, up to white.
+  /// For denoisers, lamps and sky contribute their colour to the albedo, up to white.
   void see(const Vec3& radiance) {
     if (scene_.integrator.aov == Aov::albedo) value_ = glm::max(value_, glm::min(throughput_ * radiance, Vec3(1.0)));
   }
 
-  /// False where the value is known; else `ray` has become what the mirror or glass makes of it.
+  /// Returns false if the value is known; otherwise `ray` has been reflected or refracted by the mirror or glass.
   bool arrive(const Surface& surface, const ChosenMaterials& found, std::uint32_t segment, Ray& ray) {
     const ChosenMaterial& chosen = found.chosen;
     const Aov aov = scene_.integrator.aov;
@@ -123,7 +123,7 @@ class Look {
       case Aov::material:
         return halves(scene_.instances[surface.instance].material + 1);
       default:
-        return Vec3(1.0);  // it has met something
+        return Vec3(1.0);  // the ray has hit something
     }
   }
 
@@ -150,7 +150,7 @@ double aov_weight(const Scene& scene, double weight, std::uint32_t sample) {
     case AovMean::hits:
       return 1.0;
     case AovMean::first:
-      // The film takes the mean over a set.
+      // The film stores the mean over a set.
       return sample % scene.sampler.set_size() == 0 ? scene.sampler.set_size() : 0.0;
   }
   return weight;

@@ -8,8 +8,8 @@
 namespace etendue::reference {
 namespace {
 
-/// The light of `simple`: a point of power Φ, Φ/(4π) of it per solid angle, on a white diffuse surface, whose 1/π is
-/// the other factor.
+/// The light of `simple`: a point of power Φ, that is of intensity Φ/(4π), illuminates a white diffuse surface, whose
+/// 1/π is the other factor.
 Vec3 simple(const World& world, const Surface& surface, DecisionLog& log) {
   const SimpleLight& light = world.scene().integrator.light;
   const Vec3 to_light = light.position - surface.p;
@@ -21,7 +21,8 @@ Vec3 simple(const World& world, const Surface& surface, DecisionLog& log) {
   return lit ? light.energy * (cosine / (4.0 * kPi * kPi * distance * distance)) : Vec3(0.0);
 }
 
-/// 1 where a random ray of the hemisphere about the shading normal is free up to the integrator's length, else 0.
+/// 1 if a random ray in the hemisphere about the shading normal is unoccluded up to the integrator's length, otherwise
+/// 0.
 Vec3 openness(const World& world, const Surface& surface, const SampleRandom& random, DecisionLog& log) {
   const Integrator& integrator = world.scene().integrator;
   const SampleRandom::Material numbers = random.material(0);
@@ -69,7 +70,7 @@ Vec3 shade(const World& world, const Surface& surface, const Ray& ray, const Sam
 Vec3 first_hit_radiance(const World& world, const Ray& camera_ray, const SampleRandom& random, DecisionLog& log) {
   const std::optional<Surface> hit = world.closest_hit(camera_ray);
   log.segment(camera_ray, hit);
-  // Nothing hides the sky from a ray that meets nothing.
+  // A camera ray that hits nothing is not occluded.
   const bool open_sky = world.scene().integrator.type == Integrator::Type::visibility;
   const Vec3 color = hit ? shade(world, *hit, camera_ray, random, log) : Vec3(open_sky ? 1.0 : 0.0);
   log.radiance(color);

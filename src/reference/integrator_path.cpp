@@ -17,7 +17,7 @@ double power_heuristic(double own, double other) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// What is left of light after a way through something that absorbs; of infinitely long ways nothing.
+/// The fraction of light left after a distance in an absorbing medium; 0 for infinite distances.
 Vec3 transmittance(const Vec3& absorption, double distance) {
   Vec3 passed(1.0);
   for (int c = 0; c < 3; ++c) {
@@ -26,7 +26,7 @@ Vec3 transmittance(const Vec3& absorption, double distance) {
   return passed;
 }
 
-/// The chance of a path of `whitted` to go on behind a mirror or glass.
+/// The survival probability of a path of `whitted` after a mirror or glass.
 constexpr double kWhittedSurvival = 0.95;
 
 /// One path from the camera; the steps are those of docs/conventions.md, "Path estimator".
@@ -54,8 +54,8 @@ class Path {
     return radiance_;
   }
 
-  /// Integrator `direct`: rounds of one light sample and one material sample at the first surface, each divided by how
-  /// many of its kind there are.
+  /// Integrator `direct`: rounds of one light sample and one material sample at the first surface, each divided by the
+  /// number of samples of its kind.
   Vec3 trace_direct(const Ray& camera_ray) {
     const std::uint32_t rounds = std::max(integrator_.emitter_samples, integrator_.bsdf_samples);
     for (std::uint32_t round = 0; round < rounds; ++round) {
@@ -80,8 +80,7 @@ class Path {
   }
 
  private:
-  /// What becomes of a path at a surface: it ends, it goes on in another direction, or it goes on as if there were no
-  /// surface.
+  /// What happens to a path at a surface: it ends, continues in another direction, or passes the surface.
   enum class Step { ends, scatters, passes };
 
   Step leave(const Ray& ray, bool seen_by_camera) {
@@ -98,14 +97,14 @@ class Path {
     return hit;
   }
 
-  /// Light that was scattered so often, if that is what is asked for.
+  /// Adds light that was scattered so many times, if the integrator gathers that part.
   void gather(std::uint32_t bounces, const Vec3& light) {
     using enum Integrator::LightPart;
     const bool direct_light = bounces <= 1;
     if (integrator_.light_part == all || direct_light == (integrator_.light_part == direct)) radiance_ += light;
   }
 
-  /// The second segment of a round: what it meets by chance.
+  /// The second segment of a round: gathers the light that it hits by chance.
   void end_direct_round(Ray ray, std::uint32_t vertex) {
     for (;;) {
       const std::optional<Surface> end = next_surface(ray, false);
@@ -121,7 +120,7 @@ class Path {
     }
   }
 
-  /// What light from vertex `k` on meets in the direction `w`, or nothing where it passes the surface.
+  /// The scatterer at vertex `k` for a ray in the direction `w`, or nothing if the ray passes the surface.
   std::optional<Mixture> scatterer_at(const Surface& surface, const Vec3& w, std::uint32_t k) {
     const Scene& scene = world_.scene();
     const std::optional<ChosenMaterials> found = choose_materials(scene, surface, w, random_, k);
@@ -132,12 +131,12 @@ class Path {
     };
     const Scatterer chosen = scatterer(found->chosen, true);
     if (!found->other) return Mixture(chosen);
-    // What is not mixed chooses no colour.
+    // The other half chooses a colour only if it is really mixed in.
     const Mixture mixture(chosen, found->share, scatterer(*found->other, false));
     return mixture.mixed() ? Mixture(chosen, found->share, scatterer(*found->other, true)) : mixture;
   }
 
-  /// What disperses light bends each of its three colours otherwise, and a path carries one from there on.
+  /// A dispersing material refracts each of the three colours differently, and from there on a path carries only one.
   Bsdf dispersed(Bsdf bsdf, const Surface& surface, const Vec3& w, std::uint32_t k) {
     auto* gltf = std::get_if<GltfBsdf>(&bsdf);
     if (gltf == nullptr || !disperses(*gltf)) return bsdf;
@@ -147,7 +146,8 @@ class Path {
       color_ = std::min(2, static_cast<int>(3.0 * random_.choice(decision, UINT32_MAX)));
       for (int c = 0; c < 3; ++c) beta_[c] *= c == *color_ ? 3.0 : 0.0;
     }
-    // n_F − n_C = (n − 1) / V, V = 20 / dispersion; red and blue lie half of it below and above green.
+    // n_F − n_C = (n − 1) / V, V = 20 / dispersion; the indices for red and blue are half of it below and above that
+    // for green.
     const double n = std::max(1.001, gltf->ior.value), spread = (n - 1.0) * gltf->dispersion / 20.0;
     gltf->met.bending_index = std::max(1.001, n + (*color_ - 1) * spread / 2.0);
     return bsdf;
@@ -159,7 +159,7 @@ class Path {
     return Step::passes;
   }
 
-  /// Whether a shadow ray from vertex `k` meets nothing, or passes all that it meets.
+  /// Whether a shadow ray from vertex `k` hits nothing, or passes everything that it hits.
   bool unoccluded(Ray ray, std::uint32_t k) const {
     for (std::uint64_t segment = std::uint64_t{k} + 2; !counts_passes_ || segment <= max_depth_; ++segment) {
       const std::optional<Surface> hit = world_.closest_hit(ray);
@@ -170,10 +170,10 @@ class Path {
     return false;
   }
 
-  /// The first segment of a round; when it scatters, `ray` has become that of a material sample.
+  /// The first segment of a round. If it scatters, `ray` becomes that of a material sample.
   Step direct_round(const Surface& surface, std::uint32_t round, Ray& ray) {
     if (round == 0) gather(bounces_, beta_ * emission(surface, -ray.direction));
-    // Numbers are counted by segments, of which a round has two.
+    // Random numbers are indexed by segments, of which a round has two.
     const std::uint32_t k = 2 * round;
     const std::optional<Mixture> chosen = scatterer_at(surface, ray.direction, k);
     if (!chosen) return pass(surface, ray);
@@ -198,7 +198,7 @@ class Path {
     return Step::scatters;
   }
 
-  /// Light that arrives from outside, times the share that finding it by chance has in the estimate.
+  /// Light arriving from outside, times the MIS weight of finding it by chance.
   Vec3 from_outside(const Vec3& w) const {
     const Environment& environment = world_.environment();
     const Vec3 L = environment.radiance(w);
@@ -207,7 +207,7 @@ class Path {
     return L * power_heuristic(bsdf_count() * previous_->pdf_w, light_count() * environment.pdf_w(w));
   }
 
-  /// Whether the vertex before has sampled lights, too.
+  /// Whether the previous vertex has sampled lights as well.
   bool found_by_sampling() const { return samples_lights_ && previous_ && !previous_->delta; }
 
   /// Gathers light at vertex `depth` − 1 and turns `ray` into the next segment.
@@ -243,7 +243,7 @@ class Path {
     return Step::scatters;
   }
 
-  /// Radiance emitted toward `wo`, times the share that finding it by chance has in the estimate.
+  /// Radiance emitted toward `wo`, times the MIS weight of finding it by chance.
   Vec3 emission(const Surface& surface, const Vec3& wo) const {
     const Vec3 Le = emitted_radiance(world_.scene(), surface, wo);
     if (is_zero(Le) || !found_by_sampling()) return Le;
@@ -254,14 +254,14 @@ class Path {
     return Le * w_bsdf;
   }
 
-  /// Light of points has no bound; nearer than the film can tell, this is one.
+  /// The light of points is unbounded. This bound takes effect only at distances that single precision cannot resolve.
   void add_sampled_light(const Surface& surface, const Mixture& scatterer, std::uint32_t k) {
     bool delta = false;
     const Vec3 added = beta_ * sampled_light(surface, scatterer, k, delta);
     gather(bounces_ + 1, delta ? glm::min(added, Vec3(world_.delta_light_limit())) : added);
   }
 
-  /// Next-event estimation at vertex `k`: reflected radiance due to a direction of the environment or a point of a
+  /// Next-event estimation at vertex `k`: the reflected radiance due to a direction of the environment or a point on a
   /// light.
   Vec3 sampled_light(const Surface& surface, const Mixture& scatterer, std::uint32_t k, bool& delta) const {
     const Environment& environment = world_.environment();
@@ -292,7 +292,7 @@ class Path {
            w_light / light_count();
   }
 
-  /// Reflected radiance due to one sampled point of one light, where no other than those is chosen.
+  /// Reflected radiance due to one sampled point on a light.
   Vec3 direct_light(const Surface& surface, const Mixture& scatterer, std::uint32_t k, bool& delta) const {
     const std::optional<LightSample> chosen =
         world_.lights().sample(world_.scene(), surface.p, scatterer.light_normal(), random_.light(k));
@@ -305,7 +305,7 @@ class Path {
     log_.light(light, contributes);
     if (!contributes) return Vec3(0.0);
     const double pdf_mis = light.pdf_w_mis * world_.environment().lights_prob();
-    const bool shared = weighs_ && !delta;  // with the strategy that meets lights by chance
+    const bool shared = weighs_ && !delta;  // whether hits by chance find this light, too
     const double w_light =
         shared ? power_heuristic(light_count() * pdf_mis, bsdf_count() * scatterer.pdf(light.wi)) : 1.0;
     const double distance = glm::distance(surface.p, light.surface.p);
@@ -322,7 +322,7 @@ class Path {
   }
 
   /// Russian roulette. Paths inside a medium carry radiance scaled by its squared index; `eta_scale_` undoes this, so
-  /// that a path's chance does not depend on the medium it is in.
+  /// that the survival of a path does not depend on its medium.
   bool survives(std::uint32_t depth, double u) {
     const bool whitted = integrator_.type == Integrator::Type::whitted;
     if (!whitted && (integrator_.rr_depth == 0 || depth < integrator_.rr_depth)) return true;
@@ -333,7 +333,7 @@ class Path {
     return survived;
   }
 
-  /// Samples of a strategy that share a vertex; one but for `direct`.
+  /// Samples of a strategy that share a vertex; 1 except for `direct`.
   double light_count() const {
     return integrator_.type == Integrator::Type::direct ? integrator_.emitter_samples : 1.0;
   }
@@ -349,16 +349,16 @@ class Path {
   const Integrator& integrator_;
   const bool samples_lights_, weighs_, counts_passes_;
   std::uint32_t max_depth_ = 1;
-  bool black_ = false;  ///< the surface that the rounds of `direct` look at reflects nothing
+  bool black_ = false;  ///< the surface seen by the rounds of `direct` reflects nothing
   const SampleRandom& random_;
   DecisionLog& log_;
   std::uint32_t bounces_ = 0;
   Vec3 beta_{1.0};
-  Vec3 absorption_{0.0};  ///< of what the ray goes through, per scene unit
+  Vec3 absorption_{0.0};  ///< of the medium that the ray is in, per scene unit
   Vec3 radiance_{0.0};
   double eta_scale_ = 1.0;
-  std::optional<int> color_;          ///< the one that the path carries, once it has met what disperses light
-  std::optional<Previous> previous_;  ///< the vertex before; none for the camera
+  std::optional<int> color_;          ///< the one that the path carries after a dispersing material
+  std::optional<Previous> previous_;  ///< the previous vertex; none for the camera
 };
 
 }  // namespace

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kDegenerateShare = 1e-14;
 
-/// a·d − b·c; its sign decides on which side of an edge the ray passes. An exact zero may be rounding: ask again with
-/// more digits where the platform has them.
+/// a·d − b·c; its sign decides on which side of an edge the ray passes. An exact zero may be due to rounding, so it is
+/// computed again with more digits if the platform has them.
 double edge_function(double a, double b, double c, double d) {
   const double value = a * d - b * c;
   if (value != 0.0) return value;

@@ -19,7 +19,7 @@ struct TriangleHit {
   Vec3 barycentric{0.0};  ///< weights of p0, p1, p2
 };
 
-/// Watertight test: a ray never slips through an edge two triangles share. Source: [Woop2013].
+/// Watertight test: no ray slips through an edge shared by two triangles. Source: [Woop2013].
 class TriangleTest {
  public:
   explicit TriangleTest(const Ray& ray);
@@ -33,7 +33,7 @@ class TriangleTest {
 };
 
 /// Smallest t in (ray.t_min, t_max) where the ray meets the sphere. The discriminant comes from the distance between
-/// centre and line, so that small and far spheres keep their digits. Source: [Haines2019].
+/// centre and line, so that precision is preserved for small and distant spheres. Source: [Haines2019].
 std::optional<double> intersect_sphere(const Ray& ray, const Vec3& center, double radius, double t_max);
 
 }  // namespace etendue::reference

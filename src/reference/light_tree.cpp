@@ -13,8 +13,8 @@ namespace {
 constexpr std::uint32_t kMaxLevels = 31;
 constexpr std::uint32_t kLevelsPerWord = 6;
 
-/// The number that decides at `level`: every sixth level takes a fresh one, so that rounding is not magnified by the
-/// stretching in between.
+/// The number that decides at `level`: every sixth level uses a fresh one, so that stretching does not magnify rounding
+/// errors further.
 double fresh_number(std::uint32_t level, std::uint32_t word_a, std::uint32_t word_b) {
   if (level == 0) return unit_float(word_a);
   if (level == kLevelsPerWord) return unit_float(word_b);
@@ -30,8 +30,8 @@ std::uint32_t hashed_word(std::uint32_t level, std::uint32_t word_b) {
   return x ^ x >> 16;
 }
 
-/// Where a leaf lies in the space that is split: the centre of its box and its normal, as integers so that the tree is
-/// the same everywhere.
+/// Coordinates of a leaf in the space that is split: the centre of its box and its normal, as integers, so that the
+/// tree is the same everywhere.
 struct LightTree::Key {
   std::array<std::int32_t, 6> q{};
   LightLeaf leaf;
@@ -114,7 +114,7 @@ LightTree::Node LightTree::bound(std::uint32_t first, std::uint32_t count) const
   }
   node.center = 0.5 * (lower + upper);
   node.radius = 0.5 * glm::length(upper - lower);
-  // Normals that cancel leave a direction of rounding errors: no cone then.
+  // If the normals cancel, the direction of their sum is rounding error, so there is no cone.
   const double length = glm::length(sum);
   const bool directed = length > 1e-3 * node.power;
   node.axis = directed ? sum / length : Vec3(0.0, 0.0, 1.0);
@@ -122,7 +122,7 @@ LightTree::Node LightTree::bound(std::uint32_t first, std::uint32_t count) const
   for (std::uint32_t i = first; i < first + count; ++i) {
     const bool all_sides = leaves_[i].normal == Vec3(0.0);
     const double to_axis = glm::dot(node.axis, leaves_[i].normal);
-    // A leaf with a cone of its own reaches further away from the axis.
+    // A leaf with a cone of its own extends further from the axis.
     const double angle = std::acos(std::clamp(to_axis, -1.0, 1.0)) + std::acos(leaves_[i].cos_cone);
     const double farthest = leaves_[i].cos_cone == 1.0 ? to_axis : angle >= kPi ? -1.0 : std::cos(angle);
     node.cos_cone = std::min(node.cos_cone, all_sides ? -1.0 : farthest);
@@ -142,7 +142,7 @@ double LightTree::importance(const Node& node, const Vec3& p, const Vec3& n) {
   };
   const double angle = std::acos(d > 0.0 ? std::clamp(-glm::dot(node.axis, to_center) / d, -1.0, 1.0) : 1.0);
   const double above_light = d * std::cos(std::max(0.0, angle - std::acos(node.cos_cone)));
-  // Without a normal light from either side counts, whatever its angle to the surface.
+  // Without a normal, light from both sides counts, whatever its angle to the surface.
   const double above_surface = n == Vec3(0.0) ? d : glm::dot(n, to_center);
   const double distance2 = d * d + 0.35 * node.radius * node.radius;
   return node.power * usual_height(above_light) * usual_height(above_surface) / (distance2 * distance2);

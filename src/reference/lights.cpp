@@ -13,7 +13,7 @@ namespace etendue::reference {
 
 namespace {
 
-/// Meshes as lights, by shape: made when the first instance asks.
+/// Meshes as lights, by shape; created when the first instance needs it.
 using SharedLights = std::map<std::uint32_t, std::shared_ptr<const MeshLight>>;
 
 AreaLight make_light(const Scene& scene, std::uint32_t index, bool shared, SharedLights& shared_lights) {
@@ -51,8 +51,8 @@ AreaLight make_light(const Scene& scene, std::uint32_t index, bool shared, Share
   return light;
 }
 
-/// The side of a triangle's light is that of its vertex normals: the leaf's normal is their mean, or none where one of
-/// them points away from it.
+/// A triangle emits on the side of its vertex normals: the leaf's normal is their mean, or none if one of them points
+/// away from it.
 void shine_by_vertex_normals(const TriangleMesh& mesh, std::uint32_t i, const Placement& placement, LightLeaf& leaf) {
   const glm::uvec3 t = mesh.triangles[i];
   Vec3 sum(0.0);
@@ -71,7 +71,7 @@ LightLeaf round_leaf(const Shape& shape, const Placement& placement) {
   LightLeaf leaf;
   if (const auto* object = std::get_if<Cylinder>(&shape)) {
     const Tube tube = placement.cylinder(*object);
-    leaf.power = 2.0 * tube.radius * tube.height;  // its outline from the side
+    leaf.power = 2.0 * tube.radius * tube.height;  // its area as seen from the side
     const Vec3 top = tube.base + tube.height * tube.axis;
     const Vec3 reach = tube.radius * glm::sqrt(glm::max(Vec3(0.0), 1.0 - tube.axis * tube.axis));
     leaf.lower = glm::min(tube.base, top) - reach;
@@ -87,7 +87,7 @@ LightLeaf round_leaf(const Shape& shape, const Placement& placement) {
   return leaf;
 }
 
-/// Luminance times area, of the whole instance.
+/// Luminance times area of the whole instance.
 double instance_power(const Scene& scene, const AreaLight& light) {
   const EmitterRadiance radiance(scene, scene.instances[light.instance]);
   if (radiance.uniform() || light.shared) return luminance(radiance.mean_of_all()) * light.area;
@@ -142,7 +142,7 @@ std::vector<LightLeaf> light_leaves(const Scene& scene, const std::vector<AreaLi
       if (!mesh.normals.empty()) shine_by_vertex_normals(mesh, i, lights[l].placement, leaves.back());
     }
   }
-  // What emits on both sides is like a sphere.
+  // A light that emits on both sides has no normal, like a sphere.
   for (LightLeaf& leaf : leaves) {
     if (!lights[leaf.light].two_sided) continue;
     leaf.normal = Vec3(0.0);

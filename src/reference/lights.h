@@ -1,5 +1,5 @@
 #pragma once
-/// Everything that emits from a surface, and the choice among it; docs/conventions.md, "Discrete choices" and
+/// All surfaces that emit, and the choice among them; docs/conventions.md, "Discrete choices" and
 /// "Emitters".
 
 #include <cstdint>
@@ -22,9 +22,9 @@ struct AreaLight {
   std::uint32_t instance = 0;
   Placement placement;
   double area = 0.0;                        ///< of the whole instance, in world space
-  DiscreteChoice triangles;                 ///< empty for other shapes than meshes
-  std::shared_ptr<const MeshLight> shared;  ///< of an instance of a shared mesh, instead of `triangles`
-  bool two_sided = false;                   ///< emits behind, too
+  DiscreteChoice triangles;                 ///< empty for shapes other than meshes
+  std::shared_ptr<const MeshLight> shared;  ///< for an instance of a shared mesh, instead of `triangles`
+  bool two_sided = false;                   ///< also emits behind
 
   const DiscreteChoice& choice() const { return shared ? shared->triangles() : triangles; }
 };
@@ -33,13 +33,13 @@ struct AreaLight {
 struct LightSample {
   std::uint32_t instance = 0;
   std::uint32_t primitive = 0;
-  Surface surface;     ///< the light's surface there
-  Vec3 wi{0.0};        ///< unit, from `from` toward it
-  double pdf_w = 0.0;  ///< solid-angle density of this sample, choice of the light included; 0: it sends nothing here
+  Surface surface;         ///< the light's surface there
+  Vec3 wi{0.0};            ///< unit, from `from` toward it
+  double pdf_w = 0.0;      ///< solid-angle density, including the choice of the light; 0: no light arrives
   double pdf_w_mis = 0.0;  ///< the density that multiple-importance weights use
   Vec3 radiance{0.0};      ///< toward `from`
-  /// A light without extent, number `primitive` of the scene's: `pdf_w` is the probability of its choice, `radiance`
-  /// intensity over squared distance, and no other strategy finds it.
+  /// A light without extent, with the number `primitive` in the scene: `pdf_w` is the probability of its choice,
+  /// `radiance` its intensity divided by the squared distance. No other strategy finds it.
   bool delta = false;
 };
 
@@ -49,19 +49,19 @@ class Lights {
   Lights() = default;
 
   bool empty() const { return choice_.empty(); }
-  /// Sum of luminance times area, and of power over π of lights without extent.
+  /// Sum of luminance times area, plus, for lights without extent, power divided by π.
   double power() const { return power_; }
-  /// Chooses a light for a surface at `from` with shading normal `ns`, and a point on it. Not when empty; nothing when
-  /// no light can contribute.
+  /// Chooses a light for a surface at `from` with shading normal `ns`, and a point on it; nothing if no light can
+  /// contribute. Must not be called if there are no lights.
   std::optional<LightSample> sample(const Scene& scene, const Vec3& from, const Vec3& ns,
                                     const SampleRandom::Light& random) const;
   /// The probability with which `sample` chooses a primitive.
   double prob(const Vec3& from, const Vec3& ns, std::uint32_t instance, std::uint32_t primitive) const;
-  /// The density with which `sample` finds `at`, for multiple-importance weights; 0 where there is no light.
+  /// The density with which `sample` finds `at`, for multiple-importance weights; 0 if there is no light.
   double pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, const Surface& at) const;
 
  private:
-  /// A primitive as it was chosen. The densities of a point on it are w.r.t. area.
+  /// A chosen primitive. Densities of points on it are w.r.t. area.
   struct Chosen {
     const AreaLight* light = nullptr;
     std::optional<std::uint32_t> delta = {};  ///< instead: the number of a light without extent
@@ -81,9 +81,10 @@ class Lights {
   static void see_from(const Vec3& from, const Chosen& chosen, bool shared, LightSample& sample);
 
   std::vector<AreaLight> lights_;
-  std::vector<std::uint32_t> deltas_;  ///< lights without extent that stand somewhere, chosen as if behind lights_
-  LightTree tree_;                     ///< empty where lights are chosen by power
-  DiscreteChoice choice_;              ///< index into lights_
+  std::vector<std::uint32_t>
+      deltas_;             ///< lights without extent that have a position; they follow lights_ in the choice
+  LightTree tree_;         ///< empty if lights are chosen by power
+  DiscreteChoice choice_;  ///< index into lights_
   double power_ = 0.0;
   std::vector<std::optional<std::size_t>> of_instance_;  ///< instance → index into lights_
 };
