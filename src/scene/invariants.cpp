@@ -17,6 +17,7 @@
 #include "scene/materials.h"
 #include "scene/parameters.h"
 #include "scene/placed.h"
+#include "scene/similarity.h"
 #include "scene/texture_checks.h"
 #include "scene/view.h"
 
@@ -39,17 +40,6 @@ bool is_usable(const glm::dmat4& m) {
     axes[a] /= length;
   }
   return affine && glm::determinant(axes) != 0.0;
-}
-
-/// Axes of equal length at right angles, but for rounding: what keeps a sphere a sphere.
-bool is_similarity(const glm::dmat4& m) {
-  constexpr double kTolerance = 1e-9;
-  const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
-  const double xx = glm::dot(x, x), yy = glm::dot(y, y), zz = glm::dot(z, z);
-  const double largest = std::max({xx, yy, zz});
-  return std::abs(xx - yy) <= kTolerance * largest && std::abs(xx - zz) <= kTolerance * largest &&
-         std::max({std::abs(glm::dot(x, y)), std::abs(glm::dot(y, z)), std::abs(glm::dot(z, x))}) <=
-             kTolerance * largest;
 }
 
 class Checker {

@@ -50,6 +50,7 @@ Read read(const std::string& text, const ReadOptions& options = {}, const Files&
   return result;
 }
 
+constexpr const char* kPicture = "<string name=\"filename\" value=\"p.png\"/>";
 constexpr const char* kSensor = R"(<sensor type="perspective"><float name="fov" value="40"/></sensor>)";
 
 /// A scene with the least it needs around `content`, all in line 1 up to `content` in line 2.
@@ -165,6 +166,20 @@ TEST(MitsubaColors, Emission) {
   expect_color(radiance_of("<spectrum name=\"radiance\" value=\"300:3, 900:3\"/>"), {3.61465, 2.84468, 2.7278});
 }
 
+TEST(MitsubaColors, SpectraOfThreeSamplesAreOfOldScenes) {
+  const auto text = [](const char* version) {
+    return fmt::format(R"(<scene version="{}">{}<shape type="sphere">
+    <bsdf type="diffuse"><spectrum name="reflectance" value=".9 .7 .5"/></bsdf>
+    <emitter type="area"><spectrum name="radiance" value="1704, 1852, 1950"/></emitter></shape></scene>)",
+                       version, kSensor);
+  };
+  const Read old = read(text("0.6.0"));
+  ASSERT_TRUE(old.scene.has_value()) << old.messages();
+  EXPECT_EQ(std::get<DiffuseBsdf>(old.scene->materials.at(0).bsdf).albedo.value, glm::dvec3(0.9, 0.7, 0.5));
+  EXPECT_EQ(old.scene->emitters.at(0).radiance.value, glm::dvec3(1704, 1852, 1950));
+  EXPECT_NE(read(text("3.0.0")).first_error().find("three numbers are an <rgb>"), std::string::npos);
+}
+
 TEST(MitsubaColors, SpectraWithATypeAndInFiles) {
   const auto typed = [](const std::string& type, const std::string& properties) {
     return fmt::format("<spectrum name=\"radiance\" type=\"{}\">{}</spectrum>", type, properties);
@@ -251,6 +266,19 @@ TEST(MitsubaSensor, Defaults) {
   EXPECT_EQ(result.scene->integrator.rr_depth, 5u);
 }
 
+TEST(MitsubaSensor, TheCallerMayPlaceWhatAFileLacks) {
+  const std::string text = "<scene version=\"3.0.0\"><shape type=\"sphere\"/></scene>";
+  EXPECT_NE(read(text).first_error().find("needs a <sensor>; add one, or place a camera by --camera"),
+            std::string::npos);
+  ReadOptions options;
+  options.camera = "0 0 5 0 0 0";
+  const Read placed = read(text, options);
+  ASSERT_TRUE(placed.scene.has_value()) << placed.messages();
+  EXPECT_EQ(placed.scene->camera.width, 768u);
+  EXPECT_EQ(placed.scene->camera.filter.type, ReconstructionFilter::Type::gaussian);
+  EXPECT_EQ(placed.scene->sampler.sample_count, 4u);
+}
+
 TEST(MitsubaSensor, FieldsOfView) {
   const auto fov = [](const std::string& properties) {
     return fov_across(
@@ -300,6 +328,8 @@ TEST(MitsubaSensor, FiltersAndSamplers) {
       scene("", "<sampler type=\"multijitter\"><integer name=\"sample_count\" value=\"64\"/></sampler>").sampler;
   EXPECT_EQ(spread.type, Sampler::Type::sobol);
   EXPECT_EQ(spread.sample_count, 64u);
+  for (const char* type : {"bose", "bush"})
+    EXPECT_EQ(scene("", fmt::format("<sampler type=\"{}\"/>", type)).sampler.type, Sampler::Type::sobol) << type;
 }
 
 TEST(MitsubaTransforms, ApplyInTheOrderListed) {
@@ -333,6 +363,34 @@ TEST(MitsubaTransforms, Matrices) {
     EXPECT_FALSE(result.scene.has_value()) << wrong;
     EXPECT_EQ(result.first_error().find("s.xml:2:"), 0u) << result.messages();
   }
+}
+
+// Many files give matrices with four to six digits; this one turns the sky of Mitsuba's own preview of materials.
+TEST(MitsubaTransforms, MatricesOfFewDigitsTurnSkiesLightsAndSpheres) {
+  const char* matrix =
+      R"(<transform name="to_world"><matrix value="-0.224951 -0.000001 -0.974370 0 -0.974370 0 0.224951 0
+      0 1 -0.000001 8.87 0 0 0 1"/></transform>)";
+  const Read result = read(around(fmt::format(
+      R"(<shape type="sphere">{0}</shape><emitter type="envmap">{1}{0}</emitter><emitter type="spot">{0}</emitter>)",
+      matrix, kPicture)));
+  ASSERT_TRUE(result.scene.has_value()) << result.messages();
+  const glm::dmat3 written = {-0.224951, -0.974370, 0, -0.000001, 0, 1, -0.974370, 0.224951, -0.000001};
+  for (const glm::dmat3& m :
+       {result.scene->sky.world_from_sky, glm::dmat3(result.scene->delta_lights.at(0).world_from_light),
+        glm::dmat3(result.scene->instances.at(0).world_from_object)}) {
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_LT(glm::distance(m[a], written[a]), 2e-6) << a;
+      EXPECT_NEAR(glm::dot(m[a], m[(a + 1) % 3]), 0.0, 1e-14) << a;
+      EXPECT_NEAR(glm::length(m[a]), glm::length(m[0]), 1e-14) << a;
+    }
+  }
+  EXPECT_EQ(result.scene->instances.at(0).world_from_object[3], glm::dvec4(0, 0, 8.87, 1));
+}
+
+TEST(MitsubaTransforms, UnevenScalesStayErrors) {
+  const Read result =
+      read(around(R"(<shape type="sphere"><transform name="to_world"><scale value="1 1.001 1"/></transform></shape>)"));
+  EXPECT_NE(result.first_error().find("scales it unevenly"), std::string::npos) << result.messages();
 }
 
 TEST(MitsubaParameters, DefaultsAndTheCommandLine) {
@@ -588,8 +646,6 @@ TEST(MitsubaLights, SkiesAreApproximatedWithTheSunInItsPlace) {
   EXPECT_GT(glm::dot(brightest(by_time.scene->sky), glm::normalize(glm::dvec3(0.2359, 0.0588, 0.97))), 0.9995);
 }
 
-constexpr const char* kPicture = "<string name=\"filename\" value=\"p.png\"/>";
-
 /// Row 0 is where Mitsuba's v is 0: there, texture coordinates of a Scene have v = 1.
 TEST(MitsubaTextures, LieAsInMitsuba) {
   const auto uv = [](const std::string& texture, const glm::dvec2& of_surface) {
@@ -614,6 +670,11 @@ TEST(MitsubaTextures, LieAsInMitsuba) {
                             {0.1, 0.2});
   EXPECT_NEAR(old.x, 0.4, 1e-12);
   EXPECT_NEAR(old.y, 0.45, 1e-12);
+  const glm::dvec2 both = uv(R"(<texture name="reflectance" type="checkerboard"><float name="uvscale" value="4"/>
+    <float name="vscale" value="2"/></texture>)",
+                             {0.1, 0.2});
+  EXPECT_NEAR(both.x, 0.4, 1e-12);
+  EXPECT_NEAR(both.y, 0.4, 1e-12);
 }
 
 TEST(MitsubaTextures, PropertiesAndReferences) {
@@ -1006,6 +1067,57 @@ TEST(MitsubaMissing, AllIsListedAtOnce) {
   ASSERT_TRUE(approximated.scene.has_value()) << approximated.messages();
   EXPECT_EQ(approximated.scene->instances.size(), 3u);
   EXPECT_NE(approximated.messages().find("bsdf hair is approximated: diffuse, grey"), std::string::npos);
+}
+
+// What stands in a shape that is left out, by itself or by reference, and what stands in that.
+TEST(MitsubaMissing, WhatMissingThingsHoldIsListedToo) {
+  const std::string text = around(R"(<bsdf type="hair" id="h"/>
+    <shape type="sdfgrid"><bsdf type="twosided"><ref id="h"/></bsdf></shape>
+    <shape type="linearcurve"><ref id="h"/><medium type="homogeneous" name="interior"/></shape>)");
+  const std::string error = read(text).first_error();
+  for (const char* part : {"bsdf hair (s.xml:2:1);", "shape sdfgrid (s.xml:3:5)", "shape linearcurve (s.xml:4:5)",
+                           "medium homogeneous (s.xml:4:"})
+    EXPECT_NE(error.find(part), std::string::npos) << part << " in " << error;
+}
+
+TEST(MitsubaMissing, CirclesOfMissingThingsEnd) {
+  const std::string text = around(R"(<bsdf type="hair" id="a"><ref id="b"/></bsdf>
+    <bsdf type="difftrans" id="b"><ref id="a"/></bsdf><shape type="sphere"><ref id="a"/></shape>)");
+  const std::string error = read(text).first_error();
+  for (const char* part : {"bsdf hair (s.xml:2:1", "bsdf difftrans (s.xml:3:5"})
+    EXPECT_NE(error.find(part), std::string::npos) << part << " in " << error;
+}
+
+TEST(MitsubaMissing, WhatMovesStandsStillWhereItBegins) {
+  const std::string text = around(R"(<shape type="sphere"><animation name="to_world">
+    <transform time="1"><translate x="5"/></transform><transform time="0"><translate x="3"/></transform>
+    </animation></shape>)");
+  EXPECT_NE(read(text).first_error().find("animation (s.xml:2:22)"), std::string::npos) << read(text).messages();
+  const Read approximated = read(text, {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(approximated.scene.has_value()) << approximated.messages();
+  EXPECT_EQ(approximated.scene->instances.at(0).world_from_object[3].x, 3.0);
+}
+
+TEST(MitsubaMissing, MaterialsLikeOthersAreReadAsThose) {
+  const std::string text = around(R"(<shape type="sphere"><bsdf type="pplastic"><float name="alpha" value="0.3"/></bsdf>
+    </shape><shape type="sphere"><bsdf type="roughdiffuse"><rgb name="reflectance" value="0.1"/></bsdf></shape>)");
+  const std::string error = read(text).first_error();
+  for (const char* part : {"bsdf pplastic (s.xml:2:22)", "bsdf roughdiffuse (s.xml:3:34)"})
+    EXPECT_NE(error.find(part), std::string::npos) << part << " in " << error;
+  const Read approximated = read(text, {.overrides = {}, .approximate = true});
+  ASSERT_TRUE(approximated.scene.has_value()) << approximated.messages();
+  EXPECT_EQ(std::get<RoughPlasticBsdf>(approximated.scene->materials.at(0).bsdf).alpha.value, 0.3);
+  EXPECT_EQ(std::get<DiffuseBsdf>(approximated.scene->materials.at(1).bsdf).albedo.value, glm::dvec3(0.1));
+}
+
+TEST(MitsubaMissing, RaysThroughTheMiddleOfPixels) {
+  const auto sensor = [](const char* jitter) {
+    return with_sensor(fmt::format(R"(<sensor type="perspective"><float name="fov" value="40"/>
+    <boolean name="jitter" value="{}"/><float name="cone_scale" value="2"/></sensor>)",
+                                   jitter));
+  };
+  EXPECT_TRUE(read(sensor("true")).scene.has_value());
+  EXPECT_NE(read(sensor("false")).first_error().find("a sensor without jitter (s.xml:2:5)"), std::string::npos);
 }
 
 TEST(MitsubaMissing, UnknownPropertiesAreWarnings) {

@@ -218,6 +218,12 @@ glm::dvec3 read_spectrum(const XmlElement& element, SpectrumUse use, const Mitsu
   const XmlAttribute& value = required(element, "value");
   return at_attribute(value, [&] {
     if (value.value.find(':') != std::string::npos) return to_rec709(read_points(value.value), use);
+    // In 0.6 a spectrum had three samples, those of linear RGB.
+    if (const std::vector<ListedNumber> list = parse_numbers(value.value); list.size() == 3) {
+      if (context.document.version().starts_with("0.")) return glm::dvec3(list[0].value, list[1].value, list[2].value);
+      throw ValueError{list[1].offset,
+                       "a spectrum is one number or a list like 400:0.1, 700:0.5; three numbers are an <rgb>"};
+    }
     return to_rec709(std::get<double>(parse_value(ParameterType::real, {}, value.value)), use);
   });
 }

@@ -1,5 +1,7 @@
 #include "formats/mitsuba/features.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,6 +14,10 @@ constexpr std::size_t kListedPlaces = 5;
 
 void MissingFeatures::add(const std::string& what, const SourcePosition& position, const std::string& substitute) {
   Feature& feature = features_[what];
+  const auto is_here = [&](const SourcePosition& place) {
+    return place.file == position.file && place.line == position.line && place.column == position.column;
+  };
+  if (std::ranges::any_of(feature.places, is_here)) return;
   if (feature.count++ == 0) feature.substitute = substitute;
   if (feature.places.size() < kListedPlaces) feature.places.push_back(position);
 }

@@ -3,6 +3,7 @@
 /// all of it.
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ class MissingFeatures {
 
   /// `what` as in "bsdf plastic"; `substitute` as in "a diffuse one of its colour".
   void add(const std::string& what, const SourcePosition& position, const std::string& substitute);
+
+  /// Whether this is the first look at what an object holds that is not read itself.
+  bool looks_into(const void* object) { return seen_.insert(object).second; }
 
   /// Where approximations are wanted a warning for each feature, else one error that lists them all.
   void report(const SourcePosition& scene, Diagnostics& diagnostics) const;
@@ -33,6 +37,7 @@ class MissingFeatures {
 
   bool approximate_;
   std::map<std::string, Feature> features_;
+  std::set<const void*> seen_;
 };
 
 }  // namespace etendue

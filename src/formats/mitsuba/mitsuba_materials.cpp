@@ -179,6 +179,7 @@ Bsdf MitsubaMaterials::read(const MitsubaObject& object) {
   if (type == "roughconductor") return read_rough_conductor(object);
   if (type == "plastic") return read_plastic<PlasticBsdf>(object);
   if (type == "roughplastic") return read_rough_plastic(object);
+  if (type == "pplastic" || type == "roughdiffuse") return read_substitute(object);
   if (type == "null") return NullBsdf{};
   if (type == "principled") return read_principled<PrincipledBsdf>(object);
   if (type == "principledthin") return read_principled<PrincipledThinBsdf>(object);
@@ -204,6 +205,12 @@ Bsdf MitsubaMaterials::read_principled(const MitsubaObject& object) {
     bsdf.eta = std::max(2.0 / (1.0 - std::sqrt(0.08 * object.real("specular"))) - 1.0, 1.0 + 1.1 * kMinIndexContrast);
   }
   return bsdf;
+}
+
+Bsdf MitsubaMaterials::read_substitute(const MitsubaObject& object) {
+  const bool plastic = object.type() == "pplastic";
+  context_.missing.add(fmt::format("bsdf {}", object.type()), object.position(), plastic ? "roughplastic" : "diffuse");
+  return plastic ? read_rough_plastic(object) : read_diffuse(object);
 }
 
 Bsdf MitsubaMaterials::read_diffuse(const MitsubaObject& object) {

@@ -37,6 +37,8 @@ class MitsubaMaterials {
   ScalarParameter share_of(const MitsubaObject& object, const char* name);
   template <typename Principled>
   Bsdf read_principled(const MitsubaObject& object);
+  /// What stands for a material that there is not.
+  Bsdf read_substitute(const MitsubaObject& object);
   Bsdf read_diffuse(const MitsubaObject& object);
   template <typename Glass>
   Glass read_clear(const MitsubaObject& object);

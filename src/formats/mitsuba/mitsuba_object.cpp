@@ -48,12 +48,47 @@ const Plugin* find_row(const XmlElement& element, const MitsubaContext& context,
   return nullptr;
 }
 
+/// What an object that is left out holds is missing as well: one message names all of it.
+void list_missing_within(const XmlElement& element, const MitsubaContext& context, int depth = 0) {
+  constexpr int kMaxDepth = 32;  // references may form chains
+  if (depth == kMaxDepth || !context.missing.looks_into(&element)) return;
+  const Dialect& dialect = context.dialect;
+  for (const XmlElement& child : element.children) {
+    const XmlAttribute* id = child.name == "ref" ? child.find("id") : nullptr;
+    const XmlElement* object = id != nullptr ? context.document.find(id->value) : &child;
+    if (object == nullptr || is_property_tag(*object)) continue;
+    const std::string_view tag = dialect.canonical(object->name);
+    const XmlAttribute* type = object->find("type");
+    if (dialect.is_unsupported_tag(tag) || (type != nullptr && dialect.is_known_but_unsupported(tag, type->value)))
+      context.missing.add(type == nullptr ? std::string(tag) : fmt::format("{} {}", tag, type->value),
+                          context.document.position(*object), "left out");
+    list_missing_within(*object, context, depth + 1);
+  }
+}
+
+/// In an animation the transform of its earliest time.
+const XmlElement* first_transform(const XmlElement& animation) {
+  const XmlElement* first = nullptr;
+  double earliest = 0.0;
+  for (const XmlElement& key : animation.children) {
+    double time = 0.0;
+    if (const XmlAttribute* given = key.find("time")) text::parse_double(text::trim(given->value), time);
+    if (key.name != "transform" || (first != nullptr && time >= earliest)) continue;
+    first = &key;
+    earliest = time;
+  }
+  return first;
+}
+
 }  // namespace
 
 std::optional<MitsubaObject> MitsubaObject::read(const XmlElement& element, const MitsubaContext& context,
                                                  const std::string& substitute) {
   const Plugin* plugin = find_row(element, context, substitute);
-  if (plugin == nullptr) return std::nullopt;
+  if (plugin == nullptr) {
+    list_missing_within(element, context);
+    return std::nullopt;
+  }
   MitsubaObject object(*plugin, context.document.position(element), context);
   for (const XmlElement& child : element.children) object.read_child(child);
   for (const Parameter& row : plugin->parameters) {
@@ -115,12 +150,17 @@ void MitsubaObject::add_object(const XmlElement& child, const XmlElement& object
   const Dialect& dialect = context_->dialect;
   const std::string_view tag = dialect.canonical(object.name);
   const SourcePosition position = context_->document.position(child);
+  const XmlAttribute* name = child.find("name");
+  if (tag == "animation" && name != nullptr && plugin_->find(snake_case(name->value)) != nullptr) {
+    context_->missing.add("animation", position, "still, as at its earliest time");
+    const XmlElement* still = first_transform(object);
+    return still == nullptr ? void() : add_property(child, *still);
+  }
   if (dialect.is_unsupported_tag(tag)) {
     const XmlAttribute* type = object.find("type");
     return context_->missing.add(type == nullptr ? std::string(tag) : fmt::format("{} {}", tag, type->value), position,
                                  "left out");
   }
-  const XmlAttribute* name = child.find("name");
   if (tag == "texture" || is_property_tag(object)) {
     const bool unnamed = name == nullptr || plugin_->find(snake_case(name->value)) == nullptr;
     if (tag == "texture" && unnamed && plugin_->find_child(tag) != nullptr)  // whatever its name is

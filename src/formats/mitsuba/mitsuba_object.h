@@ -21,6 +21,7 @@ struct MitsubaContext {
   MissingFeatures& missing;
   const TextLoader& load_text;
   bool strict = false;
+  bool camera_given = false;  ///< by the caller, so that the file need not have one
 };
 
 /// A colour, or the texture that gives it: then `value` is unused.

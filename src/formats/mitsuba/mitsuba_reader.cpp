@@ -12,6 +12,7 @@
 
 #include "core/printable.h"
 #include "core/text.h"
+#include "formats/camera_option.h"
 #include "formats/mitsuba/mitsuba_daylight.h"
 #include "formats/mitsuba/mitsuba_distant.h"
 #include "formats/mitsuba/mitsuba_lights.h"
@@ -19,6 +20,7 @@
 #include "formats/mitsuba/plugins.h"
 #include "scene/bounds.h"
 #include "scene/invariants.h"
+#include "scene/similarity.h"
 
 namespace etendue {
 namespace {
@@ -166,6 +168,9 @@ class MitsubaReader {
     if (!sensor) return;
     if (sensor->given("srf"))
       context_.missing.add("a sensor's response to wavelengths (srf)", sensor->position_of("srf"), "left out");
+    if (sensor->plugin().find("jitter") != nullptr && !sensor->boolean("jitter"))
+      context_.missing.add("a sensor without jitter", sensor->position_of("jitter"),
+                           "rays are spread over their pixels");
     if (sensor->type() == "irradiancemeter")
       return context_.sink.error(sensor->position(), "an irradiancemeter belongs in the <shape> that light falls on");
     Camera& camera = scene_.camera;
@@ -231,7 +236,12 @@ class MitsubaReader {
       read_film(*sensor, camera);
       return read_sampler(*sensor);
     }
-    context_.sink.error(root.position(), "<scene> needs a <sensor>");
+    if (!context_.camera_given)
+      return context_.sink.error(root.position(), "<scene> needs a <sensor>; add one, or place a camera by --camera");
+    const MitsubaObject sensor = MitsubaObject::defaulted("sensor", "perspective", root.position(), context_);
+    read_film(sensor, scene_.camera);
+    read_field_of_view(sensor, scene_.camera);
+    read_sampler(sensor);
   }
 
   static Camera::Type camera_type(std::string_view type) {
@@ -409,7 +419,7 @@ class MitsubaReader {
       context_.missing.add(fmt::format("texture {} of an envmap", texture->type()), texture->position(), "left out");
       return nullptr;
     }
-    for (const char* moved : {"to_uv", "uscale", "vscale", "uoffset", "voffset"}) {
+    for (const char* moved : {"to_uv", "uvscale", "uscale", "vscale", "uoffset", "voffset"}) {
       if (texture->given(moved))
         context_.missing.add("an envmap whose bitmap is moved", texture->position_of(moved), "as it is");
     }
@@ -458,11 +468,18 @@ std::optional<Scene> parse_mitsuba_scene(std::unique_ptr<XmlDocument> document, 
   Scene scene;
   // After other errors a file may be missing that defines what the rest refers to.
   if (diagnostics.error_count() == errors_before) {
-    const MitsubaContext context{mitsuba, mitsuba_dialect(), diagnostics, missing, files.text, options.strict};
+    const MitsubaContext context{mitsuba,
+                                 mitsuba_dialect(),
+                                 diagnostics,
+                                 missing,
+                                 files.text,
+                                 options.strict,
+                                 is_camera_placement(options.camera)};
     MitsubaReader(context, files, scene).read();
     missing.report(mitsuba.position(mitsuba.root()), diagnostics);
     if (options.approximate) scene.approximations = missing.substitutes();
   }
+  round_to_similarities(scene);
   if (diagnostics.error_count() == errors_before) check_invariants(scene, diagnostics);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return scene;

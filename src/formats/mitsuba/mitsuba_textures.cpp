@@ -208,12 +208,13 @@ void MitsubaTextures::set_filter(const MitsubaObject& object, BitmapTexture& pic
   const std::string word = object.text("filter_type");
   if (word == "nearest") {
     picture.filter = TextureFilter::nearest;
-  } else if (word == "ewa" || word == "trilinear") {
+  } else if (word == "ewa" || word == "trilinear" || word == "anisotropic") {
     context_.sink.note(object.position_of("filter_type"),
                        fmt::format("the filter {} is read as bilinear: many samples filter pictures", word));
   } else if (word != "bilinear") {
     context_.sink.error(object.position_of("filter_type"),
-                        fmt::format("{} is not a texture filter{}; known are: nearest, bilinear, trilinear, ewa",
+                        fmt::format("{} is not a texture filter{}; known are: nearest, bilinear, trilinear, "
+                                    "anisotropic, ewa",
                                     text::quoted(word), text::did_you_mean(word, {"nearest", "bilinear"})));
   }
 }
@@ -229,7 +230,8 @@ void MitsubaTextures::set_encoding(const MitsubaObject& object, BitmapTexture& p
 
 /// In Mitsuba's coordinates.
 glm::dmat3 MitsubaTextures::uv_transform(const MitsubaObject& object) {
-  const glm::dmat3 old = {object.real("uscale"),  0.0, 0.0, 0.0, object.real("vscale"), 0.0, object.real("uoffset"),
+  const auto scale = [&](const char* axis) { return object.real(object.given(axis) ? axis : "uvscale"); };
+  const glm::dmat3 old = {scale("uscale"),        0.0, 0.0, 0.0, scale("vscale"), 0.0, object.real("uoffset"),
                           object.real("voffset"), 1.0};
   return old * object.uv_matrix("to_uv");
 }

@@ -117,6 +117,9 @@ std::vector<Parameter> sensor_parameters(std::vector<Parameter> own) {
                          {"far_clip", real, "10000", above(0), "farthest visible distance along the camera's +z"},
                          no_effect("shutter_open", real, "has no effect: nothing moves"),
                          no_effect("shutter_close", real, "has no effect: nothing moves"),
+                         {"jitter", boolean, "true", any(),
+                          "rays spread over their pixels; false is not supported, left out with --approximate"},
+                         no_effect("cone_scale", real, "has no effect: many samples filter pictures"),
                          {"srf", color, "1 1 1", any(), "spectral response; not supported, left out with --approximate",
                           "texture"},
                          to_world()});
@@ -216,7 +219,8 @@ std::vector<Plugin> view_rows() {
                   {}};
   };
   rows.push_back(sampler("independent", "Independent random numbers."));
-  for (const char* type : {"stratified", "multijitter", "orthogonal", "ldsampler", "sobol", "halton", "hammersley"})
+  for (const char* type :
+       {"stratified", "multijitter", "orthogonal", "bose", "bush", "ldsampler", "sobol", "halton", "hammersley"})
     rows.push_back(sampler(type, "Read as `sobol`: scrambled Sobol points in independent sets of 16."));
   append(rows, {
                    {"rfilter",
@@ -424,8 +428,8 @@ std::vector<Parameter> map_parameters(const Parameter& own) {
           {"use_shadowing_function", boolean, "true", any(), "turned normals shadow"}};
 }
 
-/// Materials of 0.6 that are not supported but have a substitute, and mixtures.
-std::vector<Plugin> old_bsdf_rows() {
+/// Materials that are not supported but have a substitute, and mixtures.
+std::vector<Plugin> other_bsdf_rows() {
   const std::vector<Parameter> lobe = {color_or_texture("specular_reflectance", "0.2 0.2 0.2", "weight of the lobe"),
                                        color_or_texture("diffuse_reflectance", "0.5 0.5 0.5", "albedo of the base")};
   const std::vector<Parameter> coat = joined(
@@ -457,6 +461,22 @@ std::vector<Plugin> old_bsdf_rows() {
        coated,
        joined(coat, joined(distribution(), {alpha("alpha", "roughness of the coat")})),
        {{"bsdf", 1, 1}}},
+      {"bsdf",
+       "pplastic",
+       "A plastic that polarizes. Not supported: the scene is refused, or with --approximate it becomes "
+       "`roughplastic`.",
+       joined(joined(plastic(), distribution()), {alpha("alpha", "roughness of the coat")}),
+       {}},
+      {"bsdf",
+       "roughdiffuse",
+       "Diffuse reflection by rough ground (0.6). Not supported: the scene is refused, or with --approximate it "
+       "becomes "
+       "`diffuse`.",
+       {color_or_texture("reflectance", "0.5 0.5 0.5", "share of light that is reflected"),
+        color_or_texture("diffuse_reflectance", "0.5 0.5 0.5", "another name for reflectance"),
+        number_or_texture("alpha", "0.2", at_least(0), "roughness"),
+        {"use_fast_approx", boolean, "false", any(), "a simpler formula"}},
+       {}},
       {"bsdf",
        "mixturebsdf",
        "A mixture of any number of materials (0.6). If the weights add up to less than 1, the rest is black; if to "
@@ -537,8 +557,12 @@ std::vector<Parameter> old_texture_transform() {
   const auto number = [](const char* name, const char* default_text, const char* doc) {
     return Parameter{name, real, default_text, between(-1e9, 1e9), doc};
   };
-  return {texture_transform(), number("uscale", "1", "factor for u (0.6)"), number("vscale", "1", "factor for v (0.6)"),
-          number("uoffset", "0", "added to u after that (0.6)"), number("voffset", "0", "added to v after that (0.6)")};
+  return {texture_transform(),
+          number("uvscale", "1", "factor for u and v (0.6)"),
+          number("uscale", "1", "factor for u, instead of uvscale (0.6)"),
+          number("vscale", "1", "factor for v, instead of uvscale (0.6)"),
+          number("uoffset", "0", "added to u after that (0.6)"),
+          number("voffset", "0", "added to v after that (0.6)")};
 }
 
 std::vector<Plugin> texture_rows() {
@@ -708,7 +732,7 @@ std::vector<Plugin> make_rows() {
           no_effect("silhouette_sampling_weight", real, "has no effect: nothing is differentiated"));
   }
   append(rows, bsdf_rows());
-  append(rows, old_bsdf_rows());
+  append(rows, other_bsdf_rows());
   append(rows, emitter_rows());
   append(rows, texture_rows());
   append(rows, delta_light_rows());
@@ -725,8 +749,7 @@ std::vector<UnsupportedTypes> unsupported_types() {
       {"shape",
        {"heightfield", "hair", "deformable", "linearcurve", "bsplinecurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh"}},
       {"bsdf",
-       {"measured", "hair", "roughdiffuse", "difftrans", "hk", "pplastic", "polarizer", "retarder", "circular",
-        "measured_polarized", "irawan"}},
+       {"measured", "hair", "difftrans", "hk", "polarizer", "retarder", "circular", "measured_polarized", "irawan"}},
       {"emitter", {"directionalarea", "collimated", "timed_sunsky", "volumelight"}},
       {"texture", {"volume", "gridtexture", "wireframe", "curvature"}},
   };

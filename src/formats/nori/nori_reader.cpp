@@ -28,6 +28,7 @@
 #include "scene/materials.h"
 #include "scene/metals.h"
 #include "scene/parameters.h"
+#include "scene/similarity.h"
 
 namespace etendue {
 namespace {
@@ -94,6 +95,7 @@ class SceneReader {
     report_empty_meshes(scene);
     check_unused_definitions(object);
     remember_fields(object, {"sky_top", "sky_horizon"});
+    round_to_similarities(scene);
     check_invariants(scene, sink_, [this](const SourcePosition& where, std::string_view field) {
       const auto found = fields_.find({where.line, where.column, std::string(field)});
       return found == fields_.end() ? std::nullopt : std::optional(found->second);
