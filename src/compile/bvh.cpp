@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <functional>
 #include <span>
 
 #include "core/long_task.h"
@@ -13,7 +14,7 @@ namespace etendue {
 namespace {
 
 constexpr std::uint32_t kMaxBins = 64;
-constexpr std::uint32_t kParallel = 1u << 16;  // larger nodes are split by all threads together, smaller ones by one
+constexpr std::uint32_t kLeastTogether = 1u << 16;  // items of a node that all threads split together
 
 // Four lanes of a register, the last of which is unused: a box grows by one instruction per side.
 using Lanes = float __attribute__((vector_size(16)));
@@ -97,6 +98,8 @@ class BvhBuilder {
   BvhBuilder(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& without, const BvhConfig& config)
       : config_(config) {
     items_.reserve(boxes.size() - without.size());
+    // Enough subtrees for every thread, with some to spare because they differ in size.
+    together_ = std::max(kLeastTogether, static_cast<std::uint32_t>(items_.capacity() / (4 * thread_count())));
     auto next = without.begin();
     for (std::uint32_t i = 0; i < boxes.size(); ++i) {
       if (next != without.end() && *next == i) {
@@ -115,12 +118,13 @@ class BvhBuilder {
     while (!pending.empty()) {
       const Work work = pending.back();
       pending.pop_back();
-      if (work.count() <= kParallel) {
+      if (work.count() <= together_) {
         subtrees.push_back(work);
       } else {
         split_node(work, pending);
       }
     }
+    std::ranges::stable_sort(subtrees, std::greater(), &Work::count);  // the last to end should be short
     LongTask progress("Building the tree", items_.size());
     parallel_for(subtrees.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
@@ -161,11 +165,11 @@ class BvhBuilder {
   State reduce(const Work& work, const State& empty, const Body& body, const Merge& merge) {
     const std::span<const Item> items(items_.data() + work.begin, work.count());
     State total = empty;
-    if (work.count() <= kParallel) {
+    if (work.count() <= together_) {
       body(items, total);
       return total;
     }
-    const std::uint64_t grain = kParallel / 4;
+    const std::uint64_t grain = kLeastTogether / 4;
     std::vector<State> parts((items.size() + grain - 1) / grain, empty);
     parallel_for(items.size(), grain, [&](std::uint64_t begin, std::uint64_t end) {
       body(items.subspan(begin, end - begin), parts[begin / grain]);
@@ -207,7 +211,7 @@ class BvhBuilder {
   }
 
   Split find_split(const Work& work, const BinMap& map) {
-    if (work.count() > kParallel) return best_split(bin_together(work, map), map);
+    if (work.count() > together_) return best_split(bin_together(work, map), map);
     // Each thread has one set of bins for all its nodes, of which only those in use are cleared.
     thread_local AxisBins bins;
     for (auto& axis : bins) std::fill_n(axis.begin(), map.bins, Bin{});
@@ -283,6 +287,7 @@ class BvhBuilder {
 
   BvhConfig config_;
   std::vector<Item> items_;
+  std::uint32_t together_;  // items of nodes that are split by all threads together; smaller ones are by one
   Bvh bvh_;
 };
 

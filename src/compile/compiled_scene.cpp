@@ -27,6 +27,7 @@
 #include "compile/wide_bvh.h"
 #include "core/errors.h"
 #include "core/memory.h"
+#include "core/parallel.h"
 #include "image/vectors.h"
 #include "scene/film_unit.h"
 #include "scene/invariants.h"
@@ -38,6 +39,8 @@
 
 namespace etendue {
 namespace {
+
+constexpr std::uint64_t kFlattenGrain = 1u << 14;  // primitives for one thread
 
 // A shape placed by its instance; only the member for its kind of shape is set.
 struct Placed {
@@ -254,9 +257,10 @@ class Compiler {
   }
 
   void add_primitive(gpu::Primitive p) {
-    p.kind |= static_cast<gpu::uint>(flat_primitives_.size()) << gpu::kPrimitiveOrderShift;
+    p.kind |= order_bits(flat_primitives_.size());
     flat_primitives_.push_back(p);
   }
+  static gpu::uint order_bits(std::size_t order) { return static_cast<gpu::uint>(order) << gpu::kPrimitiveOrderShift; }
 
   void flatten_shape(const Placed& placed, gpu::uint index, gpu::Instance& flat) {
     if (placed.mesh) return flatten_mesh(*placed.mesh, index, flat);
@@ -288,16 +292,20 @@ class Compiler {
   }
 
   void flatten_mesh(const PlacedMesh& mesh, gpu::uint index, gpu::Instance& flat) {
-    for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
-      const auto [p0, p1, p2] = mesh.triangle(i);
-      gpu::Primitive p{};
-      p.p0 = normalization_.point(p0);
-      p.p1 = normalization_.point(p1);
-      p.p2 = normalization_.point(p2);
-      p.instance = index;
-      p.primitive = static_cast<gpu::uint>(i);
-      add_primitive(p);
-    }
+    const std::size_t first = flat_primitives_.size();
+    flat_primitives_.resize(first + mesh.triangle_count());
+    parallel_for(mesh.triangle_count(), kFlattenGrain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const auto [p0, p1, p2] = mesh.triangle(i);
+        gpu::Primitive& p = flat_primitives_[first + i];
+        p.p0 = normalization_.point(p0);
+        p.p1 = normalization_.point(p1);
+        p.p2 = normalization_.point(p2);
+        p.instance = index;
+        p.primitive = static_cast<gpu::uint>(i);
+        p.kind = order_bits(first + i);
+      }
+    });
     if (!mesh.has_normals()) return;
     flat.first_triangle = static_cast<gpu::uint>(out_.triangles.size());
     const auto first_normal = static_cast<gpu::uint>(out_.normals.size());
@@ -323,9 +331,10 @@ class Compiler {
   }
 
   void build_tree() {
-    std::vector<Box> boxes;
-    boxes.reserve(flat_primitives_.size());
-    for (const gpu::Primitive& p : flat_primitives_) boxes.push_back(primitive_box(p));
+    std::vector<Box> boxes(flat_primitives_.size());
+    parallel_for(boxes.size(), kFlattenGrain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) boxes[i] = primitive_box(flat_primitives_[i]);
+    });
     const std::vector<Twin> twins = find_twins(flat_primitives_, passes_ ? passing_ : std::vector<bool>());
     for (const Twin& twin : twins) boxes[twin.primitive] = {};
     drop_shared_twins();

@@ -8,6 +8,7 @@
 #include "compile/environment.h"
 #include "compile/normalization.h"
 #include "compile/textures.h"
+#include "core/page_memory.h"
 #include "gpu_types.h"
 #include "scene/bounds.h"
 #include "scene/scene.h"
@@ -27,9 +28,9 @@ struct CompiledMaterials {
 struct CompiledScene : CompiledMaterials {
   Normalization normalization;
   EnvironmentTables environment;
-  int radiance_exponent = 0;        ///< see scene/film_unit.h
-  Bounds bounds;                    ///< of all instances, world space
-  std::vector<gpu::uvec4> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives
+  int radiance_exponent = 0;       ///< see scene/film_unit.h
+  Bounds bounds;                   ///< of all instances, world space
+  PageVector<gpu::uvec4> records;  ///< the few primitives outside the tree, then the tree: nodes and primitives
   std::vector<gpu::Instance> instances;
   std::vector<gpu::Place> places;  ///< of the instances of shared meshes; empty in flattened scenes
   CompiledTextures textures;

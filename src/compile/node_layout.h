@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "compile/box.h"
+#include "core/page_memory.h"
 #include "gpu_types.h"
 
 namespace etendue {
 
 using Texel = gpu::uvec4;
+using TexelVector = PageVector<Texel>;
 
 inline constexpr std::uint32_t kPrimitiveTexels = gpu::kRecordTexels;
 
@@ -108,7 +110,7 @@ template <std::uint32_t width>
 class TreeReader {
  public:
   using Layout = NodeLayout<width>;
-  explicit TreeReader(const std::vector<Texel>& texels) : texels_(texels) {}
+  explicit TreeReader(const TexelVector& texels) : texels_(texels) {}
 
   bool is_node(std::uint32_t slot) const { return (at(slot)->w & gpu::kRecordNode) != 0; }
   gpu::Primitive primitive(std::uint32_t slot) const {
@@ -129,7 +131,7 @@ class TreeReader {
 
  private:
   const Texel* at(std::uint32_t slot) const { return &texels_.at(std::size_t{slot} * Layout::kSlotTexels); }
-  const std::vector<Texel>& texels_;
+  const TexelVector& texels_;
 };
 
 }  // namespace etendue

@@ -34,13 +34,13 @@ std::vector<std::uint32_t> leaves_below(const TreeReader<gpu::kBvhWidth>& tree, 
   return leaves;
 }
 
-gpu::Record record_at(const std::vector<gpu::uvec4>& texels, std::size_t slot) {
+gpu::Record record_at(const TexelVector& texels, std::size_t slot) {
   gpu::Record record;
   std::memcpy(static_cast<void*>(&record), &texels[slot * gpu::kSlotTexels], sizeof record);
   return record;
 }
 
-void append(std::vector<gpu::uvec4>& texels, const gpu::Record& record) {
+void append(TexelVector& texels, const gpu::Record& record) {
   texels.insert(texels.end(), {record.a, record.b, record.c});
 }
 

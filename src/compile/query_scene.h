@@ -26,9 +26,9 @@ struct QueryInstance {
 };
 
 struct QueryScene {
-  std::vector<gpu::uvec4> records;  ///< replace those of the tree, see gpu::kQueryWorld
-  std::uint32_t instances_at = 0;   ///< slot of the first instance's record, or where it would be without instances
-  std::vector<QueryMesh> meshes;    ///< none of them is empty
+  PageVector<gpu::uvec4> records;  ///< replace those of the tree, see gpu::kQueryWorld
+  std::uint32_t instances_at = 0;  ///< slot of the first instance's record, or where it would be without instances
+  std::vector<QueryMesh> meshes;   ///< none of them is empty
   std::vector<QueryInstance> instances;
 };
 

@@ -1,7 +1,8 @@
 #include "compile/reinsertion.h"
 
 #include <algorithm>
-#include <numeric>
+#include <queue>
+#include <utility>
 
 #include "core/long_task.h"
 #include "core/parallel.h"
@@ -54,19 +55,28 @@ class Optimizer {
     if (n.leaf == 0) heights_[node] = static_cast<std::uint8_t>(1 + std::max(heights_[n.first], heights_[n.first + 1]));
   }
 
-  // The nodes with the largest boxes, largest first, without the root.
+  // The nodes with the largest boxes, largest first, without the root. No box is larger than its parent's, so a walk
+  // that always goes on at the largest meets them in that order and leaves most of the tree alone.
   std::vector<std::uint32_t> largest(std::size_t count) const {
-    std::vector<std::uint32_t> all(nodes_.size() - 1);
-    std::iota(all.begin(), all.end(), 1u);
-    count = std::min(count, all.size());
-    const auto larger = [&](std::uint32_t a, std::uint32_t b) {
-      const float area_a = nodes_[a].box.half_area(), area_b = nodes_[b].box.half_area();
-      return area_a != area_b ? area_a > area_b : a < b;
+    using Sized = std::pair<float, std::uint32_t>;
+    const auto sized = [&](std::uint32_t node) { return Sized{nodes_[node].box.half_area(), node}; };
+    std::vector<Sized> found;
+    std::priority_queue<Sized> next;
+    const auto push_children = [&](std::uint32_t node) {
+      for (const std::uint32_t child : {nodes_[node].first, nodes_[node].first + 1}) next.push(sized(child));
     };
-    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
-    std::nth_element(all.begin(), end - 1, all.end(), larger);
-    std::sort(all.begin(), end, larger);
-    all.resize(count);
+    push_children(0);
+    // All that are as large as the last one: their numbers decide which of these count.
+    while (!next.empty() && (found.size() < count || next.top().first == found.back().first)) {
+      found.push_back(next.top());
+      next.pop();
+      if (nodes_[found.back().second].leaf == 0) push_children(found.back().second);
+    }
+    std::ranges::sort(found, [](const Sized& a, const Sized& b) {
+      return a.first != b.first ? a.first > b.first : a.second < b.second;
+    });
+    std::vector<std::uint32_t> all;
+    for (std::size_t i = 0; i < std::min(count, found.size()); ++i) all.push_back(found[i].second);
     return all;
   }
 

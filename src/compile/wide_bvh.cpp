@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "core/errors.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 
 namespace etendue {
@@ -15,6 +16,7 @@ namespace {
 // Levels allowed beyond the minimum: one would permit the cheapest collapse nearly everywhere.
 constexpr std::uint32_t kSpareLevels = 0;
 constexpr std::uint64_t kGrain = 1u << 14;
+constexpr std::size_t kSubtrees = 1u << 10;  // of the binary tree, at least, where there are so many
 
 // Nodes of the binary tree that become the children of a wide node.
 template <std::uint32_t kWidth>
@@ -35,9 +37,19 @@ struct Children {
 template <std::uint32_t kWidth>
 class CollapsePlan {
  public:
-  explicit CollapsePlan(const Bvh& bvh) : nodes_(bvh.nodes), entries_((nodes_.size() - 1) / 2) {
-    std::vector<std::uint32_t> order = inner_nodes_top_down();
-    for (auto it = order.rbegin(); it != order.rend(); ++it) fill(*it);
+  explicit CollapsePlan(const Bvh& bvh)
+      : nodes_(bvh.nodes), entries_((nodes_.size() - 1) / 2), costs_(entries_.size()) {
+    // Subtrees side by side, each in the order of memory; then what is above them.
+    std::vector<std::uint32_t> above, roots{0};
+    while (!roots.empty() && roots.size() < kSubtrees) {
+      std::vector<std::uint32_t> below;
+      for (const std::uint32_t root : roots) push_inner_children(root, below);
+      above.insert(above.end(), roots.begin(), roots.end());
+      roots = std::move(below);
+    }
+    parallel_for(roots.size(), 1, [&](std::uint64_t begin, std::uint64_t) { fill_subtree(roots[begin]); });
+    for (auto it = above.rbegin(); it != above.rend(); ++it) fill(*it);
+    release(costs_);
   }
 
   /// Least levels of wide nodes below and including `node`.
@@ -55,38 +67,45 @@ class CollapsePlan {
  private:
   using Shares = std::array<std::uint8_t, kWidth - 1>;
   struct Entry {
-    std::array<float, kWidth - 1> cost;           // with k = 1 … kWidth − 1 children of a wide node
-    std::array<std::uint8_t, kWidth - 1> levels;  // least levels with k children
+    std::array<std::uint8_t, kWidth - 1> levels;  // least levels with k = 1 … kWidth − 1 children of a wide node
     Shares left_share;  // for k = 2 … kWidth children, how many go to the left subtree at the lowest cost; 0: k − 1
                         // children are as good
     Shares flat_share;  // the same for the least levels
   };
 
+  using Costs = std::array<float, kWidth - 1>;  // with k = 1 … kWidth − 1 children of a wide node
+
   // Inner nodes are numbered by their pair of children.
-  const Entry& entry(std::uint32_t node) const { return entries_[(nodes_[node].first - 1) / 2]; }
+  std::size_t index(std::uint32_t node) const { return (nodes_[node].first - 1) / 2; }
+  const Entry& entry(std::uint32_t node) const { return entries_[index(node)]; }
   float area(std::uint32_t node) const { return nodes_[node].box.half_area(); }
   float cost(std::uint32_t node, std::uint32_t k) const {
-    return nodes_[node].leaf != 0 ? area(node) : entry(node).cost[k - 1];
+    return nodes_[node].leaf != 0 ? area(node) : costs_[index(node)][k - 1];
   }
   std::uint32_t levels(std::uint32_t node, std::uint32_t k) const {
     return nodes_[node].leaf != 0 ? 0 : entry(node).levels[k - 1];
   }
 
-  std::vector<std::uint32_t> inner_nodes_top_down() const {
-    std::vector<std::uint32_t> order;
-    order.reserve(entries_.size());
-    if (nodes_[0].leaf == 0) order.push_back(0);
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      for (const std::uint32_t child : {nodes_[order[i]].first, nodes_[order[i]].first + 1}) {
-        if (nodes_[child].leaf == 0) order.push_back(child);
-      }
+  void push_inner_children(std::uint32_t node, std::vector<std::uint32_t>& out) const {
+    for (const std::uint32_t child : {nodes_[node].first, nodes_[node].first + 1}) {
+      if (nodes_[child].leaf == 0) out.push_back(child);
     }
-    return order;
+  }
+
+  void fill_subtree(std::uint32_t root) {
+    std::vector<std::uint32_t> pending{root}, order;  // parents first
+    while (!pending.empty()) {
+      order.push_back(pending.back());
+      pending.pop_back();
+      push_inner_children(order.back(), pending);
+    }
+    for (auto it = order.rbegin(); it != order.rend(); ++it) fill(*it);
   }
 
   void fill(std::uint32_t node) {
     const std::uint32_t left = nodes_[node].first, right = left + 1;
     Entry e{};
+    Costs cost_of;
     constexpr std::size_t kCounts = kWidth + 1;  // by number of children; 0 and 1 are not used
     std::array<float, kCounts> split_cost;
     std::array<std::uint32_t, kCounts> split_levels;
@@ -100,16 +119,17 @@ class CollapsePlan {
         if (l < split_levels[k]) split_levels[k] = l, e.flat_share[k - 2] = static_cast<std::uint8_t>(share);
       }
     }
-    e.cost[0] = area(node) + split_cost[kWidth];
+    cost_of[0] = area(node) + split_cost[kWidth];
     e.levels[0] = static_cast<std::uint8_t>(1 + split_levels[kWidth]);
     for (std::uint32_t k = 2; k < kWidth; ++k) {
-      const bool cheaper = split_cost[k] <= e.cost[k - 2], flatter = split_levels[k] <= e.levels[k - 2];
-      e.cost[k - 1] = cheaper ? split_cost[k] : e.cost[k - 2];
+      const bool cheaper = split_cost[k] <= cost_of[k - 2], flatter = split_levels[k] <= e.levels[k - 2];
+      cost_of[k - 1] = cheaper ? split_cost[k] : cost_of[k - 2];
       e.levels[k - 1] = flatter ? static_cast<std::uint8_t>(split_levels[k]) : e.levels[k - 2];
       if (!cheaper) e.left_share[k - 2] = 0;
       if (!flatter) e.flat_share[k - 2] = 0;
     }
-    entries_[(left - 1) / 2] = e;
+    entries_[index(node)] = e;
+    costs_[index(node)] = cost_of;
   }
 
   // The binary nodes that the subtree contributes if k children of a wide node are spent on it.
@@ -133,6 +153,7 @@ class CollapsePlan {
 
   const std::vector<BvhNode>& nodes_;
   std::vector<Entry> entries_;
+  std::vector<Costs> costs_;  // while the plan is made
 };
 
 // While the tree is being laid out, the texels of a node hold this draft.
@@ -152,7 +173,7 @@ class WideBuilder {
 
   WideBuilder(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives) : bvh_(bvh), primitives_(primitives) {}
 
-  WideBvh build(const std::vector<std::uint32_t>& outside, std::vector<Texel> before) {
+  WideBvh build(const std::vector<std::uint32_t>& outside, TexelVector before) {
     wide_.texels = std::move(before);
     const std::size_t first = round_up(wide_.texels.size(), Layout::kNodeTexels);
     const std::size_t root = round_up(first + kPrimitiveTexels * outside.size(), Layout::kNodeTexels);
@@ -260,12 +281,12 @@ class WideBuilder {
 
 template <std::uint32_t width>
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives,
-                      const std::vector<std::uint32_t>& outside, std::vector<Texel> before) {
+                      const std::vector<std::uint32_t>& outside, TexelVector before) {
   return WideBuilder<width>(bvh, primitives).build(outside, std::move(before));
 }
 template WideBvh make_wide_bvh<4>(const Bvh&, const std::vector<gpu::Primitive>&, const std::vector<std::uint32_t>&,
-                                  std::vector<Texel>);
+                                  TexelVector);
 template WideBvh make_wide_bvh<8>(const Bvh&, const std::vector<gpu::Primitive>&, const std::vector<std::uint32_t>&,
-                                  std::vector<Texel>);
+                                  TexelVector);
 
 }  // namespace etendue

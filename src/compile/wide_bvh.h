@@ -14,7 +14,7 @@ namespace etendue {
 inline constexpr std::uint64_t kMaxPrimitives = KernelLayout::kMaxTexels / kPrimitiveTexels;
 
 struct WideBvh {
-  std::vector<Texel> texels;           ///< nodes and primitives share the array
+  TexelVector texels;                  ///< nodes and primitives share the array
   std::vector<std::uint32_t> slot_of;  ///< slot of each primitive
   std::uint32_t root = gpu::kNone;     ///< slot of the root; kNone for an empty tree
   std::uint32_t depth = 0;             ///< levels of nodes: the stack never holds more entries
@@ -26,10 +26,10 @@ struct WideBvh {
 /// trees, which stay where they are; everything else follows them.
 template <std::uint32_t width>
 WideBvh make_wide_bvh(const Bvh& bvh, const std::vector<gpu::Primitive>& primitives,
-                      const std::vector<std::uint32_t>& outside = {}, std::vector<Texel> before = {});
+                      const std::vector<std::uint32_t>& outside = {}, TexelVector before = {});
 extern template WideBvh make_wide_bvh<4>(const Bvh&, const std::vector<gpu::Primitive>&,
-                                         const std::vector<std::uint32_t>&, std::vector<Texel>);
+                                         const std::vector<std::uint32_t>&, TexelVector);
 extern template WideBvh make_wide_bvh<8>(const Bvh&, const std::vector<gpu::Primitive>&,
-                                         const std::vector<std::uint32_t>&, std::vector<Texel>);
+                                         const std::vector<std::uint32_t>&, TexelVector);
 
 }  // namespace etendue

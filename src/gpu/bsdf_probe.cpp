@@ -28,7 +28,8 @@ class GpuBsdfProbe final : public BsdfProbe {
  public:
   GpuBsdfProbe(const Bsdf& bsdf, const GpuOptions& options)
       : kernels_(kernel_set(options, TableLoads::texel_buffer)),
-        scene_(open_device(options), compile_material(bsdf), TableLoads::texel_buffer),
+        scene_(open_device(options), std::make_shared<const CompiledScene>(compile_material(bsdf)),
+               TableLoads::texel_buffer),
         kernel_(context(), scene_.request_kernels().pipeline, kernels_.bsdf_samples,
                 joined(scene_.constants(), kernels_.constants), "bsdf_samples"),
         queries_(context(), kProbesAtATime * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,

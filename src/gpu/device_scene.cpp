@@ -15,25 +15,18 @@
 #include "scene/sharing.h"
 
 namespace etendue {
-namespace {
-
-constexpr std::uint32_t kFirst = gpu::kNone;  // of a table that begins its buffer
-
-struct Table {
-  const char* what;
-  std::uint32_t at;  // the constant that says where it begins
-  std::span<const std::byte> bytes;
-
-  /// Bytes up to the next table: whole texels.
-  std::uint64_t size() const {
-    return (bytes.size() + sizeof(gpu::uvec4) - 1) / sizeof(gpu::uvec4) * sizeof(gpu::uvec4);
-  }
-};
-
-}  // namespace
-
 // The tables of one buffer, one behind the other.
 struct TableGroup {
+  struct Table {
+    const char* what;
+    std::uint32_t at;  // the constant that says where it begins
+    std::span<const std::byte> bytes;
+
+    /// Bytes up to the next table: whole texels.
+    std::uint64_t size() const {
+      return (bytes.size() + sizeof(gpu::uvec4) - 1) / sizeof(gpu::uvec4) * sizeof(gpu::uvec4);
+    }
+  };
   std::uint32_t binding;
   const char* what;
   std::vector<Table> tables;
@@ -47,16 +40,20 @@ struct TableGroup {
 
 namespace {
 
-template <typename T>
-Table table(const char* what, std::uint32_t at, const std::vector<T>& entries) {
-  static_assert(sizeof(T) % sizeof(gpu::uvec4) == 0);
+using Table = TableGroup::Table;
+
+constexpr std::uint32_t kFirst = gpu::kNone;  // of a table that begins its buffer
+
+template <typename Entries>
+Table table(const char* what, std::uint32_t at, const Entries& entries) {
+  static_assert(sizeof(entries[0]) % sizeof(gpu::uvec4) == 0);
   return {what, at, std::as_bytes(std::span(entries))};
 }
 
 // Everything that shaders/scene.glsl reads. The materials may be others than those of the scene. `records`: the tree,
 // or what replaces it.
 std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMaterials& m,
-                                       const std::vector<gpu::uvec4>& records) {
+                                       const PageVector<gpu::uvec4>& records) {
   const CompiledTextures& t = s.textures;
   std::array<TableGroup, 3> groups{
       {{gpu::kBindingRecords, "tree", {table("tree", kFirst, records)}},
@@ -98,6 +95,11 @@ std::vector<DeviceNeed> needs_of(std::span<const TableGroup> groups) {
   std::vector<DeviceNeed> needs;
   for (const TableGroup& group : groups) needs.push_back({group.what, group.bytes()});
   return needs;
+}
+
+VkBufferUsageFlags table_usage(TableLoads loads) {
+  return loads == TableLoads::texel_buffer ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
+                                           : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 }
 
 // What the driver's structures take, and the most that building one takes beside them.
@@ -325,24 +327,26 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, 
   return constants;
 }
 
-DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene,
+DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const std::shared_ptr<const CompiledScene>& compiled,
                          std::optional<TableLoads> wanted, std::span<const DeviceNeed> planned, const Layouts& like,
                          bool queries)
     : device_(std::move(device)),
-      loads_(choose_table_loads(*device_->context, scene, wanted)),
+      loads_(choose_table_loads(*device_->context, *compiled, wanted)),
       queries_(queries),
-      facts_(scene),
-      loop_rounds_(scene),
-      has_tree_(scene.tree_root != gpu::kNone),
-      light_tree_depth_(scene.light_tree_depth),
-      constants_(scene_constants(scene, scene)),
+      facts_(*compiled),
+      loop_rounds_(*compiled),
+      has_tree_(compiled->tree_root != gpu::kNone),
+      light_tree_depth_(compiled->light_tree_depth),
+      constants_(scene_constants(*compiled, *compiled)),
       layouts_(like && like->loads == loads_ && like->queries == queries
                    ? like
                    : std::make_shared<const SceneLayouts>(*device_->context, loads_, queries)),
       set_(*device_->context, layouts_->set) {
+  const CompiledScene& scene = *compiled;
   if (!queries) {
     check_room(scene_needs(scene), planned, *device_->context);
-    for (const TableGroup& group : table_groups(scene)) bind(group.binding, upload(group));
+    for (const TableGroup& group : table_groups(scene))
+      bind(group.binding, group.binding == gpu::kBindingRecords ? use_in_place(group, compiled) : upload(group));
     return;
   }
   const QueryScene query = query_scene(scene);
@@ -382,19 +386,28 @@ void DeviceScene::use_structures(std::uint32_t instances_at) {
   set_.bind(gpu::kBindingStructure, structures_->back());
 }
 
+std::shared_ptr<const DeviceScene::Entry> DeviceScene::finish(Entry entry) {
+  if (loads_ == TableLoads::texel_buffer)
+    entry.view = vulkan::make_texel_view(*device_->context, entry.buffer, VK_FORMAT_R32G32B32A32_UINT);
+  return std::make_shared<const Entry>(std::move(entry));
+}
+
 std::shared_ptr<const DeviceScene::Entry> DeviceScene::upload(const TableGroup& group) {
-  const bool texels = loads_ == TableLoads::texel_buffer;
-  const VkBufferUsageFlags usage =
-      texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-  auto entry = std::make_shared<Entry>();
-  entry->buffer = {*device_->context, group.bytes(), usage, vulkan::Buffer::Memory::device, group.what};
+  Entry entry;
+  entry.buffer = {*device_->context, group.bytes(), table_usage(loads_), vulkan::Buffer::Memory::device, group.what};
   std::uint64_t at = 0;
   for (const Table& table : group.tables) {
-    device_->commands.upload(entry->buffer, at, table.bytes);
+    device_->commands.upload(entry.buffer, at, table.bytes);
     at += table.size();
   }
-  if (texels) entry->view = vulkan::make_texel_view(*device_->context, entry->buffer, VK_FORMAT_R32G32B32A32_UINT);
-  return entry;
+  return finish(std::move(entry));
+}
+
+std::shared_ptr<const DeviceScene::Entry> DeviceScene::use_in_place(const TableGroup& group,
+                                                                    const std::shared_ptr<const CompiledScene>& owner) {
+  std::optional<vulkan::Buffer> buffer =
+      vulkan::Buffer::in_place(*device_->context, group.tables.front().bytes, table_usage(loads_), group.what);
+  return buffer ? finish({owner, std::move(*buffer), {}}) : upload(group);
 }
 
 void DeviceScene::bind(std::uint32_t binding, std::shared_ptr<const Entry> entry) {

@@ -59,15 +59,16 @@ struct SceneLayouts {
 };
 
 /// The tables in device memory, and what views and kernels need to know of them. The compiled scene may go once it is
-/// made.
+/// made; where the driver of a CPU reads its tree in place, a second copy is not made and the scene stays.
 class DeviceScene {
  public:
   using Layouts = std::shared_ptr<const SceneLayouts>;
   /// Throws Error(lost), before anything is uploaded, when the device cannot hold or read the tables, or not
   /// beside what else is `planned`. Has the layouts of another scene of the device, if those will do. With
   /// `queries` the driver builds acceleration structures in place of the tree.
-  DeviceScene(std::shared_ptr<GpuDevice> device, const CompiledScene& scene, std::optional<TableLoads> wanted = {},
-              std::span<const DeviceNeed> planned = {}, const Layouts& like = {}, bool queries = false);
+  DeviceScene(std::shared_ptr<GpuDevice> device, const std::shared_ptr<const CompiledScene>& compiled,
+              std::optional<TableLoads> wanted = {}, std::span<const DeviceNeed> planned = {}, const Layouts& like = {},
+              bool queries = false);
   /// `base`, which was made of `scene`, with the numbers of other materials: they share the tree and the geometry.
   DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials);
 
@@ -93,10 +94,14 @@ class DeviceScene {
 
  private:
   struct Entry {
+    std::shared_ptr<const CompiledScene> owner;  // of memory that is used in place
     vulkan::Buffer buffer;
     vulkan::TexelView view;  // none for storage buffers
   };
+  std::shared_ptr<const Entry> finish(Entry entry);
   std::shared_ptr<const Entry> upload(const TableGroup& group);
+  // Without a copy where the device can: `group` is a table of `owner` in pages of its own.
+  std::shared_ptr<const Entry> use_in_place(const TableGroup& group, const std::shared_ptr<const CompiledScene>& owner);
   void bind(std::uint32_t binding, std::shared_ptr<const Entry> entry);
   void use_structures(std::uint32_t instances_at);
 

@@ -127,7 +127,7 @@ Made make_device_scene(const std::shared_ptr<GpuDevice>& device, const SharedSce
   made.compiled = shared.once<CompiledScene>(compile_scene);
   made.timings.compile = timer.seconds();
   timer = {};
-  made.scene = std::make_shared<const DeviceScene>(device, *made.compiled, options.wanted_loads(), std::span(&film, 1),
+  made.scene = std::make_shared<const DeviceScene>(device, made.compiled, options.wanted_loads(), std::span(&film, 1),
                                                    like, options.queries());
   made.timings.upload = timer.seconds();
   return made;

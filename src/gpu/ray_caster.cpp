@@ -25,7 +25,7 @@ class GpuRayCaster final : public RayCaster {
   GpuRayCaster(const SharedScene& scene, const GpuOptions& options) : device_(open_device(options)) {
     const auto compiled = scene.once<CompiledScene>(compile_scene);
     placement_ = {compiled->normalization.center, compiled->normalization.scale};
-    scene_ = std::make_unique<DeviceScene>(device_, *compiled, options.wanted_loads(), std::span<const DeviceNeed>{},
+    scene_ = std::make_unique<DeviceScene>(device_, compiled, options.wanted_loads(), std::span<const DeviceNeed>{},
                                            DeviceScene::Layouts{}, options.queries());
     kernels_ = kernel_set(options, scene_->loads());
     set_.emplace(*device_->context, scene_->request_kernels().set);

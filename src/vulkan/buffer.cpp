@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "core/page_memory.h"
 #include "vulkan/check.h"
 
 #ifdef __linux__
@@ -86,6 +87,50 @@ Buffer::Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usa
   if (!host) advise_huge_pages(context, device_memory, needs.size);
   if (host)
     check(vkMapMemory(context.device(), device_memory, 0, VK_WHOLE_SIZE, 0, &mapped_), fmt::format("map the {}", what));
+}
+
+std::optional<Buffer> Buffer::in_place(const Context& context, std::span<const std::byte> bytes,
+                                       VkBufferUsageFlags usage, const char* what) {
+  constexpr auto kHandle = VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
+  const std::uint64_t step = context.host_memory_alignment();
+  const VkDeviceSize whole = (bytes.size() + kPageBytes - 1) / kPageBytes * kPageBytes;
+  if (step == 0 || kPageBytes % step != 0 || bytes.empty() ||
+      reinterpret_cast<std::uintptr_t>(bytes.data()) % step != 0)
+    return {};
+  void* const start = const_cast<std::byte*>(bytes.data());
+
+  const VkExternalMemoryBufferCreateInfo external{.sType = VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO,
+                                                  .handleTypes = kHandle};
+  const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                .pNext = &external,
+                                .size = bytes.size(),
+                                .usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
+  Buffer made;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  check(vkCreateBuffer(context.device(), &info, nullptr, &buffer),
+        fmt::format("create the {} buffer of {} bytes", what, bytes.size()));
+  made.buffer_ = {context.device(), buffer};
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(context.device(), buffer, &needs);
+  VkMemoryHostPointerPropertiesEXT types{.sType = VK_STRUCTURE_TYPE_MEMORY_HOST_POINTER_PROPERTIES_EXT};
+  if (vkGetMemoryHostPointerPropertiesEXT(context.device(), kHandle, start, &types) != VK_SUCCESS) return {};
+  types.memoryTypeBits &= needs.memoryTypeBits;
+  if (types.memoryTypeBits == 0 || needs.size > whole) return {};
+
+  const VkImportMemoryHostPointerInfoEXT import{
+      .sType = VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT, .handleType = kHandle, .pHostPointer = start};
+  const VkMemoryAllocateInfo allocation{
+      .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+      .pNext = &import,
+      .allocationSize = whole,
+      .memoryTypeIndex = context.memory_type(types.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  if (vkAllocateMemory(context.device(), &allocation, nullptr, &memory) != VK_SUCCESS) return {};
+  made.memory_ = {context.device(), memory};
+  made.counted_ = CountedBytes(whole);
+  made.size_ = bytes.size();
+  check(vkBindBufferMemory(context.device(), buffer, memory, 0), fmt::format("bind the memory of the {}", what));
+  return made;
 }
 
 TexelView make_texel_view(const Context& context, const Buffer& buffer, VkFormat format) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -41,6 +42,11 @@ class Buffer {
   /// `what` names the contents in errors ("film", "BVH nodes"); size 0 is rounded up, so that every binding has a
   /// buffer.
   Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usage, Memory memory, const char* what);
+
+  /// A buffer of the program's own memory, which kernels only read: `bytes` stay where they are while it lives, and the
+  /// whole last page belongs to them. Nothing where the device does not read them there.
+  static std::optional<Buffer> in_place(const Context& context, std::span<const std::byte> bytes,
+                                        VkBufferUsageFlags usage, const char* what);
 
   VkBuffer get() const { return buffer_.get(); }
   VkDeviceSize size() const { return size_; }

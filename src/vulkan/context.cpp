@@ -85,6 +85,27 @@ bool has_extension(VkPhysicalDevice device, const char* name) {
                              [&](const VkExtensionProperties& e) { return std::string_view(e.extensionName) == name; });
 }
 
+// At multiples of so many bytes the program's own memory can be that of a buffer which kernels read; 0: nowhere.
+std::uint64_t importable_alignment(VkPhysicalDevice device) {
+  if (!has_extension(device, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME)) return 0;
+  for (const VkBufferUsageFlags usage :
+       {VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT}) {
+    const VkPhysicalDeviceExternalBufferInfo buffer{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_BUFFER_INFO,
+        .usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+        .handleType = VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT};
+    VkExternalBufferProperties found{.sType = VK_STRUCTURE_TYPE_EXTERNAL_BUFFER_PROPERTIES};
+    vkGetPhysicalDeviceExternalBufferProperties(device, &buffer, &found);
+    if ((found.externalMemoryProperties.externalMemoryFeatures & VK_EXTERNAL_MEMORY_FEATURE_IMPORTABLE_BIT) == 0)
+      return 0;
+  }
+  VkPhysicalDeviceExternalMemoryHostPropertiesEXT host{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_MEMORY_HOST_PROPERTIES_EXT};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &host};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  return host.minImportedHostPointerAlignment;
+}
+
 constexpr const char* kRayQueryExtensions[] = {VK_KHR_RAY_QUERY_EXTENSION_NAME,
                                                VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
                                                VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
@@ -522,14 +543,17 @@ void Context::open_device() {
   RayQueryFeatures on;
   on.addresses.bufferDeviceAddress = on.structures.accelerationStructure = on.queries.rayQuery = VK_TRUE;
   const bool queries = options_.requirements.ray_queries;
-  const VkDeviceCreateInfo info{
-      .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-      .pNext = queries ? &on.queries : nullptr,
-      .queueCreateInfoCount = 1,
-      .pQueueCreateInfos = &queue_info,
-      .enabledExtensionCount = queries ? static_cast<std::uint32_t>(std::size(kRayQueryExtensions)) : 0u,
-      .ppEnabledExtensionNames = kRayQueryExtensions,
-      .pEnabledFeatures = &features};
+  std::vector<const char*> extensions;
+  if (queries) extensions.assign(std::begin(kRayQueryExtensions), std::end(kRayQueryExtensions));
+  if (is_cpu_) host_memory_alignment_ = importable_alignment(physical_);
+  if (host_memory_alignment_ != 0) extensions.push_back(VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
+  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .pNext = queries ? &on.queries : nullptr,
+                                .queueCreateInfoCount = 1,
+                                .pQueueCreateInfos = &queue_info,
+                                .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+                                .ppEnabledExtensionNames = extensions.data(),
+                                .pEnabledFeatures = &features};
   check(vkCreateDevice(physical_, &info, nullptr, &device_), fmt::format("open the device '{}'", info_.name));
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
   try {

