@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/text.h"
 #include "formats/gltf/meshopt.h"
@@ -236,12 +237,16 @@ std::shared_ptr<const ByteStore> Accessors::view(std::uint32_t index, const Json
   const JsonValue* compression = find_extension(view, "EXT_meshopt_compression");
   if (compression == nullptr) compression = find_extension(view, "KHR_meshopt_compression");
   if (compression == nullptr) return document_.part_of_buffer(view);
-  std::shared_ptr<const ByteStore>& store = decompressed_[index];
-  if (store == nullptr) {
-    const std::shared_ptr<const ByteStore> packed = document_.part_of_buffer(*compression);
-    store = memory_store(decode_meshopt(*compression, packed->read(0, packed->size())));
+  if (const auto known = decompressed_.find(index); known != decompressed_.end()) return known->second;
+  const std::shared_ptr<const ByteStore> packed = document_.part_of_buffer(*compression);
+  auto store = memory_store(decode_meshopt(*compression, packed->read(0, packed->size())));
+  // What several accessors of a mesh share is kept for them, but not all of the asset.
+  if (decompressed_bytes_ + store->size() > AccessorLimits::kMaxKeptBytes) {
+    decompressed_.clear();
+    decompressed_bytes_ = 0;
   }
-  return store;
+  decompressed_bytes_ += store->size();
+  return decompressed_[index] = std::move(store);
 }
 
 FloatTable Accessors::floats(std::uint32_t index, const JsonValue& where,
@@ -249,8 +254,8 @@ FloatTable Accessors::floats(std::uint32_t index, const JsonValue& where,
   const JsonValue& accessor = document_.element("accessors", index, where);
   const Layout layout = layout_of(accessor);
   if (std::ranges::find(components, layout.components()) == components.end())
-    throw GltfError{&where, fmt::format("the rows of accessor {} have {} numbers, which is wrong here", index,
-                                        layout.components())};
+    throw GltfError{&where, fmt::format("the rows of accessor {} have {} numbers; {} are needed here", index,
+                                        layout.components(), fmt::join(components, " or "))};
   const std::optional<Rows> dense = dense_rows(*this, document_, accessor, layout);
   const std::uint64_t rows = dense ? dense->count : count_of(accessor, AccessorLimits::kMaxZeroRows);
   FloatTable table{layout.components(), std::vector<float>(rows * layout.components())};

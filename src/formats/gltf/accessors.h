@@ -37,12 +37,15 @@ class Accessors {
  private:
   GltfDocument& document_;
   std::map<std::uint32_t, std::shared_ptr<const ByteStore>> decompressed_;
+  std::uint64_t decompressed_bytes_ = 0;
 };
 
 struct AccessorLimits {
   static constexpr std::uint64_t kMaxRows = std::uint64_t{1} << 27;
   /// Of accessors that no view of a buffer fills: zeros, of which a few bytes could ask for gigabytes.
   static constexpr std::uint64_t kMaxZeroRows = std::uint64_t{1} << 22;
+  /// Of decompressed views, which are forgotten beyond that.
+  static constexpr std::uint64_t kMaxKeptBytes = std::uint64_t{1} << 26;
 };
 
 }  // namespace etendue

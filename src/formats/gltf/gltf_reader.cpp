@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "formats/camera_option.h"
 #include "formats/gltf/accessors.h"
+#include "formats/gltf/gltf_audit.h"
 #include "formats/gltf/gltf_lights.h"
 #include "formats/gltf/gltf_meshes.h"
 #include "formats/gltf/gltf_nodes.h"
@@ -112,6 +113,7 @@ class GltfReader {
     add_light();
     say_what_is_left_out(meshes);
     if (sink_.error_count() > errors_before) return std::nullopt;
+    audit_gltf(document_, sink_);
     return std::move(scene_);
   }
 
@@ -196,7 +198,8 @@ class GltfReader {
       if (scenes.size() > 1 && options_.scene.empty())
         sink_.note(scene_.position,
                    fmt::format("scene {} of {} is shown; --scene chooses another", *index, scenes.size()));
-      return nodes.of_scene(document_.element("scenes", *index, document_.root()));
+      const JsonValue* where = options_.scene.empty() ? document_.root().find("scene") : nullptr;
+      return nodes.of_scene(document_.element("scenes", *index, where == nullptr ? document_.root() : *where));
     }
     sink_.warning(scene_.position, "the asset has no scene; all of its nodes are shown");
     return nodes.of_all();

@@ -94,6 +94,8 @@ std::optional<std::uint32_t> GltfTextures::row(const GltfTextureInfo& info, Colo
     known->second = make_row(info, color_space, recipe);
   } catch (const GltfError& error) {
     const SourcePosition position = document_.position(*error.where);
+    // Several textures may show the same picture.
+    if (!said_.insert(to_string(position) + error.message).second) return std::nullopt;
     if (approximate_) {
       const std::string sentence = fmt::format("{}; the material is shown without it", error.message);
       sink_.warning(position, sentence);
@@ -184,6 +186,7 @@ std::shared_ptr<const Bitmap> GltfTextures::decoded(std::uint32_t index, const J
   if (const auto view = find_index(image, "bufferView")) {
     store = accessors_.view(*view, image);
   } else {
+    if (image.find("uri") == nullptr) throw GltfError{&image, "the image has neither a \"uri\" nor a \"bufferView\""};
     store = document_.resource(uri, image);
     if (!uri.starts_with("data:")) name = text::printable(uri, 200);
   }

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "formats/gltf/accessors.h"
@@ -49,6 +50,7 @@ class GltfTextures {
   std::map<std::string, std::uint32_t> derived_;
   std::map<std::string, std::uint32_t> bitmaps_;                  ///< by image and recipe
   std::map<std::uint32_t, std::weak_ptr<const Bitmap>> decoded_;  ///< by image
+  std::set<std::string> said_;                                    ///< what was reported, with its place
 };
 
 /// 0 where alpha, times a factor, is below the cutoff, else 1; grey.

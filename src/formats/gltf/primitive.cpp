@@ -194,6 +194,10 @@ class PrimitiveReader {
     return table;
   }
 
+  void warn_of(std::size_t some, std::size_t all, const char* what) {
+    if (some > 0) sink_.warning(document_.position(primitive_), fmt::format("{} of {} {}", some, all, what));
+  }
+
   static std::vector<glm::dvec3> vectors(const FloatTable& table) {
     std::vector<glm::dvec3> result(table.rows());
     for (std::size_t i = 0; i < result.size(); ++i) {
@@ -219,24 +223,36 @@ class PrimitiveReader {
     for (std::uint32_t set = 0; set < needs_.uv_sets; ++set) {
       const FloatTable table = attribute(fmt::format("TEXCOORD_{}", set), {2});
       std::vector<glm::vec2>& uvs = mesh_.uv_sets.emplace_back(table.rows());
+      std::size_t bad = 0;
       for (std::size_t i = 0; i < uvs.size(); ++i) {
         const float u = table.row(i)[0], v = table.row(i)[1];
-        uvs[i] = std::isfinite(u) && std::isfinite(v) ? glm::vec2(u, 1.0f - v) : glm::vec2(0.0f);
+        const bool good = std::isfinite(u) && std::isfinite(v);
+        bad += good ? 0 : 1;
+        uvs[i] = good ? glm::vec2(u, 1.0f - v) : glm::vec2(0.0f);
       }
+      warn_of(bad, uvs.size(), "texture coordinates are not finite; 0 is used");
     }
   }
 
   void read_colors() {
     if (!needs_.colors) return;
     const FloatTable table = attribute("COLOR_0", {3, 4});
-    const auto share = [](float value) { return value > 0.0f ? std::min(value, 1.0f) : 0.0f; };  // of NaN nothing, too
+    std::size_t bad = 0;
+    const auto share = [&](float value) {
+      if (value >= 0.0f && value <= 1.0f) return value;
+      ++bad;
+      return value > 0.0f ? 1.0f : 0.0f;  // of NaN nothing, too
+    };
     mesh_.vertex_colors.resize(table.rows());
     for (std::size_t i = 0; i < table.rows(); ++i) {
       for (int c = 0; c < 3; ++c) mesh_.vertex_colors[i][c] = share(table.row(i)[c]);
     }
-    if (!needs_.alphas || table.components < 4) return;
-    mesh_.vertex_alphas.resize(table.rows());
-    for (std::size_t i = 0; i < table.rows(); ++i) mesh_.vertex_alphas[i] = share(table.row(i)[3]);
+    if (needs_.alphas && table.components == 4) {
+      mesh_.vertex_alphas.resize(table.rows());
+      for (std::size_t i = 0; i < table.rows(); ++i) mesh_.vertex_alphas[i] = share(table.row(i)[3]);
+    }
+    warn_of(bad, table.rows() * table.components,
+            "numbers of vertex colours are not between 0 and 1; the nearest of these is used");
   }
 
   /// Those of the file, unless some say nothing.
@@ -293,8 +309,10 @@ class PrimitiveReader {
     std::vector<glm::dmat4> blends(mesh_.positions.size(), glm::dmat4(0.0));
     for (int set = 0; has(fmt::format("JOINTS_{}", set)) && has(fmt::format("WEIGHTS_{}", set)); ++set)
       add_joints(set, blends);
+    std::size_t still = 0;
     for (std::size_t i = 0; i < blends.size(); ++i) {
       const double sum = blends[i][3][3];
+      if (!(sum > 0.0)) ++still;
       const glm::dmat4 blend = sum > 0.0 ? blends[i] / sum : glm::dmat4(1.0);
       mesh_.positions[i] = glm::dvec3(blend * glm::dvec4(mesh_.positions[i], 1.0));
       const glm::dmat3 linear(blend);
@@ -305,6 +323,7 @@ class PrimitiveReader {
       if (!mesh_.normals.empty() && glm::determinant(linear) != 0.0)
         mesh_.normals[i] = glm::transpose(glm::inverse(linear)) * mesh_.normals[i];
     }
+    warn_of(still, blends.size(), "vertices have no weight above 0; the skin does not move them");
   }
 
   void add_joints(int set, std::vector<glm::dmat4>& blends) {

@@ -1,0 +1,396 @@
+#include "formats/gltf/gltf_audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "formats/gltf/gltf_document.h"
+#include "formats/gltf/gltf_values.h"
+#include "scene/diagnostics.h"
+
+namespace etendue {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::uint32_t kByte = 5120, kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+
+/// Between which numbers a member of a material lies, and what becomes of others.
+struct Range {
+  const char* path;
+  double least, most;
+  const char* otherwise = "the nearest of these is used";
+};
+
+constexpr Range kMaterialRanges[] = {
+    {"alphaCutoff", 0.0, kInfinity, "it is used as it is"},
+    {"emissiveFactor", 0.0, kInfinity},
+    {"pbrMetallicRoughness/baseColorFactor", 0.0, 1.0},
+    {"pbrMetallicRoughness/metallicFactor", 0.0, 1.0},
+    {"pbrMetallicRoughness/roughnessFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_anisotropy/anisotropyStrength", 0.0, 1.0},
+    {"extensions/KHR_materials_clearcoat/clearcoatFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_diffuse_transmission/diffuseTransmissionFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_dispersion/dispersion", 0.0, kInfinity},
+    {"extensions/KHR_materials_emissive_strength/emissiveStrength", 0.0, kInfinity},
+    {"extensions/KHR_materials_iridescence/iridescenceFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_iridescence/iridescenceIor", 1.0, kInfinity},
+    {"extensions/KHR_materials_iridescence/iridescenceThicknessMinimum", 0.0, kInfinity},
+    {"extensions/KHR_materials_iridescence/iridescenceThicknessMaximum", 0.0, kInfinity},
+    {"extensions/KHR_materials_pbrSpecularGlossiness/diffuseFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_pbrSpecularGlossiness/specularFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_pbrSpecularGlossiness/glossinessFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_sheen/sheenColorFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_sheen/sheenRoughnessFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_specular/specularFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_specular/specularColorFactor", 0.0, kInfinity},
+    {"extensions/KHR_materials_transmission/transmissionFactor", 0.0, 1.0},
+    {"extensions/KHR_materials_volume/attenuationColor", 0.0, 1.0},
+    {"extensions/KHR_materials_volume/thicknessFactor", 0.0, kInfinity},
+};
+
+std::string_view name_of(const Range& range) {
+  const std::string_view path = range.path;
+  return path.substr(path.rfind('/') + 1);
+}
+
+const JsonValue* follow(const JsonValue& object, std::string_view path) {
+  const JsonValue* at = &object;
+  for (const std::string_view name : text::split(path, '/')) {
+    at = at->find(name);
+    if (at == nullptr) return nullptr;
+  }
+  return at;
+}
+
+/// Nothing where there is no array: what is of the wrong type was an error if it was needed.
+const JsonValue::Array& list(const JsonValue& object, std::string_view name) {
+  static const JsonValue::Array kNone;
+  const JsonValue* value = object.find(name);
+  return value == nullptr || value->array() == nullptr ? kNone : *value->array();
+}
+
+std::optional<double> number_in(const JsonValue& object, std::string_view name) {
+  const JsonValue* value = object.find(name);
+  return value == nullptr || value->number() == nullptr ? std::nullopt : std::optional(*value->number());
+}
+
+/// An attribute's name without its number: "TEXCOORD_" of "TEXCOORD_1".
+std::string_view kind_of_attribute(std::string_view name) {
+  for (const std::string_view kind : {"TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"}) {
+    if (name.starts_with(kind)) return kind;
+  }
+  return name;
+}
+
+bool is_known(std::string_view kind) {
+  constexpr std::string_view kKinds[] = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"};
+  return std::ranges::find(kKinds, kind) != std::end(kKinds);
+}
+
+/// Whether the standard lets an attribute have that component type.
+bool may_have_type(std::string_view kind, std::uint32_t type, bool normalized, bool quantized) {
+  const bool is_unsigned = type == kUnsignedByte || type == kUnsignedShort;
+  if (kind == "JOINTS_") return is_unsigned && !normalized;
+  if (type == kFloat || (normalized && is_unsigned && (kind == "COLOR_" || kind == "WEIGHTS_"))) return true;
+  if (kind == "TEXCOORD_") return (normalized && is_unsigned) || (quantized && type <= kUnsignedShort);
+  if (kind == "POSITION") return quantized && type <= kUnsignedShort;
+  const bool is_signed = type == kByte || type == kByte + 2;
+  return (kind == "NORMAL" || kind == "TANGENT") && quantized && normalized && is_signed;
+}
+
+class GltfAuditor {
+ public:
+  GltfAuditor(const GltfDocument& document, Diagnostics& diagnostics)
+      : document_(document), root_(document.root()), sink_(diagnostics) {}
+
+  void run() {
+    audit_names();
+    audit_scenes();
+    for (const JsonValue& node : list(root_, "nodes")) audit_node(node);
+    for (const JsonValue& mesh : list(root_, "meshes")) audit_mesh(mesh);
+    for (const JsonValue& skin : list(root_, "skins")) check_index(skin, "skeleton", "nodes");
+    for (const JsonValue& camera : list(root_, "cameras")) audit_camera(camera);
+    for (const JsonValue& material : list(root_, "materials")) audit_material(material);
+    for (const JsonValue& sampler : list(root_, "samplers")) audit_sampler(sampler);
+    for (const JsonValue& animation : list(root_, "animations")) audit_animation(animation);
+    for (const JsonValue& accessor : list(root_, "accessors")) audit_accessor(accessor);
+    for (const JsonValue& buffer : list(root_, "buffers")) {
+      if (buffer.find("byteLength") == nullptr) warn(buffer, "the buffer has no \"byteLength\"; all of it is used");
+    }
+    audit_extensions();
+  }
+
+ private:
+  void warn(const JsonValue& where, const std::string& sentence) { sink_.warning(document_.position(where), sentence); }
+
+  void audit_names() {
+    for (const char* array :
+         {"accessors", "animations", "buffers", "bufferViews", "meshes", "samplers", "scenes", "skins", "textures"}) {
+      for (const JsonValue& element : list(root_, array)) {
+        const JsonValue* name = element.find("name");
+        if (name != nullptr && name->string() == nullptr)
+          warn(*name, fmt::format("\"name\" is {}; it must be a string", name->kind()));
+      }
+    }
+  }
+
+  void audit_scenes() {
+    std::map<double, std::size_t> parent;
+    const JsonValue::Array& nodes = list(root_, "nodes");
+    for (std::size_t node = 0; node < nodes.size(); ++node) {
+      for (const JsonValue& child : list(nodes[node], "children")) {
+        if (child.number() != nullptr) parent[*child.number()] = node;
+      }
+    }
+    for (const JsonValue& scene : list(root_, "scenes")) {
+      std::set<double> seen;
+      for (const JsonValue& node : list(scene, "nodes")) {
+        if (node.number() == nullptr) continue;
+        const double index = *node.number();
+        if (!seen.insert(index).second)
+          warn(scene, fmt::format("the scene lists node {} twice; it shows it once", index));
+        if (const auto known = parent.find(index); known != parent.end())
+          warn(scene, fmt::format("node {} of the scene is no root but a child of node {}; it is shown once", index,
+                                  known->second));
+      }
+    }
+  }
+
+  /// Whether `object` refers to an element of an array of the root, if to anything.
+  void check_index(const JsonValue& object, std::string_view name, std::string_view array) {
+    check_index(object, name, array, list(root_, array).size());
+  }
+  void check_index(const JsonValue& object, std::string_view name, std::string_view array, std::size_t count) {
+    const auto index = number_in(object, name);
+    if (index && !(*index >= 0.0 && *index < static_cast<double>(count)))
+      warn(object, fmt::format("{} refers to number {} of \"{}\", of which there are {}; it is ignored",
+                               text::quoted(std::string(name)), *index, array, count));
+  }
+
+  void audit_node(const JsonValue& node) {
+    const bool has_matrix = node.find("matrix") != nullptr;
+    for (const char* part : {"translation", "rotation", "scale"}) {
+      if (has_matrix && node.find(part) != nullptr)
+        warn(node, fmt::format("the node has a \"matrix\" and a \"{}\"; the matrix is used", part));
+    }
+    check_rotation(node);
+    const auto mesh = number_in(node, "mesh");
+    const JsonValue::Array& meshes = list(root_, "meshes");
+    if (mesh && *mesh >= 0.0 && *mesh < static_cast<double>(meshes.size()))
+      check_weights(node, meshes[static_cast<std::size_t>(*mesh)]);
+  }
+
+  void check_rotation(const JsonValue& node) {
+    double square = 0.0;
+    const JsonValue::Array& numbers = list(node, "rotation");
+    for (const JsonValue& n : numbers) square += n.number() == nullptr ? 0.0 : *n.number() * *n.number();
+    constexpr double kTolerance = 0.01;  // as wide as rounding to bytes
+    const double length = std::sqrt(square);
+    if (numbers.empty() || std::abs(length - 1.0) <= kTolerance) return;
+    warn(node, length == 0.0
+                   ? "the node's rotation has the length 0; the node is not turned"
+                   : fmt::format("the node's rotation has the length {:.3g} instead of 1; it is scaled to it", length));
+  }
+
+  /// Of a node or of the mesh itself.
+  void check_weights(const JsonValue& owner, const JsonValue& mesh) {
+    if (owner.find("weights") == nullptr) return;
+    const std::size_t weights = list(owner, "weights").size();
+    const JsonValue::Array& primitives = list(mesh, "primitives");
+    const std::size_t targets = primitives.empty() ? 0 : list(primitives.front(), "targets").size();
+    if (weights != targets)
+      warn(owner, fmt::format("there are {} weights for {} morph targets; those without a weight stay at 0", weights,
+                              targets));
+  }
+
+  void audit_mesh(const JsonValue& mesh) {
+    check_weights(mesh, mesh);
+    const JsonValue::Array& primitives = list(mesh, "primitives");
+    if (primitives.empty()) warn(mesh, "the mesh has no primitives");
+    for (const JsonValue& primitive : primitives) {
+      const JsonValue* attributes = primitive.find("attributes");
+      if (attributes == nullptr || attributes->object() == nullptr) continue;
+      for (const auto& [name, value] : *attributes->object()) audit_attribute(*attributes, name);
+      for (const JsonValue& target : list(primitive, "targets")) {
+        if (target.object() == nullptr) continue;
+        for (const auto& [name, value] : *target.object()) check_attribute_name(target, name);
+      }
+    }
+  }
+
+  void check_attribute_name(const JsonValue& attributes, const std::string& name) {
+    if (!name.starts_with('_') && !is_known(kind_of_attribute(name)))
+      warn(attributes,
+           fmt::format("the attribute {} is unknown and is ignored; names of an application begin with \"_\"",
+                       text::quoted(name)));
+  }
+
+  void audit_attribute(const JsonValue& attributes, const std::string& name) {
+    check_attribute_name(attributes, name);
+    check_index(attributes, name, "accessors");
+    const std::string_view kind = kind_of_attribute(name);
+    const auto missing = [&](const std::string& other) { return attributes.find(other) == nullptr; };
+    const std::string number = name.substr(kind.size());
+    if (kind == "JOINTS_" && missing("WEIGHTS_" + number))
+      warn(attributes, fmt::format("{} comes without WEIGHTS_{}; it moves nothing", name, number));
+    if (kind == "WEIGHTS_" && missing("JOINTS_" + number))
+      warn(attributes, fmt::format("{} comes without JOINTS_{}; it moves nothing", name, number));
+    if (kind == "TEXCOORD_" && number != "0" && number.size() == 1 &&
+        missing(fmt::format("TEXCOORD_{}", number[0] - '1')))
+      warn(attributes, fmt::format("{} comes without TEXCOORD_{}; it is not used", name, number[0] - '1'));
+    check_type(attributes, name, kind);
+  }
+
+  void check_type(const JsonValue& attributes, const std::string& name, std::string_view kind) {
+    const auto index = number_in(attributes, name);
+    const JsonValue::Array& accessors = list(root_, "accessors");
+    if (!index || !is_known(kind) || !(*index >= 0.0 && *index < static_cast<double>(accessors.size()))) return;
+    const JsonValue& accessor = accessors[static_cast<std::size_t>(*index)];
+    const JsonValue* normalized = accessor.find("normalized");
+    const bool is_normalized = normalized != nullptr && normalized->boolean() != nullptr && *normalized->boolean();
+    const auto type = static_cast<std::uint32_t>(number_in(accessor, "componentType").value_or(0.0));
+    const bool quantized = declares("KHR_mesh_quantization");
+    if (may_have_type(kind, type, is_normalized, quantized)) return;
+    const bool would_help = !quantized && may_have_type(kind, type, is_normalized, true);
+    warn(accessor,
+         fmt::format("{} has the component type {}{}, which the standard does not allow{}; it is read all the "
+                     "same",
+                     name, type, is_normalized ? ", normalized" : "",
+                     would_help ? " without KHR_mesh_quantization" : ""));
+  }
+
+  void audit_camera(const JsonValue& camera) {
+    const JsonValue* p = camera.find("perspective");
+    if (p == nullptr || p->object() == nullptr) return;
+    if (!(number_in(*p, "znear").value_or(0.0) > 0.0))
+      warn(*p, "the camera has no \"znear\" above 0; nothing is cut off in front of it");
+    const auto aspect = number_in(*p, "aspectRatio");
+    if (aspect && !(*aspect > 0.0))
+      warn(*p, fmt::format("\"aspectRatio\" is {}; it must be above 0 and is ignored", *aspect));
+  }
+
+  void audit_material(const JsonValue& material) {
+    for (const Range& range : kMaterialRanges) {
+      const JsonValue* value = follow(material, range.path);
+      if (value == nullptr) continue;
+      check_range(*value, range);
+      if (value->array() == nullptr) continue;
+      const auto beyond = [&](const JsonValue& v) { return check_range(v, range); };
+      (void)std::ranges::find_if(*value->array(), beyond);  // the first of them is enough
+    }
+    if (const JsonValue* ior = follow(material, "extensions/KHR_materials_ior/ior");
+        ior != nullptr && ior->number() != nullptr && *ior->number() != 0.0 && !(*ior->number() >= 1.0))
+      warn(*ior, fmt::format("\"ior\" is {}; it must be 0 or at least 1; 1 is used", *ior->number()));
+    if (const JsonValue* distance = follow(material, "extensions/KHR_materials_volume/attenuationDistance");
+        distance != nullptr && distance->number() != nullptr && !(*distance->number() > 0.0))
+      warn(*distance,
+           fmt::format("\"attenuationDistance\" is {}; it must be above 0; the volume is clear", *distance->number()));
+    if (const JsonValue* texture = follow(material, "occlusionTexture")) check_index(*texture, "index", "textures");
+  }
+
+  bool check_range(const JsonValue& value, const Range& range) {
+    const double* n = value.number();
+    if (n == nullptr || (*n >= range.least && *n <= range.most)) return false;
+    const std::string bounds = range.most == kInfinity ? fmt::format("at least {}", range.least)
+                                                       : fmt::format("between {} and {}", range.least, range.most);
+    warn(value, fmt::format("\"{}\" is {}; it must be {}; {}", name_of(range), *n, bounds, range.otherwise));
+    return true;
+  }
+
+  void audit_sampler(const JsonValue& sampler) {
+    constexpr double kMagnifying[] = {9728, 9729}, kMinifying[] = {9728, 9729, 9984, 9985, 9986, 9987};
+    const auto mag = number_in(sampler, "magFilter"), min = number_in(sampler, "minFilter");
+    if (mag && std::ranges::find(kMagnifying, *mag) == std::end(kMagnifying))
+      warn(sampler, fmt::format("\"magFilter\" is {}; it must be 9728 or 9729; 9729 is used", *mag));
+    if (min && std::ranges::find(kMinifying, *min) == std::end(kMinifying))
+      warn(sampler, fmt::format("\"minFilter\" is {}; it must be 9728, 9729 or 9984 to 9987; it is ignored", *min));
+  }
+
+  void audit_animation(const JsonValue& animation) {
+    const JsonValue::Array& samplers = list(animation, "samplers");
+    if (samplers.empty() || list(animation, "channels").empty())
+      warn(animation, "the animation has no \"channels\" or no \"samplers\"; nothing moves");
+    for (const JsonValue& sampler : samplers) {
+      check_index(sampler, "input", "accessors");
+      check_index(sampler, "output", "accessors");
+    }
+    for (const JsonValue& channel : list(animation, "channels")) {
+      check_index(channel, "sampler", "samplers", samplers.size());
+      if (const JsonValue* target = channel.find("target")) check_index(*target, "node", "nodes");
+    }
+  }
+
+  void audit_accessor(const JsonValue& accessor) {
+    const JsonValue* normalized = accessor.find("normalized");
+    const auto type = number_in(accessor, "componentType");
+    if (normalized != nullptr && normalized->boolean() != nullptr && *normalized->boolean() && type &&
+        (*type == kFloat || *type == kUnsignedInt))
+      warn(*normalized, fmt::format("numbers of the component type {} cannot be normalized", *type));
+  }
+
+  bool declares(std::string_view extension) const {
+    const auto is_it = [&](const JsonValue& v) { return v.string() != nullptr && *v.string() == extension; };
+    return std::ranges::any_of(list(root_, "extensionsUsed"), is_it) ||
+           std::ranges::any_of(list(root_, "extensionsRequired"), is_it);
+  }
+
+  void audit_extensions() {
+    std::set<std::string> used;
+    for (const JsonValue& name : list(root_, "extensionsUsed")) {
+      if (name.string() != nullptr) used.insert(*name.string());
+    }
+    for (const JsonValue& name : list(root_, "extensionsRequired")) {
+      if (name.string() != nullptr && used.insert(*name.string()).second)
+        warn(
+            *root_.find("extensionsRequired"),
+            fmt::format("the extension {} is required but not among \"extensionsUsed\"", text::quoted(*name.string())));
+    }
+    find_undeclared(root_, used);
+  }
+
+  /// Depth is bounded by that of JSON.
+  void find_undeclared(const JsonValue& value, std::set<std::string>& declared) {
+    if (value.array() != nullptr) {
+      for (const JsonValue& element : *value.array()) find_undeclared(element, declared);
+    }
+    if (value.object() == nullptr) return;
+    for (const auto& [name, member] : *value.object()) {
+      if (name == "extras") continue;
+      if (name == "extensions") check_declared(member, declared);
+      find_undeclared(member, declared);
+    }
+  }
+
+  void check_declared(const JsonValue& extensions, std::set<std::string>& declared) {
+    if (extensions.object() == nullptr)
+      return warn(extensions, fmt::format("\"extensions\" is {}; it must be an object", extensions.kind()));
+    for (const auto& [name, value] : *extensions.object()) {
+      if (declared.insert(name).second)
+        warn(value, fmt::format("the extension {} is not among \"extensionsUsed\"", text::quoted(name)));
+    }
+  }
+
+  const GltfDocument& document_;
+  const JsonValue& root_;
+  Diagnostics& sink_;
+};
+
+}  // namespace
+
+void audit_gltf(const GltfDocument& document, Diagnostics& diagnostics) {
+  GltfAuditor(document, diagnostics).run();
+}
+
+}  // namespace etendue
