@@ -1,4 +1,4 @@
-"""Etendue: a path tracer that gives the same light on every device, and proves it.
+"""Etendue: a path tracer that renders the same picture on every device, and proves it.
 
     import etendue as et
 

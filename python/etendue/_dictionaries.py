@@ -1,4 +1,4 @@
-"""Scenes as dictionaries, in the form that Mitsuba's load_dict takes."""
+"""Scenes as dictionaries, in the form accepted by Mitsuba's load_dict."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MESH_ARRAYS = ("positions", "triangles", "normals", "uvs", "colors")
 
 
 def load_dict(dictionary: Mapping[str, Any], *, strict: bool = False, approximate: bool = False) -> Scene:
-    """Makes a scene of nested dictionaries, as Mitsuba's load_dict does; docs/mitsuba.md lists their words::
+    """Builds a scene from nested dictionaries, as Mitsuba's load_dict does; docs/mitsuba.md lists the names::
 
         et.load_dict({
             "type": "scene",
@@ -28,22 +28,23 @@ def load_dict(dictionary: Mapping[str, Any], *, strict: bool = False, approximat
             "lamp": {"type": "constant"},
         })
 
-    Values are numbers, texts, lists of numbers, matrices of shape (4, 4) or transforms, dictionaries. Beyond Mitsuba's
-    words there is {"type": "mesh", "positions": (n, 3), "triangles": (m, 3)}, perhaps with "normals" (n, 3), "uvs"
-    (n, 2) and "colors" (n, 3) of its vertices; and "bitmap" or "data", in place of the "filename" of a texture or an
-    environment: an array (height, width) or (height, width, channels), sRGB codes if uint8, else linear numbers.
+    Values are numbers, strings, lists of numbers, transforms or matrices of shape (4, 4), and dictionaries. In addition
+    to Mitsuba's types there is {"type": "mesh", "positions": (n, 3), "triangles": (m, 3)}, optionally with "normals"
+    (n, 3), "uvs" (n, 2) and "colors" (n, 3) of its vertices. Textures and environments may have a "bitmap" or "data" in
+    place of a "filename": an array of shape (height, width) or (height, width, channels), either uint8 (sRGB codes) or
+    floating-point (linear).
 
-    Raises SceneError; its ``file`` is a path of names, such as "dict:/ball/bsdf". ``strict`` and ``approximate`` are
-    those of load_file().
+    ``strict`` and ``approximate`` are those of load_file(). Raises SceneError; its ``file`` is a path of names, such as
+    "dict:/ball/bsdf".
     """
     return Scene(_core.read_objects(_object(dictionary, "dict:", 0), strict=strict, approximate=approximate))
 
 
 def _object(dictionary: Mapping[str, Any], place: str, depth: int) -> _core.SceneObject:
     if not isinstance(dictionary.get("type"), str):
-        raise UsageError(f'{place}: an object lacks its "type", a text.')
+        raise UsageError(f'{place}: an object needs a "type", a string.')
     if depth > _DEEPEST:
-        raise UsageError(f"{place}: objects are nested deeper than {_DEEPEST} levels; does one hold itself?")
+        raise UsageError(f"{place}: objects are nested more than {_DEEPEST} levels deep; does one contain itself?")
     made = _core.SceneObject()
     made.type = dictionary["type"]
     for name, value in dictionary.items():
@@ -79,12 +80,12 @@ def _add_numbers(made: _core.SceneObject, name: str, value: Any, place: str) -> 
         numbers = np.asarray(getattr(value, "matrix", value), np.float64)
     except (TypeError, ValueError) as error:
         raise UsageError(
-            f"{place}: a {type(value).__name__} is no value of a scene; give a number, a text, a list of numbers, "
-            "a 4 x 4 matrix or a dictionary."
+            f"{place}: a {type(value).__name__} cannot be a value in a scene; give a number, a string, "
+            "a list of numbers, a 4 x 4 matrix or a dictionary."
         ) from error
     if numbers.shape == (4, 4):
         made.add_matrix(name, np.ascontiguousarray(numbers))
-    elif numbers.shape == (3, 3):  # of a texture: x, y and translation
+    elif numbers.shape == (3, 3):  # a texture's transform: x, y and translation
         matrix = np.eye(4)
         matrix[:2, :2], matrix[:2, 3] = numbers[:2, :2], numbers[:2, 2]
         made.add_matrix(name, matrix)
@@ -93,14 +94,14 @@ def _add_numbers(made: _core.SceneObject, name: str, value: Any, place: str) -> 
     elif numbers.ndim == 0:
         made.add_float(name, float(numbers))
     else:
-        raise UsageError(f"{place}: an array of the shape {numbers.shape} is neither a list nor a matrix of 4 x 4.")
+        raise UsageError(f"{place}: an array of shape {numbers.shape} is neither a list nor a 4 x 4 matrix.")
 
 
 def _spectrum(value: Any, place: str) -> str:
-    """Pairs of wavelength, in nanometres, and value."""
+    """Formats pairs of wavelength, in nanometres, and value."""
     pairs = np.asarray(value, np.float64)
     if pairs.ndim != 2 or pairs.shape[1] != 2:
-        raise UsageError(f"{place}: a spectrum is a number or a list of (wavelength, value), not of the shape {pairs.shape}.")
+        raise UsageError(f"{place}: a spectrum is a number or a list of (wavelength, value); this has shape {pairs.shape}.")
     return ", ".join(f"{wavelength!r}:{number!r}" for wavelength, number in pairs.tolist())
 
 
@@ -110,14 +111,14 @@ def _set_mesh(made: _core.SceneObject, dictionary: Mapping[str, Any], place: str
             return None
         array = np.asarray(dictionary[name])
         if array.ndim != 2 or array.shape[1] != columns:
-            raise UsageError(f"{place}/{name}: has the shape {array.shape}; it must be (n, {columns}).")
+            raise UsageError(f"{place}/{name}: the array has shape {array.shape}; it must be (n, {columns}).")
         if dtype is np.uint32 and (array.dtype.kind not in "iu" or (array.size and (array.min() < 0 or array.max() >= 2**32))):
-            raise UsageError(f"{place}/{name}: holds {array.dtype} numbers; vertices are counted from 0 in whole ones.")
+            raise UsageError(f"{place}/{name}: the array has type {array.dtype}; indices must be integers from 0 on.")
         return np.ascontiguousarray(array, dtype)
 
     positions, triangles = rows("positions", 3, np.float64), rows("triangles", 3, np.uint32)
     if positions is None or triangles is None:
-        raise UsageError(f'{place}: a mesh needs its "positions", (n, 3), and "triangles", (m, 3).')
+        raise UsageError(f'{place}: a mesh needs "positions" of shape (n, 3) and "triangles" of shape (m, 3).')
     made.set_mesh(positions, triangles, rows("normals", 3, np.float64), rows("uvs", 2, np.float32), rows("colors", 3, np.float32))
 
 
@@ -126,9 +127,13 @@ def _set_bitmap(made: _core.SceneObject, value: Any, place: str) -> None:
     if array.ndim == 2:
         array = array[:, :, np.newaxis]
     if array.ndim != 3 or not 1 <= array.shape[2] <= 4 or 0 in array.shape:
-        raise UsageError(f"{place}: has the shape {array.shape}; it must be (height, width) or (height, width, 1 to 4).")
+        raise UsageError(
+            f"{place}: the array has shape {array.shape}; it must be (height, width) or (height, width, 1 to 4)."
+        )
     codes = array.dtype == np.uint8
     if not codes and array.dtype.kind != "f":
-        raise UsageError(f"{place}: holds {array.dtype}; it must be uint8 (sRGB codes) or floating-point (linear).")
+        raise UsageError(
+            f"{place}: the array has type {array.dtype}; it must be uint8 (sRGB codes) or floating-point (linear)."
+        )
     data = np.ascontiguousarray(array, np.uint8 if codes else np.float32)
     made.set_bitmap(data.tobytes(), array.shape[1], array.shape[0], array.shape[2], codes)

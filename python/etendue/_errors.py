@@ -1,4 +1,4 @@
-"""What can go wrong: an exception for each kind of trouble, a sentence in each."""
+"""The exceptions, one for each kind of error; the text of each is a sentence."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class Problem(NamedTuple):
 
 
 class Error(Exception):
-    """Any error of Etendue. The text is one sentence: the place, the thing, the number and what would be right.
+    """Any error of Etendue. The text is one sentence: where, what, the number, and what would be right.
 
-    ``file``, ``line`` and ``column`` (from 1) are those of the first problem of a file, else None.
-    ``problems`` lists all that a reader found in one pass, warnings among them.
+    ``file``, ``line`` and ``column`` (from 1) are those of the first problem in a file, otherwise None.
+    ``problems`` lists everything that a reader found in one pass, including warnings.
     """
 
     _has_place = True
@@ -41,13 +41,13 @@ class Error(Exception):
 
 
 class UsageError(Error, ValueError):
-    """An argument is wrong; the caller can do better."""
+    """An argument is wrong."""
 
     _has_place = False
 
 
 class SceneError(Error, ValueError):
-    """A scene or mesh is wrong, or cannot be opened."""
+    """A scene or mesh contains an error, or cannot be opened."""
 
 
 class DeviceError(Error, RuntimeError):
@@ -55,7 +55,7 @@ class DeviceError(Error, RuntimeError):
 
 
 class DeviceLostError(DeviceError):
-    """A device was lost, hangs, or has no memory left."""
+    """A device was lost, hangs, or ran out of memory."""
 
 
 class FileError(Error, OSError):
@@ -63,15 +63,15 @@ class FileError(Error, OSError):
 
 
 class ComparisonError(Error):
-    """Results differ from what they should be."""
+    """Results differ from the expected ones."""
 
 
 class InternalError(Error, RuntimeError):
-    """An error in Etendue itself: please report it."""
+    """An error in Etendue itself; please report it."""
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a render. ``film`` keeps the samples that were done, None if there were none."""
+    """Ctrl-C during a render. ``film`` holds the samples rendered so far; None if there are none."""
 
     def __init__(self, film: Optional[Film]):
         done = f"{film.spp} samples per pixel are kept in .film" if film is not None else "no sample was finished"
@@ -90,5 +90,5 @@ _CLASSES: dict[str, type[Error]] = {
 
 
 def error_of(kind: str, message: str, findings: list[tuple[str, str, str, int, int]]) -> Error:
-    """The exception for an error of the library; called by the compiled part."""
+    """The exception for an error of the library; called by the compiled module."""
     return _CLASSES.get(kind, InternalError)(message, tuple(Problem(*finding) for finding in findings))

@@ -15,10 +15,10 @@ FloatArray = npt.NDArray[np.float32]
 
 
 class Image(np.lib.mixins.NDArrayOperatorsMixin):
-    """A picture: linear Rec. 709 radiance with its standard error, where that is known.
+    """A picture: linear Rec. 709 radiance and, if known, its standard error.
 
-    It counts as the array of its mean wherever numpy wants one, and shows itself in notebooks. All arrays are
-    read-only views of the picture, without a copy; the top row comes first.
+    NumPy functions accept it in place of the array ``mean``, and notebooks display it. All arrays are read-only views
+    of the picture, without a copy; the top row comes first.
     """
 
     def __init__(self, picture: _core.Picture):
@@ -32,8 +32,9 @@ class Image(np.lib.mixins.NDArrayOperatorsMixin):
         standard_error: Optional[npt.ArrayLike] = None,
         sample_count: Optional[npt.ArrayLike] = None,
     ) -> Image:
-        """A picture of arrays, which are copied: ``mean`` and ``standard_error`` of shape (height, width, 3),
-        ``sample_count`` of shape (height, width). Grey (height, width) becomes colour. Raises UsageError for others."""
+        """Makes a picture from arrays, which are copied: ``mean`` and ``standard_error`` of shape (height, width, 3),
+        ``sample_count`` of shape (height, width). Grey arrays of shape (height, width) become colour. Raises UsageError
+        for other shapes."""
         return Image(
             _core.Picture.from_arrays(
                 _colors(mean),
@@ -61,25 +62,25 @@ class Image(np.lib.mixins.NDArrayOperatorsMixin):
 
     @property
     def mean(self) -> FloatArray:
-        """float32 (height, width, 3): mean of the samples."""
+        """float32 array of shape (height, width, 3): the mean of the samples."""
         return self._picture.mean
 
     @property
     def standard_error(self) -> Optional[FloatArray]:
-        """float32 (height, width, 3): standard error of the mean, infinite with fewer than two samples; None where it
-        is not known."""
+        """float32 array of shape (height, width, 3): the standard error of the mean, infinite with fewer than two
+        samples; None if unknown."""
         return self._picture.standard_error
 
     @property
     def sample_count(self) -> Optional[npt.NDArray[np.uint32]]:
-        """uint32 (height, width): samples in the mean; with the sobol sampler, sets of samples. None where it is not
-        known."""
+        """uint32 array of shape (height, width): the number of samples in the mean, or with the sobol sampler of sets
+        of samples; None if unknown."""
         return cast("Optional[npt.NDArray[np.uint32]]", self._picture.sample_count)
 
     @property
     def aovs(self) -> dict[str, npt.NDArray[Any]]:
-        """What was rendered beside the picture, by name (docs/aovs.md): (height, width) for one number a pixel, else
-        (height, width, n). float32, but uint32 for numbers of things."""
+        """The AOVs by name (docs/aovs.md), arrays of shape (height, width) for one number per pixel, otherwise (height,
+        width, n). They are float32, or uint32 for the numbers of objects."""
         if self._aovs is None:
             layers: dict[str, list[npt.NDArray[Any]]] = {}
             for name, values in self._picture.channels:
@@ -91,13 +92,13 @@ class Image(np.lib.mixins.NDArrayOperatorsMixin):
 
     @property
     def metadata(self) -> dict[str, str]:
-        """What the picture says about itself: scene, device, seed and more (docs/image_files.md)."""
+        """Scene, device, seed and more, as in the file's header (docs/image_files.md)."""
         return self._picture.metadata
 
     @property
     def relative_error(self) -> float:
-        """Root mean square of the standard error over the mean pixel value: the noise as a fraction of the brightness.
-        Infinite while it is not known."""
+        """Root mean square of the standard error divided by the mean pixel value: the noise as a fraction of the
+        brightness. Infinite if unknown."""
         if self.standard_error is None:
             return float("inf")
         brightness = float(np.mean(self.mean, dtype=np.float64))
@@ -106,13 +107,13 @@ class Image(np.lib.mixins.NDArrayOperatorsMixin):
         return float(np.sqrt(np.mean(np.square(self.standard_error, dtype=np.float64)))) / brightness
 
     def write(self, path: PathLike, *, tonemap: str = "none", exposure: float = 0.0) -> None:
-        """Writes ``.exr`` (float32 radiance, standard error, AOVs, metadata) or ``.png`` (8-bit sRGB of what
-        ``tonemap``, "none", "reinhard" or "aces", and ``exposure``, in stops, make of it). The file appears whole or
+        """Writes an ``.exr`` file (float32 radiance, standard error, AOVs, metadata) or a ``.png`` file (8-bit sRGB,
+        after ``exposure``, in stops, and ``tonemap``: "none", "reinhard" or "aces"). The file is written completely or
         not at all. Raises FileError."""
         self._picture.write(os.fspath(path), film=False, tonemap=tonemap, exposure=exposure)
 
     def png(self, *, tonemap: str = "none", exposure: float = 0.0) -> bytes:
-        """The bytes of the ``.png`` file."""
+        """The bytes of the ``.png`` file that write() would write."""
         return self._picture.png(tonemap, exposure)
 
     def _repr_png_(self) -> bytes:
@@ -140,28 +141,29 @@ class Image(np.lib.mixins.NDArrayOperatorsMixin):
 
 
 class Film(Image):
-    """A picture with the exact sums of its samples: films of one render can be merged, and a render can go on from
-    one. render() and read_film() give them."""
+    """A picture with the exact sums of its samples. Films of one render can be merged, and a render can be continued
+    from a film. render() and read_film() return films."""
 
     @property
     def samples(self) -> list[tuple[int, int]]:
-        """Half-open ranges of the sample indices inside, sorted; with the sobol sampler, of sets of samples."""
+        """Half-open ranges of the sample indices in the film, sorted; with the sobol sampler, indices count sets of
+        samples."""
         return self._picture.samples
 
     @property
     def spp(self) -> int:
-        """Samples of each pixel."""
+        """Samples per pixel."""
         sets = sum(end - begin for begin, end in self.samples)
         return sets * int(self.metadata.get("sampler", "setSize=1").partition("setSize=")[2] or 1)
 
     @property
     def rejected(self) -> int:
-        """Samples that were not finite or too large, and were left out."""
+        """Number of samples left out because they were not finite or too large."""
         return self._picture.rejected
 
     def write_film(self, path: PathLike) -> None:
-        """Writes the film with its exact sums, an ``.exr`` file that ``etendue merge`` and ``--resume`` take and any
-        viewer shows. Raises FileError."""
+        """Writes the film with its exact sums, as an ``.exr`` file for ``etendue merge`` and ``--resume`` that any
+        viewer can show. Raises FileError."""
         self._picture.write(os.fspath(path), film=True, tonemap="none", exposure=0.0)
 
     def __repr__(self) -> str:
@@ -169,30 +171,30 @@ class Film(Image):
 
 
 def read_image(path: PathLike) -> Image:
-    """Reads an ``.exr`` or ``.png`` file of any program; sRGB is decoded to linear. Raises FileError."""
+    """Reads an ``.exr`` or ``.png`` file from any program; sRGB is decoded to linear. Raises FileError."""
     return Image(_core.read_picture(os.fspath(path), film=False))
 
 
 def read_film(path: PathLike) -> Film:
-    """Reads a film file, exact sums and all. Raises FileError for anything else."""
+    """Reads a film file with its exact sums. Raises FileError for any other file."""
     return Film(_core.read_picture(os.fspath(path), film=True))
 
 
 def merge(films: Iterable[Union[Film, PathLike]]) -> Film:
-    """The film of all samples of these films, or film files: the one that a single render of these samples gives, to
-    the byte. Raises FileError for films of different renders or with common samples, UsageError for none."""
+    """Merges films, or film files: the result is identical, byte for byte, to a single render of all their samples.
+    Raises FileError if the films come from different renders or share samples, UsageError if there are none."""
     pictures = [film if isinstance(film, Film) else read_film(film) for film in films]
     return Film(_core.merge([film._picture for film in pictures]))
 
 
 def denoise(picture: Union[Image, PathLike], *, library: PathLike = "") -> Image:
-    """The picture, or that of an EXR or film file, without its noise, by Open Image Denoise.
+    """Removes the noise from a picture, EXR file or film file, using Open Image Denoise.
 
-    The AOVs "albedo" and "normal" guide it where the picture has them: ``et.render(scene, aovs=["albedo", "normal"])``.
-    A denoised picture has neither standard error nor sample count; its metadata say what it is, and compare() tells
-    distances and tests nothing. ``library`` is the file of the library, where it is not the system's: without it the environment
-    variable ETENDUE_OIDN names it. Raises FileError that says how to get the library where it is missing, and for a
-    picture that is denoised already.
+    The AOVs "albedo" and "normal" guide it if the picture has them: ``et.render(scene, aovs=["albedo", "normal"])``. A
+    denoised picture has neither standard error nor sample count; its metadata say that it was denoised, and compare()
+    reports distances without any test. ``library`` is the path of the library's file if it is not the system's; by
+    default, the environment variable ETENDUE_OIDN may name it. Raises FileError if the library is missing, saying how
+    to get it, and if the picture is denoised already.
     """
     noisy = picture._picture if isinstance(picture, Image) else _core.read_noisy_picture(os.fspath(picture))
     return Image(_core.denoise(noisy, os.fspath(library)))
@@ -205,5 +207,5 @@ def _colors(values: npt.ArrayLike) -> FloatArray:
     if array.ndim != 3 or array.shape[2] != 3:
         from ._errors import UsageError
 
-        raise UsageError(f"A picture has the shape (height, width, 3) or (height, width), not {array.shape}.")
+        raise UsageError(f"A picture must have shape (height, width, 3) or (height, width), not {array.shape}.")
     return np.ascontiguousarray(array)

@@ -1,4 +1,4 @@
-"""What a notebook for Mitsuba calls and there is little to do for here."""
+"""Functions that notebooks written for Mitsuba call, and that have little to do here."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from ._scenes import Scene
 
 
 def set_variant(*variants: str) -> None:
-    """Takes the names of Mitsuba's variants and does nothing: there is one, in RGB. Raises UsageError where none of
-    them is in RGB."""
+    """Accepts the names of Mitsuba's variants and does nothing, because Etendue always renders in RGB. Raises
+    UsageError if none of them is an RGB variant."""
     if variants and not any(variant.endswith("rgb") for variant in variants):
-        raise UsageError(f"There is no variant {variants[0]!r}: Etendue renders in RGB. Take one that ends in _rgb.")
+        raise UsageError(f"There is no variant {variants[0]!r}: Etendue renders in RGB; choose one that ends in _rgb.")
 
 
 def traverse(scene: Scene) -> Parameters:
-    """``scene.parameters``. Their names are Etendue's; a KeyError suggests them. update() takes changes, or nothing."""
+    """Returns ``scene.parameters``. The names are Etendue's; a KeyError suggests the nearest one. update() may be
+    called with changes or without arguments."""
     return scene.parameters

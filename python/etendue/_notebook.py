@@ -1,4 +1,4 @@
-"""What notebooks show while a progressive render goes on."""
+"""The live view of a progressive render in a notebook."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ._images import Film
 
 
 def in_notebook() -> bool:
-    """Whether this runs in a Jupyter kernel. Imports nothing."""
+    """Whether this runs in a Jupyter kernel; does not import anything."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return shell is not None and getattr(shell, "kernel", None) is not None
 
 
 class LiveView:
-    """One output of a cell that is replaced: the picture so far and how far it has come."""
+    """An output cell, updated in place, with the picture so far and the progress."""
 
     _SECONDS_BETWEEN = 0.25
 
@@ -31,7 +31,7 @@ class LiveView:
         self._started = time.monotonic()
 
     def show(self, film: Film, total: int) -> None:
-        """The film of a step, of `total` samples per pixel."""
+        """Shows the film of a step; `total` is the final number of samples per pixel."""
         data = base64.b64encode(film.png()).decode("ascii")
         self._picture = f'<img alt="render" src="data:image/png;base64,{data}" style="max-width: 100%"/>'
         error = film.relative_error
@@ -41,7 +41,7 @@ class LiveView:
         self._update("")
 
     def tell(self, done: int, total: int) -> None:
-        """Samples of all pixels, between steps."""
+        """Shows the progress between steps, in samples of all pixels."""
         now = time.monotonic()
         if now - self._told >= self._SECONDS_BETWEEN:
             self._told = now

@@ -1,4 +1,4 @@
-"""What of a scene can be changed by name."""
+"""The parameters of a scene, which can be changed by name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from . import _core
 
 
 class Parameters(MutableMapping[str, Any]):
-    """The numbers of a scene by name, as numpy arrays and Python's numbers; see Scene.parameters."""
+    """The numbers of a scene by name, as NumPy arrays and Python numbers; see Scene.parameters."""
 
     def __init__(self, core: _core.Scene):
         self._core = core
@@ -31,7 +31,7 @@ class Parameters(MutableMapping[str, Any]):
             raise KeyError(self._complaint(name))
 
     def __delitem__(self, name: str) -> None:
-        raise TypeError("the parameters of a scene can be changed, not taken out")
+        raise TypeError("the parameters of a scene can be changed, but not removed")
 
     def __iter__(self) -> Iterator[str]:
         return iter(_core.parameter_names(self._core))

@@ -20,7 +20,7 @@ class Device(NamedTuple):
     name: str
     type: str  # "discrete GPU", "CPU", …
     driver: str
-    missing: str  # why it cannot render; "": it can
+    missing: str  # why it cannot render; "" if it can
 
     @property
     def usable(self) -> bool:
@@ -28,16 +28,16 @@ class Device(NamedTuple):
 
 
 def devices() -> list[Device]:
-    """All Vulkan devices, in the order of their numbers. Raises DeviceError when there is no Vulkan loader."""
+    """All Vulkan devices, in the order of their numbers. Raises DeviceError if there is no Vulkan loader."""
     return [Device(number, *facts) for number, facts in enumerate(_core.devices())]
 
 
 class Progressive(Iterator[Film]):
-    """A render in steps, an iterator over films with ever more samples. Devices stay open between the steps, and each
-    film is the one that render() gives for as many samples, to the byte.
+    """A render in steps: an iterator over films with more and more samples. Devices stay open between steps, and each
+    film is identical, byte for byte, to the result of render() with as many samples.
 
-    The scene cannot be changed until the render ends or is closed; a
-    ``with`` block closes it. In a notebook it shows itself while it goes on.
+    The scene cannot be changed until the render ends or is closed; a ``with`` block closes it. In a notebook, the
+    picture is shown while it renders.
     """
 
     def __init__(self, render: _core.Render, step: Optional[int], show: bool, progress: Optional[ProgressCallback]):
@@ -46,7 +46,7 @@ class Progressive(Iterator[Film]):
         self._next = step or 1
         self._view = _notebook.LiveView() if show else None
         self._progress = progress
-        self._film: Optional[Film] = None  # of a render that is over
+        self._film: Optional[Film] = None  # after the render has ended
 
     def __iter__(self) -> Progressive:
         return self
@@ -65,11 +65,11 @@ class Progressive(Iterator[Film]):
 
     @property
     def film(self) -> Optional[Film]:
-        """What is done, also after Ctrl-C; None before there is a sample."""
+        """The samples rendered so far, also after Ctrl-C; None before the first one."""
         return self._film if self._render is None else _film_of(self._render)
 
     def close(self) -> None:
-        """Ends the render and lets go of devices and scene; ``film`` stays."""
+        """Ends the render and releases the devices and the scene; ``film`` remains available."""
         if self._render is not None:
             self._film = _film_of(self._render)
             self._render.close()
@@ -104,30 +104,31 @@ def render(
     max_wait: Optional[float] = None,
     progress: Optional[ProgressCallback] = None,
 ) -> Film:
-    """Renders a scene, or a scene file. The film has ``mean``, ``standard_error`` and ``aovs``.
+    """Renders a scene or a scene file. The film has ``mean``, ``standard_error`` and ``aovs``.
 
-    spp          samples per pixel; as many as the scene says by default. The sobol sampler takes whole sets of them.
-    device       "auto"; the number of a device or a part of its name; "0,1" or "all": several that share the work;
-                 "reference": the double-precision renderer on the CPU
-    aovs         names of what is rendered beside the picture (docs/aovs.md), in place of ``scene.aovs``
-    samples      (begin, end): this range of samples alone, for films that are merged
-    time         seconds after which to stop
-    until_error  stop when ``relative_error`` is at most this, and what is not seen yet is unlikely to matter
-    start        a film of the same render to go on from
-    checkpoint   film file that keeps what is done, written every ``checkpoint_every`` seconds
+    spp          samples per pixel; by default, the scene's. The sobol sampler renders whole sets.
+    device       "auto"; the number of a device or a part of its name; "0,1" or "all" for several that share the work;
+                 "reference" for the double-precision renderer on the CPU
+    aovs         names of the AOVs to render (docs/aovs.md), in place of ``scene.aovs``
+    samples      (begin, end): only this range of samples, for films to be merged
+    time         time limit in seconds
+    until_error  stop once ``relative_error`` is at most this, and rare bright samples are unlikely to change it
+    start        a film of the same render to continue
+    checkpoint   film file for the samples so far, written every ``checkpoint_every`` seconds
     max_wait     seconds after which a device that does not answer counts as hanging
-    progress     called some twenty times a second with the samples done and wanted, of all pixels together
+    progress     function called some twenty times per second with the number of samples done and of all samples, over
+                 all pixels
 
-    The same scene, seed and kind of device give the same bytes as ``etendue render``, however often it was stopped.
-    The GIL is free meanwhile. Ctrl-C ends the render after the dispatch that is at work (half a second at most) and
-    raises Interrupted, a KeyboardInterrupt whose ``film`` keeps what is done. Raises UsageError, SceneError,
-    DeviceError, DeviceLostError, FileError.
+    With the same scene, seed and kind of device, the bytes are those of ``etendue render``, however often the render
+    was stopped. The GIL is released meanwhile. Ctrl-C ends the render after the current dispatch (half a second at
+    most) and raises Interrupted, a KeyboardInterrupt whose ``film`` holds the samples rendered so far. Raises
+    UsageError, SceneError, DeviceError, DeviceLostError, FileError.
     """
     opened = _open(scene, spp, seed, device, aovs, samples, time, until_error, start, checkpoint, checkpoint_every, max_wait)
     try:
         return _advance(opened, 0, progress)
     finally:
-        opened.close()  # not when the last one forgets an exception that knows this frame
+        opened.close()  # now, not when the last exception that refers to this frame is deleted
 
 
 def progressive(
@@ -151,11 +152,11 @@ def progressive(
             if film.relative_error < 0.01:
                 break
 
-    Films have 1, 2, 4, 8 … samples per pixel, or ``step``, 2 ``step``, 3 ``step`` …. ``show``: a live picture, in
-    notebooks by default. Everything else is as for render().
+    Films have 1, 2, 4, 8 … samples per pixel, or ``step``, 2 ``step``, 3 ``step`` …. ``show`` displays a live picture;
+    the default is to do so in notebooks. Everything else is as for render().
     """
     if step is not None and step < 1:
-        raise UsageError(f"step is {step}; a step has at least one sample.")
+        raise UsageError(f"step is {step}; it must be at least 1.")
     opened = _open(scene, spp, seed, device, aovs, None, time, until_error, start, "", 60.0, max_wait)
     return Progressive(opened, step, _notebook.in_notebook() if show is None else show, progress)
 
@@ -180,14 +181,14 @@ def _open(
     if samples is not None:
         first, end = samples
         if not 0 <= first < end:
-            raise UsageError(f"samples are ({first}, {end}); a range begins at 0 or later and ends after its beginning.")
+            raise UsageError(f"samples is ({first}, {end}); a range must begin at 0 or later and end after it begins.")
         if spp is not None and end > spp:
-            raise UsageError(f"samples end at {end}, beyond the {spp} of spp.")
+            raise UsageError(f"samples ends at {end}, which is more than spp={spp}.")
         count = end - first
     if count is not None and not 0 < count < 2**32:
-        raise UsageError(f"{count} samples per pixel; there may be 1 to 2^32 - 1.")
+        raise UsageError(f"{count} samples per pixel were requested; allowed are 1 to 2^32 - 1.")
     if not 0 <= seed < 2**32:
-        raise UsageError(f"seed is {seed}; it may be 0 to 2^32 - 1.")
+        raise UsageError(f"seed is {seed}; it must be from 0 to 2^32 - 1.")
     return _core.Render(
         scene._core,
         spp=count or 0,
@@ -205,11 +206,11 @@ def _open(
 
 
 def _advance(render: _core.Render, samples: int, progress: Optional[ProgressCallback]) -> Film:
-    """Goes on to this many samples, or all for 0; raises what was raised meanwhile, with the film kept."""
+    """Renders until there are this many samples, or all for 0; raises what was raised meanwhile, keeping the film."""
     try:
         raised = cast(Optional[BaseException], render.advance(samples, progress))
         film = _film_of(render)
-    except KeyboardInterrupt as stop:  # just before or after
+    except KeyboardInterrupt as stop:  # raised just before or after the call
         raise Interrupted(_film_of(render)) from stop
     if isinstance(raised, KeyboardInterrupt):
         raise Interrupted(film) from raised

@@ -12,7 +12,7 @@ from ._parameters import Parameters
 
 
 class Scene:
-    """What is to be rendered. load_file() and load_dict() make one."""
+    """A scene to render, made by load_file() or load_dict()."""
 
     def __init__(self, core: Optional[_core.Scene] = None):
         self._core = core if core is not None else _core.Scene()
@@ -27,12 +27,12 @@ class Scene:
 
     @property
     def file(self) -> str:
-        """Path of the file it was read from, as given; "" if none."""
+        """Path of the file that the scene was read from, as given; "" if none."""
         return self._core.file
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the picture, pixels."""
+        """Width and height of the picture in pixels."""
         return self._core.size
 
     @size.setter
@@ -41,7 +41,7 @@ class Scene:
 
     @property
     def spp(self) -> int:
-        """Samples a pixel, where render() is not told."""
+        """Samples per pixel, unless render() is given another number."""
         return self._core.spp
 
     @spp.setter
@@ -50,7 +50,7 @@ class Scene:
 
     @property
     def aovs(self) -> list[str]:
-        """Names of what is rendered beside the picture: "depth", "normal", "albedo" … (docs/aovs.md)."""
+        """Names of the AOVs to render: "depth", "normal", "albedo" … (docs/aovs.md)."""
         return self._core.aovs
 
     @aovs.setter
@@ -64,39 +64,39 @@ class Scene:
 
     @property
     def approximations(self) -> list[str]:
-        """Sentences on what the reader put in the place of something else (``approximate=True``)."""
+        """Sentences about what the reader replaced by something similar (``approximate=True``)."""
         return self._core.approximations
 
     @property
     def hash(self) -> int:
-        """64 bits of all that can change the picture except size, seed, samples and integrator."""
+        """64-bit hash of everything that can change the picture, except size, seed, samples and integrator."""
         return self._core.hash
 
     @property
     def primitive_count(self) -> int:
-        """Triangles and other shapes, every instance counted."""
+        """Number of triangles and other shapes, counting every instance."""
         return self._core.primitive_count
 
     @property
     def parameters(self) -> Parameters:
-        """The numbers of the scene by name, to be looked at and changed::
+        """The numbers of the scene by name, which can be read and changed::
 
             scene.parameters["materials.white.albedo"] = (0.8, 0.2, 0.2)
 
-        "camera.…", "sampler.…", "integrator.…" and "sky.…"; "materials.NAME.…" with the parameters of each material,
-        whose factor is meant where they are textured; "instances.NAME." with "to_world", "radiance" of lamps, and
+        "camera.…", "sampler.…", "integrator.…" and "sky.…"; "materials.NAME.…" with the parameters of each material
+        (for textured ones, the constant factor); "instances.NAME." with "to_world", "radiance" of lamps, and
         "positions" and "normals" (n, 3) of meshes or "center" and "radius" of spheres, which all instances of a shape
         share; "lights.NAME." with "intensity" and "to_world". NAME is the path in the dictionary, or the name or type
-        in the file, with _2, _3 … where that is not the first.
+        in the file, followed by _2, _3 … if it is not the first.
 
-        Arrays that are read are copies. A name that there is not raises KeyError, a value that does not fit UsageError,
-        as does a change while the scene is being rendered; what breaks the scene is a SceneError of render(). After
-        changes of camera, sampler and integrator nothing is compiled again.
+        Arrays that are read are copies. An unknown name raises KeyError. A value of the wrong type or shape raises
+        UsageError, as does a change while the scene is being rendered. A value that is out of range makes render()
+        raise SceneError. Changes of camera, sampler and integrator do not require recompiling the scene.
         """
         return Parameters(self._core)
 
     def copy(self) -> Scene:
-        """A scene of its own; pictures are shared."""
+        """An independent copy; texture pictures are shared."""
         return Scene(self._core.copy())
 
     def __repr__(self) -> str:
@@ -119,17 +119,17 @@ def load_file(
     lamps: str = "auto",
     **parameters: Any,
 ) -> Scene:
-    """Reads a scene in any format of ``etendue render``: Etendue's and Nori's XML, Mitsuba's, glTF, OBJ, PLY.
+    """Reads a scene in any format that ``etendue render`` accepts: Etendue's, Nori's and Mitsuba's XML, glTF, OBJ, PLY.
 
     overrides    properties to change: {"integrator.nee": False, "camera.width": 400}
-    parameters   values of the parameters of a scene for Mitsuba: ``spp=64`` for ``$spp``
+    parameters   values for the parameters of a Mitsuba scene: ``spp=64`` for ``$spp``
     strict       unknown properties are errors
-    approximate  what a foreign scene asks for and there is not here is replaced, with a warning for each
-    environment  a picture of latitude and longitude that lights the scene in place of its sky
-    camera       (x, y, z, x, y, z) of the eye and what it looks at, and perhaps the field of view in degrees; of a
-                 glTF asset also the name or number of one of its cameras
-    at           the time at which what moves is shown, seconds: cameras with keyframes, animations of glTF assets
-    scene, animation, variant, lamps   of glTF assets: which scene, which animation (all of them), which material
+    approximate  whatever a foreign scene uses that does not exist here is replaced by something similar, with a warning
+    environment  a latitude-longitude picture that lights the scene in place of its sky
+    camera       (x, y, z, x, y, z) of the eye and the point it looks at, optionally with the field of view in degrees;
+                 for a glTF asset also the name or number of one of its cameras
+    at           the time in seconds at which cameras with keyframes and animations of glTF assets are shown
+    scene, animation, variant, lamps   for glTF assets: which scene, which animation (default: all), which material
                  variant, "auto", "blender" or "standard"; scenes and animations by name or number
 
     Raises SceneError, UsageError or FileError with file, line and column; warnings go to the logger "etendue" and
@@ -154,7 +154,7 @@ def load_file(
 
 
 def text_of(value: Any) -> str:
-    """A value as it stands in a scene file."""
+    """A value as it would be written in a scene file."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

@@ -1,4 +1,4 @@
-"""Affine maps of space, as Mitsuba's ScalarTransform4f makes them."""
+"""Affine transforms, with the interface of Mitsuba's ScalarTransform4f."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Vector = npt.ArrayLike
 
 
 class _Operation:
-    """A method that also serves without an object: Transform4f.translate(v) and Transform4f().translate(v)."""
+    """A method that can also be called on the class: Transform4f.translate(v) and Transform4f().translate(v)."""
 
     def __init__(self, matrix_of: Any):
         self._matrix_of = matrix_of
@@ -30,33 +30,33 @@ class _Operation:
 
 
 class Transform4f:
-    """A 4 x 4 matrix. Operations are applied to what stands to their right, so that the last one written is the first
-    one done: ``Transform4f().translate([0, 1, 0]).rotate([0, 0, 1], 90)`` turns, then moves."""
+    """A 4 x 4 matrix. Operations apply to what stands to their right, so the last one written is carried out first:
+    ``Transform4f().translate([0, 1, 0]).rotate([0, 0, 1], 90)`` rotates, then moves."""
 
     def __init__(self, matrix: Optional[npt.ArrayLike] = None):
         self.matrix: npt.NDArray[np.float64] = np.eye(4) if matrix is None else np.array(matrix, np.float64)
         if self.matrix.shape != (4, 4):
-            raise UsageError(f"A transform has 4 x 4 numbers; this array has the shape {self.matrix.shape}.")
+            raise UsageError(f"A transform needs a 4 x 4 matrix; this array has shape {self.matrix.shape}.")
 
     @_Operation
     def translate(offset: Vector) -> npt.NDArray[np.float64]:
-        """Moves by a vector."""
+        """Translates by a vector."""
         matrix = np.eye(4)
         matrix[:3, 3] = _vector(offset, "translate")
         return matrix
 
     @_Operation
     def scale(factor: Union[float, Vector]) -> npt.NDArray[np.float64]:
-        """Stretches along the axes, by one number or three."""
+        """Scales along the axes, by one number or three."""
         return np.diag([*np.broadcast_to(np.asarray(factor, np.float64), 3), 1.0])
 
     @_Operation
     def rotate(axis: Vector, angle: float) -> npt.NDArray[np.float64]:
-        """Turns about an axis through the origin, counterclockwise, by degrees (Rodrigues' formula)."""
+        """Rotates about an axis through the origin, counterclockwise, by an angle in degrees (Rodrigues' formula)."""
         direction = _vector(axis, "rotate")
         length = np.linalg.norm(direction)
         if not length > 0:
-            raise UsageError("rotate() has the axis 0; give a direction.")
+            raise UsageError("rotate() was given the zero vector as its axis; give a direction.")
         x, y, z = direction / length
         cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
         matrix = np.eye(4)
@@ -66,12 +66,13 @@ class Transform4f:
 
     @_Operation
     def look_at(origin: Vector, target: Vector, up: Vector) -> npt.NDArray[np.float64]:
-        """Stands at ``origin`` and looks along +z at ``target``; +x is to the left of the picture, +y up."""
+        """Places a camera at ``origin`` that looks along +z at ``target``; +x points to the left of the picture, +y
+        up."""
         eye = _vector(origin, "look_at")
         forward = _vector(target, "look_at") - eye
         left = np.cross(_vector(up, "look_at"), forward)
         if not (np.linalg.norm(forward) > 0 and np.linalg.norm(left) > 0):
-            raise UsageError("look_at() has its target at its origin, or up along the direction of view.")
+            raise UsageError("look_at() needs a target other than its origin, and an up vector not along the line of sight.")
         forward = forward / np.linalg.norm(forward)
         left = left / np.linalg.norm(left)
         matrix = np.eye(4)
@@ -82,7 +83,8 @@ class Transform4f:
         return Transform4f(np.linalg.inv(self.matrix))
 
     def __matmul__(self, other: Any) -> Any:
-        """Another transform, done first; or a point, or an array of points (…, 3), moved by this one."""
+        """Composes with another transform, which is applied first; or transforms a point or an array of points of shape
+        (…, 3)."""
         if isinstance(other, Transform4f):
             return Transform4f(self.matrix @ other.matrix)
         points = np.asarray(other, np.float64)
@@ -101,5 +103,5 @@ ScalarTransform4f = Transform4f
 def _vector(values: Vector, what: str) -> npt.NDArray[np.float64]:
     vector = np.asarray(values, np.float64)
     if vector.shape != (3,):
-        raise UsageError(f"{what}() takes vectors of three numbers, not {values!r}.")
+        raise UsageError(f"{what}() needs vectors of three numbers, not {values!r}.")
     return vector

@@ -1,4 +1,4 @@
-"""Whether pictures are right: against each other, and against theory."""
+"""Tests whether pictures are right, by comparing them with each other and with theory."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._scenes import text_of
 
 
 class Report:
-    """A verdict: ``passed``, all numbers in ``details``, and as text what the command line prints."""
+    """A verdict: ``passed``, all numbers in ``details``, and in ``text`` what the command line prints."""
 
     def __init__(self, details: dict[str, Any], text: str, passed: bool):
         self.details = details
@@ -29,7 +29,7 @@ class Report:
 
 
 class Comparison(Report):
-    """How far apart two pictures are, and whether chance explains it."""
+    """How much two pictures differ, and whether chance explains it."""
 
     @property
     def verdict(self) -> str:
@@ -52,9 +52,9 @@ def compare(
     allow_untested: bool = False,
 ) -> Comparison:
     """Compares pictures, picture files, or arrays of shape (height, width, 3), as ``etendue compare`` does
-    (docs/validation.md). Statistical tests, with the false-alarm rate ``significance`` for all together, are made
-    where both have standard errors; ``at_most={"flip": 0.05}`` and ``at_least={"ssim": 0.98}`` bound metrics. Raises
-    UsageError when they cannot be compared, FileError."""
+    (docs/validation.md). If both have standard errors, statistical tests are made, with the false-alarm rate
+    ``significance`` for all together. ``at_most={"flip": 0.05}`` and ``at_least={"ssim": 0.98}`` set limits on metrics.
+    Raises UsageError if the pictures cannot be compared, and FileError."""
     test_name, test_image = _named(test, "test")
     reference_name, reference_image = _named(reference, "reference")
     told, text, passed = _core.compare(
@@ -81,9 +81,9 @@ def ttest(
     allow_untested: bool = False,
     overrides: Optional[Mapping[str, Any]] = None,
 ) -> Report:
-    """Tests mean radiances, or albedos of materials, against known values, as ``etendue ttest`` does: ``path`` is a
-    file with a ``<test type="ttest">``. ``samples`` (of a scene, over all pixels), ``spp`` and ``significance`` take
-    the place of the file's. Raises SceneError for another file, and what render() raises."""
+    """Tests mean radiances, or albedos of materials, against known values, as ``etendue ttest`` does. ``path`` is a
+    file with a ``<test type="ttest">``. ``samples`` (per scene, over all pixels), ``spp`` and ``significance`` override
+    those of the file. Raises SceneError for any other file, and whatever render() raises."""
     told, text, passed = _core.ttest(
         os.fspath(path),
         parameters=[(name, text_of(value)) for name, value in (overrides or {}).items()],

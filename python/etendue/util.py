@@ -1,4 +1,4 @@
-"""What Mitsuba's users call mi.util."""
+"""The counterpart of Mitsuba's mi.util."""
 
 from __future__ import annotations
 

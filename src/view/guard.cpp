@@ -17,8 +17,8 @@
 namespace etendue::view {
 namespace {
 
-/// "localhost:80" without the port, "[::1]:80" without the brackets. A port has to be a number: nothing else may hide
-/// behind a colon.
+/// "localhost:80" without the port, "[::1]:80" without the brackets. The port must be a number, so that nothing else
+/// can hide behind a colon.
 std::string without_port(const std::string& host) {
   const bool brackets = host.starts_with('[');
   const std::size_t end = brackets ? host.find(']') : host.find(':');
@@ -40,7 +40,7 @@ bool is_loopback(const std::string& address) {
   return address == "localhost" || address == "::1" || (address.starts_with("127.") && is_number(address));
 }
 
-/// Takes as long whatever the texts are, but for their lengths.
+/// The time taken depends only on the lengths of the texts, not on their contents.
 bool same(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;
@@ -54,7 +54,7 @@ bool same(std::string_view a, std::string_view b) {
 std::string random_token() {
   std::array<unsigned char, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw Error(ErrorKind::file, fmt::format("The system gives no random numbers: {}.", std::strerror(errno)));
+    throw Error(ErrorKind::file, fmt::format("The system provides no random numbers: {}.", std::strerror(errno)));
   std::string token;
   for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
   return token;
@@ -63,8 +63,8 @@ std::string random_token() {
 Guard::Guard(const std::string& token, std::string address)
     : prefix_(fmt::format("/{}", token)), address_(std::move(address)) {}
 
-// A tunnel ends at a port of its own choice, so any port will do; what counts is that no name of somebody else's stands
-// there. Numbers cannot be made to mean another machine.
+// A tunnel may end at any port, so the port does not matter; what matters is that the Host is not a name that someone
+// else controls. Numeric addresses cannot be made to resolve to another machine.
 bool Guard::is_own_host(const std::string& host) const {
   const std::string name = without_port(host);
   if (name.empty()) return false;
@@ -78,13 +78,13 @@ bool Guard::is_own_host(const std::string& host) const {
 Response Guard::admit(const Request& request) const {
   if (!is_own_host(request.host))
     return text_response(421,
-                         "The Host of the request is not one of this machine's; use the address that was printed.\n");
+                         "The Host of the request is not a name of this machine; use the address that was printed.\n");
   if ((!request.origin.empty() && request.origin != "http://" + request.host) || request.site == "cross-site" ||
       request.site == "same-site")
     return text_response(403, "Only the viewer's own page may send requests.\n");
   const std::string_view path = request.path;
   if (path.size() <= prefix_.size() || !same(path.substr(0, prefix_.size()), prefix_) || path[prefix_.size()] != '/')
-    return text_response(404, "There is nothing here; use the address that was printed, with its token.\n");
+    return text_response(404, "Nothing was found here; use the address that was printed, with its token.\n");
   if (request.method != "GET" && request.method != "HEAD" && request.method != "POST")
     return text_response(405, "Only GET, HEAD and POST are understood.\n");
   return {};

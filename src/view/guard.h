@@ -1,5 +1,5 @@
 #pragma once
-/// Who may ask: those who know the token, from a page of this server.
+/// Decides which requests are answered: those with the token, from a page of this server.
 
 #include <string>
 
@@ -7,20 +7,20 @@
 
 namespace etendue::view {
 
-/// 128 random bits in hexadecimal digits. Throws Error(file) when the system has none.
+/// 128 random bits as hexadecimal digits. Throws Error(file) if the system provides none.
 std::string random_token();
 
 class Guard {
  public:
-  /// `address`: what the server listens on.
+  /// `address` is the one that the server listens on.
   Guard(const std::string& token, std::string address);
 
-  /// Status 200, or why not: 421 for a Host that is no name of this machine's (a page elsewhere may make its own name
-  /// mean this machine), 403 for the page of another origin, 404 for an address without the token, 405 for methods
-  /// other than GET, HEAD and POST. An answer says nothing about the token.
+  /// Status 200 if the request is admitted. Otherwise 421 for a Host that is not a name of this machine (a page
+  /// elsewhere may make its own name resolve to this machine), 403 for a page of another origin, 404 for an address
+  /// without the token, and 405 for methods other than GET, HEAD and POST. No answer reveals anything about the token.
   Response admit(const Request& request) const;
 
-  /// What follows "/token" in the path of a request that was admitted: "/view.css".
+  /// The part of an admitted request's path after "/token", such as "/view.css".
   std::string place_of(const Request& request) const;
 
  private:

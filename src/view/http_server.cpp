@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Waits until the socket can be read or written; false when the time is up or it is closed.
+/// Waits until the socket can be read or written; false if the time runs out or the socket is closed.
 bool wait_for(int socket, short events, Clock::time_point deadline) {
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
@@ -37,8 +37,8 @@ bool wait_for(int socket, short events, Clock::time_point deadline) {
   }
 }
 
-/// What the library reads a request from and writes the answer to. It bounds what the library does not: the bytes of a
-/// request, of whatever lines, and the time until they are there.
+/// The stream from which the library reads a request and to which it writes the response. It limits what the library
+/// does not: the total bytes of a request, and the time until they have arrived.
 class BoundedStream final : public httplib::Stream {
  public:
   BoundedStream(int socket, const ServerLimits& limits)
@@ -48,7 +48,7 @@ class BoundedStream final : public httplib::Stream {
         until_(Clock::now() + limits.head_time) {}
 
   bool is_readable() const override { return left_ > 0; }
-  // Versions of the library ask for this, or for the other three.
+  // Which of these four functions is called depends on the version of the library.
   bool is_writable() const { return !broken_; }
   bool wait_readable() const { return is_readable(); }
   bool wait_writable() const { return !broken_; }
@@ -76,7 +76,7 @@ class BoundedStream final : public httplib::Stream {
     }
     return broken_ ? -1 : static_cast<ssize_t>(size);
   }
-  // Who is asking is nobody's business here.
+  // The client's address is of no use here.
   void get_remote_ip_and_port(std::string&, int&) const override {}
   void get_local_ip_and_port(std::string&, int&) const override {}
   socket_t socket() const override { return socket_; }
@@ -101,7 +101,7 @@ class BoundedStream final : public httplib::Stream {
   std::size_t at_ = 0, end_ = 0;
 };
 
-/// The open connections. Those that nobody vouched for make room for each other; a guest stays.
+/// The open connections. Strangers, which have not been admitted, make room for each other; guests stay.
 class Connections {
  public:
   struct Entry {
@@ -112,7 +112,7 @@ class Connections {
 
   explicit Connections(const ServerLimits& limits) : limits_(limits) {}
 
-  /// The oldest stranger is sent away when there are too many.
+  /// Drops the oldest stranger if there are too many.
   Place enter(int socket) {
     const std::lock_guard lock(mutex_);
     if (entries_.size() - guests_ >= limits_.strangers) {
@@ -123,7 +123,7 @@ class Connections {
     entries_.push_back({socket});
     return std::prev(entries_.end());
   }
-  /// False when there are too many guests.
+  /// False if there are too many guests.
   bool welcome(Place place) {
     const std::lock_guard lock(mutex_);
     if (guests_ >= limits_.guests) return false;
@@ -148,12 +148,13 @@ class Connections {
   std::size_t guests_ = 0;
 };
 
-/// A thread for each task, and no more of them than there may be connections and some that are just ending.
+/// Runs each task in a thread of its own, with at most as many threads as there may be connections, plus a few that are
+/// just ending.
 class TaskThreads final : public httplib::TaskQueue {
  public:
   explicit TaskThreads(std::size_t most) : most_(most) {}
 
-  /// Later versions of the library want to know whether it will be done.
+  /// Later versions of the library ask whether the task was accepted.
   using Enqueued = decltype(std::declval<httplib::TaskQueue&>().enqueue({}));
   Enqueued enqueue(std::function<void()> task) override { return static_cast<Enqueued>(start(std::move(task))); }
   void shutdown() override {
@@ -174,7 +175,7 @@ class TaskThreads final : public httplib::TaskQueue {
         changed_.notify_all();
       }).detach();
     } catch (const std::system_error&) {
-      --running_;  // no thread to be had: the connection is dropped
+      --running_;  // no thread available: the connection is dropped
       return false;
     }
     return true;
@@ -193,7 +194,7 @@ Request request_of(const httplib::Request& asked) {
                   .host = asked.get_header_value("Host"),
                   .origin = asked.get_header_value("Origin"),
                   .site = asked.get_header_value("Sec-Fetch-Site")};
-  // Two hosts or origins are none that could be trusted.
+  // With two Host or Origin headers, neither can be trusted.
   if (asked.get_header_value_count("Host") > 1) request.host = "several";
   if (asked.get_header_value_count("Origin") > 1) request.origin = "several";
   return request;
@@ -253,7 +254,8 @@ class HttpServer::Listener final : public httplib::Server {
                               "choose others with --listen and --port.",
                               address, port == 0 ? "any port" : fmt::format("port {}", port)));
     }
-    ::listen(svr_sock_, SOMAXCONN);  // the library's own five would make newcomers wait behind half-open connections
+    // The library's default of five would make newcomers wait behind half-open connections.
+    ::listen(svr_sock_, SOMAXCONN);
     route();
     thread_ = std::thread([this] {
       listen_after_bind();
@@ -261,7 +263,7 @@ class HttpServer::Listener final : public httplib::Server {
     });
   }
   ~Listener() override {
-    // stop() does nothing before the loop runs.
+    // stop() has no effect before the loop runs.
     while (!is_running() && !ended_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     stopping_ = true;
     connections_.send_all_away();
@@ -281,7 +283,7 @@ class HttpServer::Listener final : public httplib::Server {
     BoundedStream stream(socket, limits_);
     bool closed = false;
     const bool answered = process(stream, closed, [&](httplib::Request& asked) {
-      asked.ranges.clear();  // a few bytes of a request could ask for the same bytes many times
+      asked.ranges.clear();  // a short request could ask for the same bytes many times
       here().place = &place;
     });
     here().place = nullptr;
@@ -292,7 +294,7 @@ class HttpServer::Listener final : public httplib::Server {
     return answered;
   }
 
-  /// One request. Later versions of the library want to be told the addresses.
+  /// Serves one request. Later versions of the library also take the addresses.
   template <class Stream>
   bool process(Stream& stream, bool& closed, const std::function<void(httplib::Request&)>& prepare) {
     if constexpr (requires { this->process_request(stream, true, closed, prepare); }) {
@@ -302,7 +304,7 @@ class HttpServer::Listener final : public httplib::Server {
     }
   }
 
-  /// What a client still sends is read for a moment, so that a reset does not overtake the answer.
+  /// Reads for a moment what the client still sends, so that a reset does not overtake the response.
   static void linger(int socket) {
     shutdown(socket, SHUT_WR);
     const auto until = Clock::now() + std::chrono::milliseconds(200);
@@ -327,7 +329,8 @@ class HttpServer::Listener final : public httplib::Server {
     const Request request = request_of(asked);
     Response refusal = admit_(request);
     if (refusal.status >= 400) return refusal;
-    if (has_body(asked)) return text_response(413, "Requests have no bodies here; parameters go into the address.\n");
+    if (has_body(asked))
+      return text_response(413, "Requests with a body are refused; put the parameters into the address.\n");
     if (here().place == nullptr || !connections_.welcome(*here().place))
       return text_response(503, "Too many pages are open; close one.\n");
     try {
@@ -337,7 +340,7 @@ class HttpServer::Listener final : public httplib::Server {
     }
   }
 
-  // Takes every request before the library looks for a file or a body.
+  // Handles every request before the library looks for a file or a body.
   void route() {
     set_pre_routing_handler([this](const httplib::Request& asked, httplib::Response& out) {
       fill(out, answer(asked));

@@ -46,14 +46,14 @@ std::optional<double> number_in(const Request& request, std::string_view name) {
   return text == nullptr ? std::nullopt : number_of(*text);
 }
 
-/// A number from 0 to 2^53, beyond which scripts have no whole numbers.
+/// A number from 0 to 2^53, beyond which JavaScript's numbers are no longer exact integers.
 std::optional<std::uint64_t> count_in(const Request& request, std::string_view name) {
   const std::optional<double> number = number_in(request, name);
   if (!number || !(*number >= 0.0) || *number > 0x1p53 || *number != std::floor(*number)) return std::nullopt;
   return static_cast<std::uint64_t>(*number);
 }
 
-/// Numbers with commas between them; none where one of them is no number.
+/// Numbers separated by commas; nothing if one of them is not a number.
 std::vector<double> numbers_of(std::string_view list) {
   std::vector<double> numbers;
   for (const std::string_view piece : text::split(list, ',')) {
@@ -96,7 +96,7 @@ bool has_fov(const Camera& camera) {
   return camera.type == Camera::Type::perspective || camera.type == Camera::Type::thin_lens;
 }
 
-/// What makes places in the picture of points; see FilmProjection. Row by row.
+/// The matrix that projects points to positions in the picture, row by row; see FilmProjection.
 Json projection_json(const Camera& camera) {
   const std::optional<FilmProjection> projection = film_projection(camera);
   if (!projection) return {};
@@ -115,7 +115,7 @@ Json projection_json(const Camera& camera) {
 
 Json camera_json(const State& state) {
   const Camera& camera = state.camera;
-  // Which way the picture goes when the camera turns: mirrored cameras have x on the other side.
+  // Tells the page which way the picture moves when the camera turns: mirrored cameras have x on the other side.
   const bool mirrored = glm::determinant(glm::dmat3(camera.world_from_camera)) < 0.0;
   return {{"eye", vector_json(state.pose.eye)},
           {"target", vector_json(state.pose.target)},
@@ -136,7 +136,7 @@ Json integrator_json(const Integrator& integrator) {
           {"mis", integrator.mis}};
 }
 
-/// What goes with an answer.
+/// The binary data that follow the JSON.
 struct Parts {
   Bytes mean, error;
   std::shared_ptr<const Layer> layer;
@@ -178,7 +178,7 @@ Json to_json(const State& state, const Parts& parts, const std::string& complain
           {"camera", camera_json(state)}};
 }
 
-/// The AOV of that name; nothing for what no picture shows.
+/// The AOV of that name; nothing for names that the page cannot show.
 std::optional<Aov> shown_aov(const Request& request) {
   const std::string* name = request.find("aov");
   const std::optional<Aov> aov = name == nullptr ? std::nullopt : aov_named(*name);
@@ -218,12 +218,12 @@ Response json_response(const Json& json) {
       .status = 200, .type = "application/json", .parts = {std::make_shared<const std::string>(json.dump() + "\n")}};
 }
 
-/// Answers with what `tell` makes of the pixel x, y.
+/// Answers with the result of `tell` for the pixel x, y.
 template <class Tell>
 Response of_pixel(const Request& request, const Tell& tell) {
   constexpr std::uint64_t kMost = 0xffffffffu;
   const auto x = count_in(request, "x"), y = count_in(request, "y");
-  if (!x || !y || *x > kMost || *y > kMost) return wrong("x and y are the numbers of a pixel, from 0 on.");
+  if (!x || !y || *x > kMost || *y > kMost) return wrong("x and y must be the coordinates of a pixel, from 0 on.");
   try {
     return json_response(tell(static_cast<std::uint32_t>(*x), static_cast<std::uint32_t>(*y)));
   } catch (const Error& error) {
@@ -260,7 +260,7 @@ Json path_json(const std::vector<PathVertex>& path) {
 
 Response explain(Preview& preview, const Request& request) {
   const std::uint64_t sample = count_in(request, "sample").value_or(0);
-  if (sample > 0xffffffffu) return wrong("sample is below 2^32.");
+  if (sample > 0xffffffffu) return wrong("sample must be below 2^32.");
   const std::string* by = request.find("by");
   const bool by_reference = by != nullptr && *by == "reference";
   return of_pixel(request, [&](std::uint32_t x, std::uint32_t y) {
@@ -272,7 +272,7 @@ Response explain(Preview& preview, const Request& request) {
 
 // --- materials ---
 
-/// A number that scripts can read: what is infinite is null.
+/// A number as JSON; infinity becomes null.
 Json finite_json(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
@@ -288,7 +288,7 @@ bool is_changed(const Palette& palette, std::uint32_t row) {
   return !std::ranges::equal(own, now, {}, &MaterialNumber::value, &MaterialNumber::value);
 }
 
-/// Names and kinds of all materials, or of as many as a list is good for.
+/// Names and types of all materials, or of as many as a list can reasonably show.
 Response material_list(Preview& preview) {
   constexpr std::size_t kMost = 2000;
   const Palette palette = preview.palette();
@@ -303,7 +303,7 @@ Response material_list(Preview& preview) {
   return json_response({{"count", count}, {"materials", list}});
 }
 
-/// The row that a request names; nothing where there is none.
+/// The row named by a request; nothing if there is no such material.
 std::optional<std::uint32_t> row_in(const Request& request, const Palette& palette) {
   const std::optional<std::uint64_t> row = count_in(request, "row");
   if (!row || !palette.scene || *row >= palette.materials->size()) return std::nullopt;
@@ -311,7 +311,7 @@ std::optional<std::uint32_t> row_in(const Request& request, const Palette& palet
 }
 
 Response no_row() {
-  return text_response(404, "row is the number of a material of the scene, from 0 on.\n");
+  return text_response(404, "row must be the number of a material of the scene, from 0 on.\n");
 }
 
 Response material(Preview& preview, const Request& request) {
@@ -335,7 +335,7 @@ Response material(Preview& preview, const Request& request) {
       {{"row", *row}, {"name", text::printable(shown.name, 100)}, {"type", type_name(shown)}, {"numbers", numbers}});
 }
 
-/// To be pasted into a scene file.
+/// The material as text for a scene file.
 Response material_text(Preview& preview, const Request& request) {
   const Palette palette = preview.palette();
   const std::optional<std::uint32_t> row = row_in(request, palette);
@@ -354,7 +354,7 @@ Response material_text(Preview& preview, const Request& request) {
   }
 }
 
-/// One number, or three; "inf" is one, too.
+/// One number, or three; "inf" is allowed.
 std::optional<glm::dvec3> value_of(std::string_view text) {
   if (text == "inf") return glm::dvec3(INFINITY);
   const std::vector<double> n = numbers_of(text);
@@ -369,7 +369,7 @@ Response change_material(Preview& preview, const Request& request) {
   if (const std::string* name = request.find("name"); name != nullptr) change.name = *name;
   if (const std::string* value = request.find("value"); value != nullptr) {
     change.value = value_of(*value);
-    if (!change.value) return wrong("value is a number, or three with commas between them.");
+    if (!change.value) return wrong("value is a number, or three separated by commas.");
   }
   try {
     preview.change(change);
@@ -383,29 +383,29 @@ Response change_material(Preview& preview, const Request& request) {
 
 Response move_camera(Preview& preview, const Request& request) {
   const auto eye = vector_in(request, "eye"), target = vector_in(request, "target"), up = vector_in(request, "up");
-  if (!eye || !target || !up) return wrong("eye, target and up are three numbers each, with commas between them.");
+  if (!eye || !target || !up) return wrong("eye, target and up must be three numbers each, separated by commas.");
   Move move{.pose = {*eye, *target, *up}};
   if (const std::string complaint = pose_complaint(move.pose); !complaint.empty())
-    return wrong(fmt::format("The camera cannot be placed like this: {}.", complaint));
+    return wrong(fmt::format("The camera cannot be placed there: {}.", complaint));
   if (request.find("fov") != nullptr) {
     const std::optional<double> fov = number_in(request, "fov");
-    if (!fov || !(*fov >= 0.1) || *fov > 179.0) return wrong("fov is from 0.1 to 179 degrees.");
+    if (!fov || !(*fov >= 0.1) || *fov > 179.0) return wrong("fov must be from 0.1 to 179 degrees.");
     move.fov = *fov;
   }
   constexpr double kLargest = 1e15;
   move.aperture = number_in(request, "aperture");
   if (request.find("aperture") != nullptr && !(move.aperture.value_or(-1.0) >= 0.0 && *move.aperture < kLargest))
-    return wrong("aperture is a radius from 0 on.");
+    return wrong("aperture must be a radius of at least 0.");
   move.focus = number_in(request, "focus");
   if (request.find("focus") != nullptr && !(move.focus.value_or(-1.0) > 0.0 && *move.focus < kLargest))
-    return wrong("focus is a distance above 0.");
+    return wrong("focus must be a distance above 0.");
   move.going_on = count_in(request, "moving").value_or(0) == 1;
   move.mover = count_in(request, "mover").value_or(0);
   preview.move(move);
   return text_response(204, "");
 }
 
-/// Nothing when the text is no crop; an empty text is none.
+/// An empty text means no crop; nothing is returned if the text is invalid.
 std::optional<std::optional<Crop>> crop_of(std::string_view text) {
   if (text.empty()) return std::optional<Crop>();
   const std::vector<double> n = numbers_of(text);
@@ -420,12 +420,13 @@ Response change_settings(Preview& preview, const Request& request) {
   if (request.find("samples") != nullptr) {
     constexpr std::uint64_t kMost = 1u << 24;
     const std::optional<std::uint64_t> samples = count_in(request, "samples");
-    if (!samples || *samples == 0 || *samples > kMost) return wrong(fmt::format("samples is from 1 to {}.", kMost));
+    if (!samples || *samples == 0 || *samples > kMost)
+      return wrong(fmt::format("samples must be from 1 to {}.", kMost));
     preview.set_samples(static_cast<std::uint32_t>(*samples));
   }
   if (const std::string* text = request.find("crop"); text != nullptr) {
     const std::optional<std::optional<Crop>> crop = crop_of(*text);
-    if (!crop) return wrong("crop is x,y,width,height in pixels, or nothing for the whole film.");
+    if (!crop) return wrong("crop must be x,y,width,height in pixels, or empty for the whole film.");
     preview.set_crop(*crop);
   }
   IntegratorChange change;
@@ -434,7 +435,7 @@ Response change_settings(Preview& preview, const Request& request) {
     if (request.find(name) == nullptr) continue;
     const std::optional<std::uint64_t> value = count_in(request, name);
     if (!value || *value < least || *value > Integrator::kUnlimitedDepth)
-      return wrong(fmt::format("{} is from {} to {}.", name, least, Integrator::kUnlimitedDepth));
+      return wrong(fmt::format("{} must be from {} to {}.", name, least, Integrator::kUnlimitedDepth));
     *depth = static_cast<std::uint32_t>(*value);
   }
   if (request.find("nee") != nullptr) change.nee = count_in(request, "nee").value_or(0) == 1;
@@ -446,7 +447,7 @@ Response change_settings(Preview& preview, const Request& request) {
 
 // --- files to keep ---
 
-/// A name for a file that came from a scene, fit for a header.
+/// A file name made from the scene's name, safe for use in a header.
 std::string file_name(const State& state, const char* extension) {
   std::string name;
   for (const char c : state.scene) {
@@ -461,9 +462,9 @@ Response snapshot(Preview& preview, const Request& request, const char* extensio
   const std::string* tone = request.find("tone");
   const auto& names = tone_map_names();
   if (tone != nullptr && std::find(names.begin(), names.end(), *tone) == names.end())
-    return wrong(fmt::format("tone is one of {}.", text::join(names)));
+    return wrong(fmt::format("tone must be one of {}.", text::join(names)));
   const double exposure = number_in(request, "exposure").value_or(0.0);
-  if (!(std::abs(exposure) <= 100.0)) return wrong("exposure is from -100 to 100 stops.");
+  if (!(std::abs(exposure) <= 100.0)) return wrong("exposure must be from -100 to 100 stops.");
   try {
     std::string bytes = preview.snapshot(
         extension, {.tone_map = tone == nullptr ? ToneMap::none : tone_map_of(*tone), .exposure = exposure});
@@ -525,7 +526,7 @@ Response post(Preview& preview, const std::string& place, const Request& request
 
 Response answer(Preview& preview, const std::string& place, const Request& request) {
   Response out = request.method == "POST" ? post(preview, place, request) : get(preview, place, request);
-  // Nothing from elsewhere, nothing into elsewhere, nothing kept.
+  // Loads nothing from other sites, sends nothing to them, and caches nothing.
   out.headers.insert(out.headers.end(),
                      {{"Content-Security-Policy",
                        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "

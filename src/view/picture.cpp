@@ -40,7 +40,7 @@ Layer packed(const std::vector<AovFilm>& films, Aov aov) {
   std::vector<float> values(films.front().film.pixels().size() * names.size());
   for (const ImageChannel& channel : channels_of(films)) {
     const auto component = std::find(names.begin(), names.end(), channel.name) - names.begin();
-    if (component == static_cast<std::ptrdiff_t>(names.size())) continue;  // what its averages need
+    if (component == static_cast<std::ptrdiff_t>(names.size())) continue;  // a film needed only for averages
     float* out = values.data() + component;
     for (std::size_t i = 0; i * names.size() < values.size(); ++i)
       out[i * names.size()] = channel.numbers.empty() ? channel.values[i] : static_cast<float>(channel.numbers[i]);

@@ -10,18 +10,18 @@ bool is_finite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// The rigid frame of a pose: X across, Y up, Z ahead.
+/// The rigid frame of a pose: X to the side, Y up, Z forward.
 glm::dmat4 frame_of(const Pose& pose) {
   const glm::dvec3 z = glm::normalize(pose.target - pose.eye);
   const glm::dvec3 x = glm::normalize(glm::cross(pose.up, z));
   return {glm::dvec4(x, 0.0), glm::dvec4(glm::cross(z, x), 0.0), glm::dvec4(z, 0.0), glm::dvec4(pose.eye, 1.0)};
 }
 
-/// The axis that is perpendicular to `across` and nearest to `up`; `up` itself where none is.
+/// The world axis that is perpendicular to `across` and nearest to `up`; `up` itself if there is none.
 glm::dvec3 upright(const glm::dvec3& across, const glm::dvec3& up) {
   constexpr double kLevel = 1e-3;
   glm::dvec3 best = up;
-  double most = 0.2;  // nearer to the horizon than to anything upright
+  double most = 0.2;  // below this, an axis is closer to the horizon than to upright
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 candidate(0.0);
     candidate[axis] = up[axis] < 0.0 ? -1.0 : 1.0;
@@ -62,7 +62,7 @@ std::string pose_complaint(const Pose& pose) {
   const glm::dvec3 ahead = pose.target - pose.eye;
   const double distance = glm::length(ahead), height = glm::length(pose.up);
   if (!(distance > 0.0) || !std::isfinite(distance)) return "the camera looks at its own position";
-  if (!(height > 0.0)) return "no direction is up";
+  if (!(height > 0.0)) return "up is the zero vector";
   if (!(glm::length(glm::cross(ahead / distance, pose.up / height)) > 1e-6))
     return "the camera looks straight up or down";
   return "";

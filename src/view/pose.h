@@ -1,5 +1,5 @@
 #pragma once
-/// Where a camera stands, in numbers that can be steered.
+/// The position and direction of a camera, as numbers that a user can control.
 
 #include <string>
 
@@ -14,15 +14,15 @@ struct Pose {
   bool operator==(const Pose&) const = default;
 };
 
-/// The camera's own. `target` lies before it, as far as the middle of `bounds` does; `up` is the axis of the world that
-/// the camera stands upright by, or its own where there is none.
+/// The pose of `camera`. `target` lies in front of it, at the distance of the middle of `bounds`; `up` is the world
+/// axis that appears upright in the picture, or the camera's own if there is none.
 Pose pose_of(const Camera& camera, const Bounds& bounds);
 
-/// Why a camera cannot stand like this; "" where it can.
+/// Why a camera cannot have this pose; "" if it can.
 std::string pose_complaint(const Pose& pose);
 
-/// A camera at another pose. Whatever its transform does beside placing it (scales, mirrors) stays as it is; `before`
-/// is the pose of `camera`.
+/// The camera moved to another pose; `before` is the pose of `camera`. Scales and reflections of its transform are
+/// kept.
 Camera moved(const Camera& camera, const Pose& before, const Pose& after);
 
 }  // namespace etendue::view

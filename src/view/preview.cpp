@@ -18,14 +18,14 @@
 namespace etendue::view {
 namespace {
 
-constexpr double kFirstPictureSeconds = 0.05;  // of rendering: what a picture while the camera moves may take
-// What a change may have to wait for: a fetch of the film costs as much as a sample, so that rounds grow while nothing
-// happens.
+constexpr double kFirstPictureSeconds = 0.05;  // rendering time of a picture while the camera moves
+// Length of a round, which a change may have to wait for. Fetching the film costs as much as a sample, so rounds grow
+// while nothing changes.
 constexpr double kShortestRound = 0.25, kLongestRound = 0.7, kRoundShare = 0.15;
-constexpr double kErrorShare = 0.1;         // of the time that may go into the error of the whole picture
-constexpr double kFullAtOnceSeconds = 0.2;  // a full picture that takes no more needs no step between
+constexpr double kErrorShare = 0.1;         // largest share of the time spent on the error of the whole picture
+constexpr double kFullAtOnceSeconds = 0.2;  // a full picture within this time needs no coarse one before it
 constexpr std::uint32_t kCoarsest = 16;
-constexpr std::chrono::milliseconds kStillMoving{400};  // after the last move that more were said to follow
+constexpr std::chrono::milliseconds kStillMoving{400};  // how long a move that announced more counts as going on
 constexpr std::chrono::seconds kWatched{15};            // longer than a page waits for an answer
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -50,7 +50,7 @@ std::uint32_t divided(std::uint32_t pixels, std::uint32_t scale) {
 
 }  // namespace
 
-/// Everything that a reload replaces.
+/// Everything replaced by a reload.
 struct Preview::Opened {
   explicit Opened(std::shared_ptr<const Scene> read, const DeviceSelection& device, std::uint32_t seed)
       : scene(std::move(read)),
@@ -64,7 +64,7 @@ struct Preview::Opened {
   std::shared_ptr<const Scene> scene;
   SharedScene shared;
   std::unique_ptr<Renderer> renderer;
-  Palette palette;  // what the renderer renders
+  Palette palette;  // as rendered
   Bounds bounds;
   Pose own_pose;
   int radiance;
@@ -82,7 +82,7 @@ void Preview::stop() {
   const std::lock_guard lock(mutex_);
   stopping_ = true;
   interrupted_ = true;
-  questions_.clear();  // breaks their promises
+  questions_.clear();  // their promises are broken, so those who wait get an exception
   wake_.notify_all();
   changed_.notify_all();
 }
@@ -90,7 +90,7 @@ void Preview::stop() {
 State Preview::wait(std::uint64_t version, const Looked& looked, std::chrono::milliseconds longest) {
   std::unique_lock lock(mutex_);
   looked_at_ = Clock::now();
-  // Pictures that were finished before carry no error yet.
+  // Pictures finished before have no error yet.
   if (looked.error && looked_at_ - error_wanted_ > kWatched && state_.picture > 0)
     edits_["error"] = [this] { go_on(); };
   if (looked.error) error_wanted_ = looked_at_;
@@ -163,7 +163,7 @@ void Preview::set_crop(const std::optional<Crop>& crop) {
 }
 
 void Preview::change(const IntegratorChange& change) {
-  // An edit for each parameter: a later change of one must not replace that of another which still waits.
+  // One edit per parameter: a later change of one must not replace a pending change of another.
   const auto set = [this](const char* kind, auto Integrator::*parameter, const auto& value) {
     if (!value) return;
     edit(kind, [this, parameter, to = *value] {
@@ -199,8 +199,7 @@ Palette Preview::palette() const {
   return palette_;
 }
 
-// Compiles the scene again only where a surface begins to look different when it is turned, or ceases to: then there
-// are other tables of directions.
+// Compiles the scene again only if a surface becomes anisotropic or ceases to be: then the tables of directions change.
 void Preview::take_materials(bool going_on) {
   if (!opened_) return;
   const Palette wanted = palette();
@@ -276,7 +275,7 @@ std::string Preview::write_snapshot(const std::string& extension, const Display&
                         film_, extension, display);
 }
 
-// What the thread does until the end. An error of a device or a scene is told and waited with until something changes.
+// The loop of the rendering thread. After an error of a device or a scene, it reports the error and waits for a change.
 void Preview::run() {
   edit("reload", [this] { load(); });
   for (;;) {
@@ -285,7 +284,7 @@ void Preview::run() {
       answer_questions();
       if (has_work()) work();
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::lost) opened_.reset();  // opened afresh by the next reload
+      if (error.kind() == ErrorKind::lost) opened_.reset();  // the next reload opens it again
       fail(error.what());
     } catch (const std::bad_alloc&) {
       fail("The host ran out of memory; use a smaller film.");
@@ -298,7 +297,7 @@ bool Preview::run_edits(bool wait) {
   {
     std::unique_lock lock(mutex_);
     if (wait) {
-      // Now and then to see whether somebody looks again, or a camera has come to rest.
+      // Wakes now and then to see whether somebody looks again, or the camera has come to rest.
       wake_.wait_for(lock, std::chrono::milliseconds(100),
                      [&] { return stopping_ || !edits_.empty() || !questions_.empty(); });
     }
@@ -330,7 +329,7 @@ bool Preview::has_work() {
   const std::lock_guard lock(mutex_);
   if (state_.phase == Phase::stopped) return false;
   if (Clock::now() - looked_at_ <= options_.unwatched) return true;
-  state_.phase = Phase::resting;  // whoever looks again finds it going on
+  state_.phase = Phase::resting;  // the next one who looks makes it continue
   return false;
 }
 
@@ -340,7 +339,7 @@ void Preview::load() {
   try {
     auto scene = std::make_shared<const Scene>(options_.read_scene());
     auto opened = std::make_unique<Opened>(std::move(scene), options_.device, options_.seed);
-    // Who moved the camera keeps it there, unless the file says now that it stands elsewhere.
+    // A camera that was moved stays there, unless the camera in the file has changed.
     const bool same_camera = opened_ &&
                              opened_->scene->camera.world_from_camera == opened->scene->camera.world_from_camera &&
                              opened_->scene->camera.fov == opened->scene->camera.fov;
@@ -363,7 +362,7 @@ void Preview::load() {
     state_.driver = opened_->renderer->driver_name();
   } catch (const Error& error) {
     {
-      // Files of the last good scene are watched as well: the error may be that one of them is missing.
+      // The files of the last good scene are watched as well: the error may be that one of them is missing.
       const std::lock_guard lock(mutex_);
       for (const auto& [path, stamp] : log.files()) files_[path] = stamp;
       state_.problem = error.what();
@@ -395,14 +394,14 @@ Camera Preview::camera() const {
   Camera out = moved(opened_->scene->camera, opened_->own_pose, pose_);
   out.fov = fov_;
   out.aperture = aperture_;
-  // A lens without an aperture is a pinhole, and the other way round.
+  // A lens without an aperture is a pinhole, and vice versa.
   if (aperture_.radius == opened_->scene->camera.aperture.radius) return out;
   if (out.type == Camera::Type::perspective && aperture_.radius > 0.0) out.type = Camera::Type::thin_lens;
   if (out.type == Camera::Type::thin_lens && aperture_.radius == 0.0) out.type = Camera::Type::perspective;
   return out;
 }
 
-/// The camera of what is rendered: the crop, if there is one.
+/// The camera of the part that is rendered: of the crop, if there is one.
 Camera Preview::film_camera() const {
   Camera out = camera();
   if (!crop_) return out;
@@ -418,7 +417,7 @@ View Preview::full_view() const {
   return {camera(), opened_->scene->sampler, integrator_};
 }
 
-/// Of the scale that is rendered now.
+/// The view at the present scale.
 View Preview::present_view() const {
   View view = full_view();
   view.camera = film_camera();
@@ -459,7 +458,7 @@ std::uint32_t Preview::round_samples() const {
   const double each = static_cast<double>(film_.pixels().size()) * set / rate_;
   const double seconds = std::clamp(kRoundShare * seconds_since(begun_), kShortestRound, kLongestRound);
   const double affordable = std::clamp(seconds / each, 1.0, 4096.0);
-  // A picture soon, then more and more samples at a time.
+  // The first picture comes soon; then there are more and more samples per round.
   return std::min({static_cast<std::uint32_t>(affordable), std::max(1u, done_), std::max(1u, target_sets() - done_)});
 }
 
@@ -480,13 +479,13 @@ void Preview::work() {
   const double samples = static_cast<double>(end - done_) * static_cast<double>(film_.pixels().size()) *
                          opened_->scene->sampler.set_size();
   const double rate = samples / std::max(seconds_since(start), 1e-6);
-  // A kernel is compiled in the first round; then the newest measurement counts half.
+  // The first round includes compiling a kernel, so it can only raise the rate; later, the newest one counts half.
   rate_ = scale_ > 1 && done_ == 0 ? std::max(rate_, rate) : 0.5 * (rate_ + rate);
   done_ = end;
   if (wants_picture()) publish();
 }
 
-// Those that somebody looks at and that are not there yet.
+// The AOVs that somebody looks at and that have no layer yet.
 std::set<Aov> Preview::wanted_layers() {
   const std::lock_guard lock(mutex_);
   std::set<Aov> wanted;
@@ -510,7 +509,7 @@ void Preview::add_layers() {
   opened_->renderer->set_view(present_view(), {.seed = options_.seed});
 }
 
-// Of a few samples: most of it has no noise.
+// A few samples are enough, because most AOVs have no noise.
 void Preview::add_layer(Aov aov) {
   constexpr std::uint32_t kPaths = 8;
   const View view = present_view();
@@ -534,14 +533,14 @@ SampleId Preview::id_of(std::uint32_t x, std::uint32_t y, std::uint32_t sample) 
   if (!opened_) throw Error(ErrorKind::usage, "There is no scene yet.");
   const Camera& camera = opened_->scene->camera;
   if (x >= camera.width || y >= camera.height)
-    throw Error(ErrorKind::usage, fmt::format("({}, {}) is no pixel of {}x{}; 0, 0 is the one at the top left.", x, y,
+    throw Error(ErrorKind::usage, fmt::format("({}, {}) is no pixel of {}x{}; 0, 0 is at the top left.", x, y,
                                               camera.width, camera.height));
   return {y * camera.width + x, sample};
 }
 
 Point Preview::point_at(std::uint32_t x, std::uint32_t y) {
   const Subject subject = ask<Subject>([this, x, y] { return subject_of(x, y, 0); });
-  // By the reference, which needs no kernel of its own for this.
+  // The reference does this, because the device would need another kernel.
   const std::lock_guard lock(reference_mutex_);
   Renderer& reference = reference_of(subject.palette);
   const auto value = [&](Aov aov) {
@@ -551,7 +550,7 @@ Point Preview::point_at(std::uint32_t x, std::uint32_t y) {
   Point point{.hit = value(Aov::hit).x > 0.0};
   if (!point.hit) return point;
   point.position = value(Aov::position);
-  // A number from 1 on, as two halves of 16 bits.
+  // The number of the material, from 1 on, as two 16-bit halves.
   const glm::dvec3 material = value(Aov::material);
   point.material = static_cast<std::uint32_t>(material.x + 65536.0 * material.y) - 1;
   point.focus = (glm::inverse(subject.view.camera.world_from_camera) * glm::dvec4(point.position, 1.0)).z;

@@ -1,6 +1,6 @@
 #pragma once
-/// A render that is steered while it goes on: one thread renders, others look at what it has and tell it what to
-/// change. What is asked first is a coarse picture, soon; then a finer one; then samples are added to it.
+/// A render controlled while it runs: one thread renders, others look at its pictures and request changes. After a
+/// change there is soon a coarse picture, then a finer one, to which samples are then added.
 
 #include <atomic>
 #include <chrono>
@@ -28,139 +28,142 @@ struct PreviewOptions {
   std::function<Scene()> read_scene;  ///< throws Error; called again for every reload
   DeviceSelection device;
   std::uint32_t seed = 0;
-  std::uint32_t samples = 0;                   ///< paths a pixel after which it rests; 0: as many as the scene says
-  std::chrono::milliseconds unwatched{60000};  ///< after which it rests when nobody looks
+  std::uint32_t samples = 0;                   ///< paths per pixel after which it rests; 0: as many as in the scene
+  std::chrono::milliseconds unwatched{60000};  ///< it rests if nobody has looked for so long
 };
 
 enum class Phase { opening, rendering, resting, done, stopped };
 
-/// A part of the film, in pixels of it from the top left.
+/// A part of the film, in pixels from the top left.
 struct Crop {
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
   bool operator==(const Crop&) const = default;
 };
 
-/// What is there to be looked at. Pictures are shared and never change.
+/// Everything that can be looked at. Pictures are shared and never change.
 struct State {
-  std::uint64_t version = 0;            ///< grows with every change of any of this
+  std::uint64_t version = 0;            ///< grows with every change to any member
   std::uint64_t picture = 0;            ///< grows with every new picture; 0: there is none yet
   std::uint32_t width = 0, height = 0;  ///< of the picture
-  std::optional<Crop> crop;             ///< all that is rendered; nothing: the whole film
+  std::optional<Crop> crop;             ///< the part that is rendered; nothing: the whole film
   std::uint32_t full_width = 0,
-                full_height = 0;          ///< of the film, or of the crop; more than that while the picture is coarse
-  Bytes mean, error;                      ///< `error` is empty when nobody asked for it
+                full_height =
+                    0;  ///< of the film, or of the crop; above `width` and `height` while the picture is coarse
+  Bytes mean, error;    ///< `error` is empty unless somebody asked for it
   std::uint64_t samples = 0, target = 0;  ///< paths a pixel
   double samples_per_second = 0;          ///< of all pixels
-  double relative_error = 0;              ///< see relative_standard_error; infinite while it is not known
-  double seconds_left = 0;                ///< infinite while it is not known
+  double relative_error = 0;              ///< see relative_standard_error; infinite while unknown
+  double seconds_left = 0;                ///< infinite while unknown
   std::uint64_t rejected = 0;
   Phase phase = Phase::opening;
   bool paused = false;
-  std::string problem;  ///< a sentence on why the picture is not the one asked for; empty: it is
+  std::string problem;  ///< a sentence on why the picture is not the one requested; empty if it is
   std::string scene, file, device, driver;
-  std::uint64_t loads = 0;  ///< times the scene was read without an error
-  Camera camera;            ///< as it stands, of the full size
+  std::uint64_t loads = 0;  ///< how often the scene was read without an error
+  Camera camera;            ///< as it is now, for the full size
   Pose pose;
-  std::uint64_t mover = 0;  ///< who moved it last, as told to `move`
+  std::uint64_t mover = 0;  ///< who moved it last, as passed to `move`
   Integrator integrator;
-  std::map<std::string, std::shared_ptr<const Layer>> layers;  ///< of the AOVs that were asked for, by name
-  std::uint64_t materials = 0;                                 ///< grows with every change of them that is rendered
+  std::map<std::string, std::shared_ptr<const Layer>> layers;  ///< those of the requested AOVs, by name
+  std::uint64_t materials = 0;                                 ///< grows with every change to them that is rendered
 };
 
-/// Materials, and where they come from: never changed, but replaced.
+/// The materials and the scene they come from. Never modified, only replaced.
 struct Palette {
-  std::shared_ptr<const Scene> scene;                      ///< as it was read
+  std::shared_ptr<const Scene> scene;                      ///< as read
   std::shared_ptr<const std::vector<Material>> materials;  ///< as they are now
 };
 
-/// What somebody looks at beside the mean.
+/// What a viewer wants to see besides the mean.
 struct Looked {
   bool error = false;
   std::optional<Aov> aov;
 };
 
-/// Where a pixel's first sample arrives.
+/// The surface point that a pixel's first sample hits.
 struct Point {
   bool hit = false;
   glm::dvec3 position{0.0};    ///< world space
-  double focus = 0.0;          ///< of the plane through it along the camera's +Z, camera units
+  double focus = 0.0;          ///< depth of the point along the camera's +Z, camera units
   std::uint32_t material = 0;  ///< row of the scene's materials
 };
 
-/// A sample as a renderer tells it.
+/// The path of a sample, as reported by a renderer.
 struct Told {
   std::string device;
   std::vector<PathVertex> path;
 };
 
-/// What may be changed of an integrator that gathers light.
+/// Changes to an integrator that gathers light.
 struct IntegratorChange {
   std::optional<std::uint32_t> max_depth, rr_depth;
   std::optional<bool> nee, mis;
 };
 
-/// Another value for a number of a material; without one that of the file, of all its numbers where there is no name.
+/// A new value for a number of a material. No value resets it to the file's; without a name, all numbers of the
+/// material are reset.
 struct MaterialChange {
   std::uint32_t row = 0;
   std::string name;
   std::optional<glm::dvec3> value;
-  bool going_on = false;  ///< more will follow at once: the picture stays coarse
+  bool going_on = false;  ///< more moves will follow at once: the picture stays coarse
 };
 
-/// How a camera is to stand.
+/// A new state of the camera.
 struct Move {
   Pose pose;
-  double fov = 0;                  ///< degrees; 0: as it is
+  double fov = 0;                  ///< degrees; 0: unchanged
   std::optional<double> aperture;  ///< radius, camera units; 0: a pinhole
   std::optional<double> focus;     ///< distance of the plane in focus, camera units
-  bool going_on = false;           ///< more will follow at once: the picture stays coarse
+  bool going_on = false;           ///< more moves will follow at once: the picture stays coarse
   std::uint64_t mover = 0;
 };
 
 class Preview {
  public:
-  /// Begins at once, in a thread of its own. Never throws for what the scene or the device does: the state tells it.
+  /// Begins at once, in a thread of its own. Never throws for errors of the scene or the device; the state reports
+  /// them.
   explicit Preview(PreviewOptions options);
   ~Preview();
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
 
-  /// The state, as soon as it is newer than `version`, or as it is when the time is up or the preview ends. What the
-  /// caller says to look at comes with the next pictures.
+  /// Returns the state as soon as it is newer than `version`, or when the time runs out or the preview ends. What the
+  /// caller wants to see (`looked`) comes with the next pictures.
   State wait(std::uint64_t version, const Looked& looked, std::chrono::milliseconds longest);
 
-  /// Of several moves that come faster than pictures only the last one counts, and so with all that follows.
+  /// If moves arrive faster than pictures, only the last one counts. The same holds for all changes below.
   void move(const Move& move);
-  /// Back to the scene's own camera.
+  /// Returns to the scene's own camera.
   void reset_camera();
   void set_samples(std::uint32_t samples);
-  /// Renders that part of the film alone, cut to the film; nothing: all of it.
+  /// Renders only that part of the film, clipped to the film; nothing: all of it.
   void set_crop(const std::optional<Crop>& crop);
-  /// Until the scene is read again. Nothing of the scene is compiled again.
+  /// Lasts until the scene is read again. The scene is not recompiled.
   void change(const IntegratorChange& change);
-  /// The same of a material's numbers, see scene/material_numbers.h. Throws Error(usage) where there is no such number,
-  /// or where it has a texture; Error(scene) with the sentence of check_materials() for a value out of range.
+  /// The same for the numbers of a material, see scene/material_numbers.h. Throws Error(usage) if there is no such
+  /// number or it has a texture, and Error(scene) with the sentence of check_materials() if the value is out of range.
   void change(const MaterialChange& change);
-  /// Nothing before a scene was read.
+  /// Empty until a scene has been read.
   Palette palette() const;
   void set_paused(bool paused);
   /// Reads the scene again.
   void reload();
 
-  /// The picture as `etendue render` would write it, as the bytes of an .exr or .png file. Throws Error(usage) while it
-  /// is coarse.
+  /// The bytes of the .exr or .png file that `etendue render` would write for the picture. Throws Error(usage) while
+  /// the picture is coarse.
   std::string snapshot(const std::string& extension, const Display& display = {});
 
-  /// A pixel of the full film, 0,0 at the top left. Throws Error(usage) beyond it.
+  /// The surface at a pixel of the full film, with 0,0 at the top left. Throws Error(usage) outside the film.
   Point point_at(std::uint32_t x, std::uint32_t y);
-  /// A sample of a pixel, by the device, which compiles a kernel for the first one, or by the reference. Both throw
-  /// like point_at.
+  /// The path of a sample of a pixel, traced by the device (which compiles a kernel for the first one) or by the
+  /// reference. Both throw like point_at.
   Told explain(std::uint32_t x, std::uint32_t y, std::uint32_t sample);
   Told explain_by_reference(std::uint32_t x, std::uint32_t y, std::uint32_t sample);
 
-  /// Files that the scene was read from, as they were then.
+  /// The files from which the scene was read, as they were then.
   FileStamps files() const;
-  /// Ends all waiting; calls that come later return at once.
+  /// Ends all waiting; later calls return at once.
   void stop();
 
  private:
@@ -212,10 +215,10 @@ class Preview {
   PreviewOptions options_;
 
   mutable std::mutex mutex_;
-  std::condition_variable changed_;    // for those who look
-  std::condition_variable wake_;       // for the thread that renders
+  std::condition_variable changed_;    // wakes those waiting for a new state
+  std::condition_variable wake_;       // wakes the rendering thread
   State state_;                        // guarded, like the next seven
-  std::map<std::string, Edit> edits_;  // by kind: the last of each
+  std::map<std::string, Edit> edits_;  // the last one of each kind
   std::vector<std::function<void()>> questions_;
   FileStamps files_;
   Palette palette_;
@@ -224,29 +227,29 @@ class Preview {
   std::map<Aov, Clock::time_point> layers_wanted_;
   std::atomic<bool> stopping_{false}, interrupted_{false};
 
-  // Of the rendering thread alone.
+  // Used by the rendering thread only.
   std::unique_ptr<Opened> opened_;
   Pose pose_;
   double fov_ = 0;
   Aperture aperture_;
-  std::optional<Crop> crop_;  // inside of the film
+  std::optional<Crop> crop_;  // inside the film
   Integrator integrator_;
   std::uint64_t layers_made_ = 0;
   bool moved_ = false;
   std::uint64_t mover_ = 0;
   Clock::time_point moving_until_{};
-  std::uint32_t samples_ = 0;  // asked for; 0: the scene's
+  std::uint32_t samples_ = 0;  // requested; 0: the scene's
   bool paused_ = false;
-  std::uint32_t scale_ = 0;  // pixels of the film across one of the picture; 0: to be begun
+  std::uint32_t scale_ = 0;  // width in film pixels of a pixel of the picture; 0: not begun
   Film film_;
   std::uint32_t done_ = 0;  // film samples
-  double rate_ = 2e5;       // pixel samples a second; a careful first guess
+  double rate_ = 2e5;       // pixel samples per second; the first guess is cautious
   double relative_error_ = 0, error_seconds_ = 0;
   Clock::time_point begun_{}, published_{}, error_known_{};
   std::uint32_t published_done_ = 0;
   double publishing_seconds_ = 0;
 
-  // The second opinion of a sample is made by whoever asks, one at a time.
+  // The reference traces a sample in the thread that asks for it, one at a time.
   std::mutex reference_mutex_;
   Palette reference_palette_;
   std::unique_ptr<Renderer> reference_;

@@ -17,7 +17,7 @@
 namespace etendue::view {
 namespace {
 
-/// A folder of our own that goes away again.
+/// A temporary folder, deleted at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -57,7 +57,7 @@ std::string snapshot_bytes(const SnapshotFacts& facts, const Film& film, const s
   } else if (extension == ".png") {
     write_png(path, image_from_film(file), display);
   } else {
-    throw Error(ErrorKind::usage, fmt::format("A snapshot is .exr or .png, not '{}'.", extension));
+    throw Error(ErrorKind::usage, fmt::format("A snapshot can be .exr or .png, not '{}'.", extension));
   }
   const std::vector<std::byte> bytes = read_file(path);
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

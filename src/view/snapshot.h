@@ -1,5 +1,5 @@
 #pragma once
-/// What a preview shows, as a file: the one that `etendue render` would have written.
+/// Writes what a preview shows to a file, the same as `etendue render` would have written.
 
 #include <string>
 #include <vector>
@@ -12,16 +12,16 @@ namespace etendue::view {
 
 struct SnapshotFacts {
   const Scene& scene;
-  const std::vector<Material>& materials;  ///< in place of the scene's, like the next two
+  const std::vector<Material>& materials;  ///< replace those of the scene, as do the next two
   const Camera& camera;
   const Integrator& integrator;
   std::uint32_t seed;
   std::string device, driver;
-  std::uint32_t samples;  ///< of the film: [0, samples)
+  std::uint32_t samples;  ///< the film holds the samples [0, samples)
 };
 
-/// The bytes of an .exr or .png file, whatever `extension` says; `display` is for .png. Throws Error(usage) for another
-/// one, Error(file).
+/// The bytes of a file of the format named by `extension`, ".exr" or ".png"; `display` applies to .png. Throws
+/// Error(usage) for other extensions, and Error(file).
 std::string snapshot_bytes(const SnapshotFacts& facts, const Film& film, const std::string& extension,
                            const Display& display);
 

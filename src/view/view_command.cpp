@@ -28,7 +28,7 @@ Scene read(const cli::ViewOptions& options) {
   return scene;
 }
 
-/// "http://127.0.0.1:8017/token/". Where all addresses are listened on, the name of this machine's own.
+/// "http://127.0.0.1:8017/token/". If the server listens on all addresses, the host is "localhost".
 std::string address_of(const cli::ViewOptions& options, int port, const std::string& token) {
   const bool every = options.listen == "0.0.0.0" || options.listen == "::";
   const std::string host = every                                           ? "localhost"
@@ -40,7 +40,8 @@ std::string address_of(const cli::ViewOptions& options, int port, const std::str
 cli::Ending view(const cli::ViewOptions& options) {
   cli::SignalWatch signals(true);
   options.results.begin();
-  // Wrong options end the command; a wrong scene is shown on the page, where it can be mended.
+  // Wrong options end the command; errors in the scene are shown on the page, since the file can be corrected and read
+  // again.
   if (!options.sampling.size.empty()) cli::parse_size(options.sampling.size);
   options.scene.read_options();
   const std::string token = random_token();
@@ -66,7 +67,7 @@ cli::Ending view(const cli::ViewOptions& options) {
     if (watch.changed(preview.files())) preview.reload();
   }
   preview.stop();
-  log::info("Ended.");
+  log::info("The viewer has ended.");
   return cli::Ending::ok;
 }
 

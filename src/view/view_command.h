@@ -1,5 +1,5 @@
 #pragma once
-/// The command line of the viewer, and what runs until it is ended.
+/// The command line of the viewer, and its main loop.
 
 #include "cli/command.h"
 

@@ -1,15 +1,15 @@
 #pragma once
-/// Whether files on the disk have changed.
+/// Detects files that have changed on disk.
 
 #include "core/read_log.h"
 
 namespace etendue::view {
 
-/// Looks at files whenever it is asked to, which works on every file system and for files that come and go.
+/// Compares files whenever it is called, which works on every file system and for files that come and go.
 class FileWatch {
  public:
-  /// True when files are no longer what they were when they were read, and have stayed the same since the last call:
-  /// whoever writes one has probably finished. Only once for what they are then.
+  /// True if files differ from what they were when read, but not since the last call, so whoever writes them has
+  /// probably finished. Reports each such change only once.
   bool changed(const FileStamps& read);
 
  private:

@@ -116,10 +116,10 @@ def test_errors_name_the_place():
     assert "dict:/ball/center" in str(complaint(ball={"type": "sphere", "center": object()}))
     assert "dict:/ball/positions" in str(complaint(ball={"type": "mesh", "positions": [1, 2, 3], "triangles": [[0, 0, 0]]}))
     assert "the vertex 3; there are 1" in str(complaint(ball={"type": "mesh", "positions": [[1, 2, 3]], "triangles": [[0, 3, 0]]}))
-    assert "whole ones" in str(complaint(ball={"type": "mesh", "positions": [[1, 2, 3]], "triangles": [[0, -1, 0]]}))
+    assert "integers" in str(complaint(ball={"type": "mesh", "positions": [[1, 2, 3]], "triangles": [[0, -1, 0]]}))
     itself = {"type": "twosided"}
     itself["inner"] = itself
-    assert "hold itself" in str(complaint(ball={"type": "sphere", "bsdf": itself}))
+    assert "contain itself" in str(complaint(ball={"type": "sphere", "bsdf": itself}))
     both = complaint(ball={"type": "sphere", "radius": -1}, lamp={"type": "sphere", "radius": -2})
     assert [problem.file for problem in both.problems] == ["dict:/ball/radius", "dict:/lamp/radius"]
     assert et.load_dict(room(ball={"type": "hair"}), approximate=True).approximations

@@ -190,7 +190,7 @@ const tests = {
     assert.ok(Date.now() - start < 4000, `${Date.now() - start} ms`);
     await waiting;
     socket.destroy();
-    assert.match(viewer.errors, /Ended\./);
+    assert.match(viewer.errors, /has ended\./);
   },
   async "listening elsewhere has to be asked for, and then takes numbers but no strange names"() {
     const open = await Viewer.start(program, scene.file, "--listen", "0.0.0.0");

@@ -1,31 +1,32 @@
-// The numbers of the scene's materials: shown by name, changed one at a time, taken back to what the file says, and as XML to be pasted.
+// The numbers of the scene's materials: shows them by name, changes them one at a time, resets them to the file, and
+// prints materials as XML.
 "use strict";
 
-let material = null;       // the one on show, as the server told it
-let materialsShown = -1;   // state.materials of what is on show
+let material = null;       // the one shown, as the server sent it
+let materialsShown = -1;   // state.materials when the list was last fetched
 
-// Words for what the scene calls by a symbol or shortly.
+// Words for parameters that scenes name by a symbol or an abbreviation.
 const numberWords = {
   kd: "diffuse reflectance", int_ior: "index inside", ext_ior: "index outside", ior: "index of refraction", k: "absorption k", eta: "index eta",
   alpha: "roughness alpha", alpha_u: "roughness alpha u", alpha_v: "roughness alpha v", spec_trans: "transmission", spec_tint: "highlight tint",
   diff_trans: "diffuse transmission", normals: "normal map", height: "bump height",
 };
 const wordOf = (name) => numberWords[name] || name.replaceAll("_", " ");
-// Numbers that lie between 0 and 1 whatever the material; the others have no end that a slider could have.
+// Numbers between 0 and 1 in every material, which get a slider; the others have no upper limit.
 const isShare = (number) => !["int_ior", "ext_ior", "ior", "eta", "k", "height", "iridescence_ior", "iridescence_thickness", "anisotropy_rotation", "dispersion",
   "attenuation_distance", "diff_trans"].includes(number.name);
 const shortNumber = (v) => v === null ? "inf" : String(+v.toPrecision(7));
 const shortValue = (number, value) => number.color ? value.map(shortNumber).join(", ") : shortNumber(value);
 const sameValue = (a, b) => String(a) === String(b);
 
-// Light of a colour as the browser's picker has it, and back.
+// Converts linear light to the browser's colour picker and back.
 const decoded = (x) => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
 const hexOf = (value) => "#" + value.map((v) => Math.round(255 * encode(Math.max(0, Math.min(1, v)))).toString(16).padStart(2, "0")).join("");
 const lightOf = (hex) => [1, 3, 5].map((at) => +decoded(parseInt(hex.slice(at, at + 2), 16) / 255).toPrecision(6));
 
 // --- asking -----------------------------------------------------------------------------------------------------------------
 
-// One request at a time, and of what is wanted meanwhile only the last.
+// Sends one request at a time; of those wanted meanwhile, only the last is sent.
 let fetching = false, fetchAgain = false;
 async function followMaterials() {
   if (state.materials === materialsShown) return;
@@ -39,7 +40,7 @@ async function followMaterials() {
       await showMaterial();
       materialsShown = counted;
     } while (fetchAgain);
-  } catch { /* the one who follows tells it */ }
+  } catch { /* follow() reports a lost connection */ }
   fetching = false;
 }
 
@@ -81,25 +82,25 @@ function controlsOf(number) {
   if (number.texture !== null) return [label, element("output", { id, class: "texture" }, `texture ${number.texture}`)];
   const box = element("span", { class: "number" });
   if (number.color) {
-    const picker = element("input", { type: "color", id: `${id}-picker`, "aria-label": `${word}, by a picker` });
+    const picker = element("input", { type: "color", id: `${id}-picker`, "aria-label": `${word}, colour picker` });
     for (const [event, moving] of [["input", 1], ["change", 0]]) picker.addEventListener(event, () => sendNumber(number.name, lightOf(picker.value).join(), moving));
     box.append(picker);
   } else if (isShare(number)) {
-    const slider = element("input", { type: "range", id: `${id}-slider`, min: 0, max: 1, step: 0.005, "aria-label": `${word}, by a slider` });
+    const slider = element("input", { type: "range", id: `${id}-slider`, min: 0, max: 1, step: 0.005, "aria-label": `${word}, slider` });
     for (const [event, moving] of [["input", 1], ["change", 0]]) slider.addEventListener(event, () => sendNumber(number.name, slider.value, moving));
     box.append(slider);
   }
   const field = element("input", { type: "text", inputmode: "decimal", id, "aria-describedby": "material-problem", spellcheck: "false",
     title: number.color ? "red, green, blue: linear light" : "" });
   field.addEventListener("change", () => sendNumber(number.name, field.value.trim().replace(/[\s;,]+/g, ","), 0));
-  const undo = element("button", { type: "button", class: "undo", id: `${id}-undo`, "aria-label": `${word} as in the file`, title: "as in the file" }, "↺");
+  const undo = element("button", { type: "button", class: "undo", id: `${id}-undo`, "aria-label": `reset ${word} to the file's value`, title: "reset to the file's value" }, "↺");
   undo.addEventListener("click", () => sendNumber(number.name, null, 0));
   box.append(field, undo);
   return [label, box];
 }
 
 function buildNumbers() {
-  const note = material.numbers.length === 0 ? [element("p", {}, "It has no numbers.")] : [];
+  const note = material.numbers.length === 0 ? [element("p", {}, "This material has no numbers.")] : [];
   $("numbers").replaceChildren(...material.numbers.flatMap(controlsOf), ...note);
   materialProblem("");
 }
@@ -136,8 +137,8 @@ async function sendNumber(name, value, moving) {
     try {
       const answer = await fetch(`material?${new URLSearchParams(sent)}`, { method: "POST" });
       materialProblem(answer.ok ? "" : (await answer.text()).trim(), sent.name);
-      if (answer.ok && sent.name && !sent.moving) $("announcer").textContent = `${wordOf(sent.name)} ${sent.value === undefined ? "as in the file" : sent.value}.`;
-    } catch { break; }  // told by the one who follows
+      if (answer.ok && sent.name && !sent.moving) $("announcer").textContent = `${wordOf(sent.name)} ${sent.value === undefined ? "reset to the file's value" : sent.value}.`;
+    } catch { break; }  // follow() reports a lost connection
   }
   numberSends = false;
 }
@@ -145,7 +146,7 @@ async function sendNumber(name, value, moving) {
 $("material").addEventListener("change", () => showMaterial().catch(() => {}));
 $("material-own").addEventListener("click", () => sendNumber("", null, 0));
 
-// Chosen by a click on the picture.
+// Called after a click on the picture.
 async function chooseMaterial(row) {
   if (row >= $("material").options.length) return;
   $("material").value = row;

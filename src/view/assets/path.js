@@ -1,30 +1,31 @@
-// The inspector's path, drawn over the picture: its vertices where the camera sees them, by device and reference. What is drawn here is
-// said by the table below the picture as well.
+// Draws the inspector's path over the picture, with its vertices where the camera sees them, for device and reference.
+// The table below the picture says the same in words.
 "use strict";
 
-let explained = null;  // what the two have told of a sample, and of which scene
+let explained = null;  // what device and reference answered for a sample, and for which scene
 
-// A point of the world (w = 1), or a direction (w = 0), before the projection's division.
+// Homogeneous film coordinates of a point (w = 1) or direction (w = 0) in world space, before the division.
 const projected = (m, [x, y, z], w) => [0, 4, 8, 12].map((r) => m[r] * x + m[r + 1] * y + m[r + 2] * z + m[r + 3] * w);
 
-// Its place on the film of a camera that sees all directions.
+// The position on the film of a spherical camera.
 function onSphere({ origin, pixels }, [x, y, z]) {
   const share = [0.5 - 0.5 * Math.atan2(x, z) / Math.PI, Math.atan2(Math.hypot(x, z), y) / Math.PI];
   return [0, 1].map((i) => (share[i] - origin[i]) * pixels[i]);
 }
 
-// Where the end of a segment lies in the picture; null behind the camera.
+// The position of a segment's end in the picture; null behind the camera.
 function placeOf(projection, vertex) {
   const h = projected(projection.matrix, vertex.to, vertex.met ? 1 : 0);
   if (projection.kind === "sphere") return onSphere(projection, h);
   return h[3] > 0 ? [h[0] / h[3], h[1] / h[3]] : null;
 }
 
-// The part of a straight line that the frame [left, top, right, bottom] shows, as its two ends; null where it shows none. Before the
-// division each side of the frame is a plane, and so is what lies behind the camera.
+// The two ends of the part of a line that lies inside the frame [left, top, right, bottom], or null if there is none.
+// Clipping is done before the division, where each side of the frame is a plane, as is the boundary of what lies behind
+// the camera.
 function clippedLine(a, b, [left, top, right, bottom]) {
   const nearest = 1e-3 * Math.max(Math.abs(a[3]), Math.abs(b[3]));
-  // Rays begin at the camera itself, where rounding alone would say in which direction.
+  // Rays begin at the camera itself, where the direction would be rounding error alone.
   const sides = [(h) => h[3] - nearest, (h) => h[0] - left * h[3], (h) => right * h[3] - h[0], (h) => h[1] - top * h[3], (h) => bottom * h[3] - h[1]];
   let from = 0, to = 1;
   for (const side of sides) {
@@ -37,7 +38,8 @@ function clippedLine(a, b, [left, top, right, bottom]) {
   return from <= to ? [at(from), at(to)] : null;
 }
 
-// A segment as lines in the picture. On a sphere it is curved, and may go out on one side and come in on the other.
+// A segment as lines in the picture. For a spherical camera it is curved, and may leave on one side and come back on
+// the other.
 function linesOf(projection, vertex, frame) {
   const a = projected(projection.matrix, vertex.from, 1), b = projected(projection.matrix, vertex.to, vertex.met ? 1 : 0);
   if (projection.kind === "plane") {
@@ -56,7 +58,7 @@ function linesOf(projection, vertex, frame) {
 
 const inFrame = (place, [left, top, right, bottom]) => place[0] >= left && place[0] <= right && place[1] >= top && place[1] <= bottom;
 
-// "seen at" in the table: what the drawing shows to the eye.
+// The column "seen at" of the table: in words, what the drawing shows.
 function seenAt(vertex) {
   const projection = state && state.camera.projection;
   if (!vertex.met) return "leaves the scene";
@@ -114,10 +116,10 @@ function drawPath() {
   drawBadges(drawing, explained.told, projection, frame, unit);
 }
 
-// A path of another scene than the one on show.
+// Whether the path belongs to another scene than the one shown.
 const isStale = () => explained.loads !== state.loads || explained.materials !== state.materials;
 
-// What the camera sees has moved, or the scene is another one.
+// Redraws if the camera has moved or the scene has changed.
 let drawnFor = "";
 function followPath() {
   if (!explained) return;
@@ -129,7 +131,7 @@ function followPath() {
   for (const [i, row] of rows.entries()) row.querySelector(".seen").textContent = isStale() ? "–" : seenAt(eitherVertex(explained.told, i));
   if (isStale() && !explained.said) {
     explained.said = true;
-    $("told").textContent += " The scene has changed since; explain it again.";
+    $("told").textContent += " The scene has changed since then; explain the path again.";
   }
 }
 
@@ -159,7 +161,7 @@ async function explain() {
   }
 }
 
-// Both take the same random numbers, so that their paths are the same but for rounding.
+// Both use the same random numbers, so their paths are the same except for rounding.
 function showPath({ x, y, sample }, told) {
   const table = $("path").firstElementChild, words = ["meets", "light", "reached", "lobe", "survives"];
   const cells = (tag, texts) => texts.map((text) => { const cell = document.createElement(tag); cell.textContent = text; return cell; });
@@ -184,8 +186,8 @@ function showPath({ x, y, sample }, told) {
   }
   $("path").hidden = $("path-key").hidden = false;
   const where = `Pixel (${x}, ${y}), sample ${sample}`;
-  $("told").textContent = !both ? `${where}: ${told.reference ? "the reference; the device is asked" : "the device; the reference is asked"} …` :
-    `${where}, on ${told.device.device} and the reference: ${different ? `${different} vertices with another decision` : "the same decisions"}.`;
+  $("told").textContent = !both ? `${where}: ${told.reference ? "the reference has answered; waiting for the device" : "the device has answered; waiting for the reference"} …` :
+    `${where}, on ${told.device.device} and the reference: ${different ? `${different} vertices decided differently` : "the same decisions"}.`;
   explained = { told, loads: state.loads, materials: state.materials, said: false };
   drawnFor = "";
   followPath();

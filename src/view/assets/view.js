@@ -1,19 +1,20 @@
-// The page of `etendue view`: asks for the newest picture, shows it, and tells the camera where to go. Values come as halves of linear
-// light; exposure, tone curve and false colour are made here, so that they cost the renderer nothing.
+// The page of `etendue view`: it requests the newest picture, shows it, and moves the camera. Values arrive as halves
+// in linear light; exposure, tone curve and false colour are applied here, so they cost the renderer nothing.
 "use strict";
 
 const $ = (id) => document.getElementById(id);
 const canvas = $("view"), context = canvas.getContext("2d");
-const mover = 1 + Math.floor(Math.random() * 2 ** 50);  // this page, among several
+const mover = 1 + Math.floor(Math.random() * 2 ** 50);  // identifies this page among several
 
-// --- what the server tells --------------------------------------------------------------------------------------------------
+// --- state from the server
+// --------------------------------------------------------------------------------------------------
 
-let state = null;    // the last one
-let mean = null;     // halves of the picture on show, three a pixel
-let error = null;    // likewise, of its standard error
-let layer = null;    // of the AOV that is looked at: numbers of each pixel, and how many
+let state = null;    // the latest one
+let mean = null;     // halves of the picture shown, three per pixel
+let error = null;    // likewise for its standard error
+let layer = null;    // the AOV shown: the numbers of each pixel, and how many there are
 let shape = { width: 0, height: 0 };
-let request = null;  // the one on its way, to be given up when other things are wanted
+let request = null;  // the pending one; aborted when something else is wanted
 let wanted = { picture: 0, layer: 0 };
 
 const channel = () => $("channel").value;
@@ -41,7 +42,7 @@ function take(buffer) {
   if (next.hasPicture || next.layer) draw();
 }
 
-let asked = {};  // what the request on its way is about
+let asked = {};  // parameters of the pending request
 async function follow() {
   let failures = 0;
   for (;;) {
@@ -62,7 +63,7 @@ async function follow() {
   }
 }
 
-// Asks for everything anew.
+// Requests everything again.
 function refresh() {
   wanted = { picture: 0, layer: 0 };
   if (request) request.abort();
@@ -71,7 +72,7 @@ function refresh() {
 function lost() {
   $("phase").textContent = "disconnected";
   $("phase").dataset.phase = "lost";
-  problem("The viewer does not answer: it was ended, or the connection is gone. This page goes on trying; after a new start of the viewer use its new address.");
+  problem("The viewer does not answer: it has ended, or the connection is lost. This page keeps trying. If you restart the viewer, open the new address that it prints.");
   state = state && { ...state, phase: "lost" };
 }
 
@@ -109,9 +110,9 @@ function tell(before) {
   $("error").textContent = s.relativeError === null || coarse ? "–" : `${(100 * s.relativeError).toPrecision(3)} %`;
   $("left").textContent = s.phase === "done" ? "none" : duration(s.secondsLeft);
   $("pause").setAttribute("aria-pressed", String(s.paused));
-  $("pause").textContent = s.paused ? "Go on" : "Pause";
+  $("pause").textContent = s.paused ? "Resume" : "Pause";
   if (document.activeElement !== $("target") && s.target) $("target").value = s.target;
-  problem(s.problem + (s.rejected ? `${s.problem ? "\n" : ""}${s.rejected} samples were not finite or too large and were left out.` : ""));
+  problem(s.problem + (s.rejected ? `${s.problem ? "\n" : ""}${s.rejected} samples were left out because they were too large or not finite.` : ""));
   tellSettings(s);
   if (s.fullWidth) $("stage").style.setProperty("--shape", s.fullWidth / s.fullHeight);
   adoptCamera();
@@ -138,7 +139,7 @@ function tellSettings(s) {
   fill("focus", lens ? +s.camera.focus.toPrecision(6) : "");
 }
 
-// For those who hear the page: what has changed, in few words.
+// For screen readers: what has changed, in a few words.
 function announce(before) {
   if (before && before.phase === state.phase && before.problem === state.problem && before.loads === state.loads) return;
   let text = phases[state.phase] || state.phase;
@@ -149,18 +150,18 @@ function announce(before) {
 
 // --- drawing ----------------------------------------------------------------------------------------------------------------
 
-// Every half as a number.
+// The number for each of the 65536 halves.
 const numbers = new Float32Array(65536);
 for (let bits = 0; bits < 65536; ++bits) {
   const sign = bits & 0x8000 ? -1 : 1, exponent = (bits >> 10) & 31, fraction = bits & 1023;
   numbers[bits] = sign * (exponent === 31 ? (fraction ? NaN : Infinity) : exponent ? 2 ** (exponent - 15) * (1 + fraction / 1024) : 2 ** -24 * fraction);
 }
 
-// Those of `etendue render --tonemap`. Reinhard's takes the luminance and is no curve of each channel.
+// The curves of `etendue render --tonemap`. Reinhard's depends on the luminance, so it is not applied per channel.
 const aces = (x) => x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);  // [Narkowicz2015]
 const encode = (x) => x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055;
 
-// Dark blue over green to yellow and white, each step lighter than the one before.
+// From dark blue through purple and orange to yellow, each step lighter than the one before.
 const stops = [[0, 0, 20], [28, 20, 92], [70, 24, 124], [124, 34, 118], [180, 48, 92], [226, 80, 56], [248, 134, 30], [252, 196, 60], [255, 246, 180]];
 const ramp = new Uint8Array(256 * 3);
 for (let i = 0; i < 256; ++i) {
@@ -168,7 +169,7 @@ for (let i = 0; i < 256; ++i) {
   for (let c = 0; c < 3; ++c) ramp[3 * i + c] = stops[k][c] + (at - k) * (stops[k + 1][c] - stops[k][c]);
 }
 
-// Bytes of halves under an exposure and a curve.
+// The display byte for each half, for one exposure and curve.
 const table = new Uint8ClampedArray(65536);
 let tableKey = "";
 function fillTable(exposure, curve) {
@@ -182,7 +183,7 @@ function fillTable(exposure, curve) {
   }
 }
 
-// Bytes of numbers from 0 to 1 in 4095 steps, fine enough but for the darkest.
+// The display byte for numbers from 0 to 1 in 4095 steps, fine enough for all but the darkest.
 const encoded = new Uint8ClampedArray(4096);
 for (let i = 0; i < 4096; ++i) encoded[i] = 255 * encode(i / 4095);
 
@@ -212,7 +213,7 @@ function paintReinhard(out, exposure) {
   }
 }
 
-// `value` from 0 to 1 by pixel, NaN where there is none.
+// `value` maps a pixel's index to a number from 0 to 1, or NaN if there is none.
 function paintRamp(out, value) {
   for (let i = 0, o = 0; i < mean.length; i += 3, o += 4) {
     const t = value(i), k = 3 * Math.max(0, Math.min(255, Math.round(255 * t)));
@@ -224,16 +225,17 @@ function paintRamp(out, value) {
   }
 }
 
-// What is no number is never shown as anything else.
+// NaN is always shown in magenta, whatever else is shown.
 function markWrong(out) {
   for (let i = 0, o = 0; i < mean.length; i += 3, o += 4) {
     if (!isNumber(mean, i)) out.set([255, 0, 255], o);
   }
 }
 
-// Layers: light as a picture, directions and places as colours between their ends, numbers each in a colour of its own.
+// Layers: light is shown as a picture, directions and positions as colours over their range, and each object number in
+// a colour of its own.
 const spread = (n) => { let h = Math.imul(n, 2654435761) >>> 0; h ^= h >>> 15; h = Math.imul(h, 2246822519) >>> 0; return h ^ h >>> 13; };
-const kNothing = 1e10;  // of depths
+const kNothing = 1e10;  // depths from here on mean that nothing was hit
 function paintLayer(out, exposure) {
   const { values, components, name } = layer, count = layer.width * layer.height;
   const light = ["albedo", "direct", "indirect"].includes(name), id = ["instance", "primitive", "material"].includes(name);
@@ -279,7 +281,7 @@ function draw() {
   const image = context.createImageData(shape.width, shape.height), out = image.data, exposure = +$("exposure").value;
   let legend = null;
   if (channel() === "error") {
-    // From a thousandth to all of the pixel's own light.
+    // From a thousandth of the pixel's luminance to all of it, on a logarithmic scale.
     paintRamp(out, (i) => {
       if (!error) return NaN;
       const e = luminance(error, i), m = Math.abs(luminance(mean, i));
@@ -315,7 +317,7 @@ function showLegend(legend, gradient) {
   document.querySelector("#legend i").style.background = `linear-gradient(to right, ${colors})`;
 }
 
-// Enlarged pixels are shown as such when they are all there are; a coarse picture is better smooth.
+// Pixels of a full picture are enlarged as squares; a coarse picture looks better smooth.
 function sharpen() {
   const enlarged = Math.min(canvas.clientWidth / canvas.width, canvas.clientHeight / canvas.height) * devicePixelRatio;
   canvas.style.imageRendering = enlarged >= 2 && canvas.width >= (state.fullWidth || 0) ? "pixelated" : "auto";
@@ -324,7 +326,7 @@ addEventListener("resize", () => state && sharpen());
 
 // --- reading values ---------------------------------------------------------------------------------------------------------
 
-// The picture is fitted into the canvas; null beside it.
+// The pixel under the pointer, or null outside the picture, which is fitted into the canvas.
 function pixelAt(event) {
   const box = canvas.getBoundingClientRect(), scale = Math.min(box.width / canvas.width, box.height / canvas.height);
   const x = Math.floor((event.clientX - box.left - (box.width - canvas.width * scale) / 2) / scale);
@@ -332,7 +334,7 @@ function pixelAt(event) {
   return x >= 0 && y >= 0 && x < canvas.width && y < canvas.height ? [x, y] : null;
 }
 
-let marked = null;  // in shares of the picture, which may be coarse now and fine later
+let marked = null;  // as fractions of the picture, which may be coarse now and fine later
 function readAt(event) {
   const place = mean && pixelAt(event);
   if (!place) return;
@@ -340,7 +342,7 @@ function readAt(event) {
   read();
 }
 
-// Of the whole film, whatever part of it is on show.
+// The pixel of the whole film, whatever part of it is shown.
 function filmPixel() {
   const [x, y] = state.crop || [0, 0];
   return [x + Math.floor(marked[0] * state.fullWidth), y + Math.floor(marked[1] * state.fullHeight)];
@@ -372,8 +374,8 @@ const unit = (a) => mul(a, 1 / norm(a));
 // Rodrigues' formula.
 const turned = (v, axis, angle) => add(add(mul(v, Math.cos(angle)), cross(axis, v), Math.sin(angle)), axis, dot(axis, v) * (1 - Math.cos(angle)));
 
-let camera = null;       // as it stands, or as it was asked to
-let touched = 0;         // when it was moved here last
+let camera = null;       // as it is, or as it was last requested
+let touched = 0;         // when this page last moved it
 let sending = false, unsent = false, going = false;
 
 function adoptCamera() {
@@ -391,13 +393,13 @@ function showFov() {
   $("fov-value").textContent = `${+camera.fov.toFixed(1)}°`;
 }
 
-// Across the picture to the right, and ahead.
+// The directions forward and to the right of the picture.
 function axes() {
   const ahead = unit(sub(camera.target, camera.eye));
   return { ahead, right: mul(unit(cross(ahead, camera.up)), camera.mirrored ? -1 : 1) };
 }
 
-// Turns a direction, and stops before it is straight up or down.
+// Turns a direction, but stops short of straight up or down.
 function tilted(v, axis, angle) {
   const limit = 0.02, now = Math.acos(Math.max(-1, Math.min(1, dot(unit(v), unit(camera.up)))));
   const after = turned(v, axis, angle), then = Math.acos(Math.max(-1, Math.min(1, dot(unit(after), unit(camera.up)))));
@@ -419,7 +421,7 @@ function look(x, y) {
   camera.target = add(camera.eye, ahead);
 }
 
-// By shares of the picture's height.
+// `x` and `y` are fractions of the picture's height.
 function pan(x, y) {
   const { ahead, right } = axes(), above = unit(cross(cross(ahead, camera.up), ahead));
   const height = 2 * norm(sub(camera.target, camera.eye)) * Math.tan((camera.fov || 40) * Math.PI / 360);
@@ -447,7 +449,7 @@ function setFov(degrees) {
   showFov();
 }
 
-// One request at a time, and of what happens meanwhile only the last.
+// Sends one request at a time; of the changes made meanwhile, only the last is sent.
 async function sendCamera(goingOn) {
   touched = performance.now();
   going = goingOn;
@@ -460,7 +462,7 @@ async function sendCamera(goingOn) {
     try {
       await post("camera", { eye: c.eye, target: c.target, up: c.up, ...(c.fov === null ? {} : { fov: c.fov }),
         ...(c.aperture === null ? {} : { aperture: c.aperture, focus: c.focus }), moving: going ? 1 : 0, mover });
-    } catch { break; }  // told by the one who follows
+    } catch { break; }  // follow() reports a lost connection
   }
   sending = false;
 }
@@ -474,7 +476,7 @@ function act(change, goingOn = false) {
 // --- pointers ---------------------------------------------------------------------------------------------------------------
 
 const pointers = new Map();
-let corner = null;  // of a crop in the making
+let corner = null;  // where the crop being drawn begins
 let action = "", pressed = null;  // where the button went down, while it may become a click
 
 canvas.addEventListener("pointerdown", (event) => {
@@ -518,7 +520,7 @@ for (const end of ["pointerup", "pointercancel"]) {
 }
 canvas.addEventListener("contextmenu", (event) => event.preventDefault());
 
-// The pixel of the film at a place of the window, cut to what is on show.
+// The pixel of the film at a position in the window, clamped to the part that is shown.
 function cornerAt(x, y) {
   const box = canvas.getBoundingClientRect(), scale = Math.min(box.width / state.fullWidth, box.height / state.fullHeight);
   const [left, top] = state.crop || [0, 0], cut = (v, most) => Math.max(0, Math.min(most, Math.round(v)));
@@ -541,7 +543,7 @@ function endMark(event) {
   const a = cornerAt(...corner), c = cornerAt(event.clientX, event.clientY);
   const size = [Math.abs(a[0] - c[0]), Math.abs(a[1] - c[1])];
   if (size[0] > 0 && size[1] > 0) post("settings", { crop: [Math.min(a[0], c[0]), Math.min(a[1], c[1]), ...size].join() });
-  $("drag").value = "orbit";  // a second crop is rarely meant
+  $("drag").value = "orbit";  // hardly anyone wants a second crop at once
 }
 
 $("crop").addEventListener("change", () => post("settings", { crop: $("crop").value.replace(/[\s;×x]+/g, ",").replace(/,+/g, ",").replace(/^,|,$/g, "") }));
@@ -574,7 +576,7 @@ async function click(event) {
   }
   try {
     const point = await ask("point", { x, y });
-    if (!point.hit) { $("announcer").textContent = "There is nothing at that pixel."; return; }
+    if (!point.hit) { $("announcer").textContent = "Nothing was hit at that pixel."; return; }
     if ($("click").value === "material") return chooseMaterial(point.material);
     if ($("click").value === "focus") act(() => { camera.focus = point.focus; });
     else act(() => { camera.target = point.position; });
@@ -583,7 +585,7 @@ async function click(event) {
 
 // --- keys -------------------------------------------------------------------------------------------------------------------
 
-const held = new Map();  // of keys that go on while they are down: what each does in a second
+const held = new Map();  // keys that act while they are held down, and what each does per second
 const motions = {
   ArrowLeft: [(t) => orbit(t, 0), (t) => pan(t / 2, 0)], ArrowRight: [(t) => orbit(-t, 0), (t) => pan(-t / 2, 0)],
   ArrowUp: [(t) => orbit(0, t), (t) => pan(0, t / 2)], ArrowDown: [(t) => orbit(0, -t), (t) => pan(0, -t / 2)],
@@ -687,12 +689,12 @@ $("camera-copy").addEventListener("click", async () => {
 async function copyText(id, what) {
   try {
     await navigator.clipboard.writeText($(id).value);
-    $("announcer").textContent = `${what} is in the clipboard.`;
+    $("announcer").textContent = `${what} was copied to the clipboard.`;
   } catch {
-    $(id).select();  // no clipboard without a secure connection: the keys will do
-    $("announcer").textContent = `${what} is selected; copy it with the keys of your browser.`;
+    $(id).select();  // the clipboard needs a secure connection; without one, the user's own copy command works
+    $("announcer").textContent = `${what} is selected; press Ctrl-C to copy it.`;
   }
 }
 
 document.addEventListener("visibilitychange", () => { if (!document.hidden) refresh(); });
-addEventListener("DOMContentLoaded", follow);  // when the other scripts are there
+addEventListener("DOMContentLoaded", follow);  // once the other scripts have loaded
