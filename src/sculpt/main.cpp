@@ -28,6 +28,8 @@ sculpt::Mesh make(const std::string& kind, std::uint64_t triangles) {
   if (kind == "lamps") return sculpt::lamps(triangles);
   if (kind == "vase") return sculpt::vase(triangles);
   if (kind == "bowl") return sculpt::bowl(triangles);
+  if (kind == "goblet") return sculpt::goblet(triangles);
+  if (kind == "curtain") return sculpt::curtain(triangles);
   if (kind == "tile") return sculpt::tile();
   const sculpt::Solid solid = kind == "bust" ? sculpt::bust() : kind == "fir" ? sculpt::fir() : sculpt::bumpy_sphere();
   sculpt::Mesh mesh = sculpt::polygonise(solid, triangles);
@@ -46,10 +48,12 @@ int run(int argc, char** argv) {
          "bust: a head with curls, 1 high, standing on y = 0, facing +z; bumpy-sphere: around the origin, radius "
          "about 0.5; fir: the crown of a tree, about 1 high (all closed, with normals); grid: a wavy square; soup: "
          "loose random triangles; lamps: triangles "
-         "that hover over a square and look down; vase, bowl: turned, with texture coordinates; tile: a square with "
-         "texture coordinates; sky: a picture of a day's sky, Radiance HDR, of --height rows")
+         "that hover over a square and look down; vase, bowl: turned, with texture coordinates; goblet: a closed "
+         "wine glass, 1 high; curtain: a sheet of folds, 1 wide and high; tile: a square with texture coordinates; "
+         "sky: a picture of a day's sky, Radiance HDR, of --height rows")
       ->type_name("KIND")
-      ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps", "vase", "bowl", "tile", "sky"}));
+      ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps", "vase", "bowl", "goblet", "curtain",
+                      "tile", "sky"}));
   app.add_option("--picture", picture, "make a PNG instead of a mesh: wood, porcelain, cloth, or orange (for a sphere)")
       ->type_name("KIND")
       ->check(one_of(sculpt::picture_kinds()));

@@ -35,9 +35,11 @@ Mesh turn(const std::vector<Outline>& knots, double rim, std::uint64_t triangles
   const auto around = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(triangles) * 0.75)));
   const auto up = static_cast<std::uint32_t>(std::ceil(static_cast<double>(triangles) / (2.0 * around)));
   Mesh mesh;
+  std::vector<bool> on_axis;  // a row of corners that are all the same point
   for (std::uint32_t j = 0; j <= up; ++j) {
     const double place = static_cast<double>(j) / up;
     const Outline p = along(knots, place);
+    on_axis.push_back(p.radius < 1e-9);
     constexpr double kStep = 1e-5;
     const Outline before = along(knots, std::max(0.0, place - kStep)),
                   after = along(knots, std::min(1.0, place + kStep));
@@ -55,8 +57,8 @@ Mesh turn(const std::vector<Outline>& knots, double rim, std::uint64_t triangles
   for (std::uint32_t j = 0; j < up; ++j) {
     for (std::uint32_t i = 0; i < around; ++i) {
       const std::uint32_t a = j * (around + 1) + i, b = a + around + 1;
-      mesh.triangles.push_back({a, a + 1, b + 1});
-      mesh.triangles.push_back({a, b + 1, b});
+      if (!on_axis[j]) mesh.triangles.push_back({a, a + 1, b + 1});
+      if (!on_axis[j + 1]) mesh.triangles.push_back({a, b + 1, b});
     }
   }
   return mesh;
@@ -97,6 +99,46 @@ Mesh bowl(std::uint64_t triangles) {
                {0.18, 0.06},
                {0.01, 0.05}},
               5.0 / 10.0, triangles);
+}
+
+Mesh goblet(std::uint64_t triangles) {
+  return turn(
+      {{0.0, 0.0},     {0.14, 0.0},   {0.215, 0.004}, {0.222, 0.014}, {0.15, 0.028}, {0.045, 0.055}, {0.022, 0.12},
+       {0.019, 0.28},  {0.024, 0.41}, {0.09, 0.49},   {0.205, 0.62},  {0.24, 0.77},  {0.215, 0.92},  {0.197, 0.994},
+       {0.189, 0.994}, {0.205, 0.92}, {0.228, 0.77},  {0.193, 0.63},  {0.08, 0.51},  {0.0, 0.475}},
+      1.0, triangles);
+}
+
+Mesh curtain(std::uint64_t triangles) {
+  const auto up = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(triangles) / 8.0)));
+  const std::uint32_t across = 4 * up;
+  constexpr double kPi = std::numbers::pi;
+  // Depth of the folds: seven, uneven, pulled together at the rail and wider toward the hem.
+  const auto depth = [&](double u, double v) {
+    const double phase = 14.0 * kPi * (u + 0.012 * std::sin(5.0 * kPi * u + 1.5 * v) + 0.02 * std::sin(3.0 * u + v));
+    return (0.022 + 0.02 * (1.0 - v)) * (std::sin(phase) + 0.25 * std::sin(2.0 * phase + 1.0 + v)) +
+           0.012 * std::sin(2.0 * kPi * u + 2.0 * v);
+  };
+  Mesh mesh;
+  for (std::uint32_t j = 0; j <= up; ++j) {
+    for (std::uint32_t i = 0; i <= across; ++i) {
+      const double u = static_cast<double>(i) / across, v = static_cast<double>(j) / up;
+      constexpr double kStep = 1e-4;
+      const double slope_x = (depth(u + kStep, v) - depth(u - kStep, v)) / (2.0 * kStep);
+      const double slope_y = (depth(u, v + kStep) - depth(u, v - kStep)) / (2.0 * kStep);
+      mesh.positions.push_back({u - 0.5, v, depth(u, v)});
+      mesh.normals.push_back(normalize(Vec3{-slope_x, -slope_y, 1.0}));
+      mesh.uvs.push_back({u, v});
+    }
+  }
+  for (std::uint32_t j = 0; j < up; ++j) {
+    for (std::uint32_t i = 0; i < across; ++i) {
+      const std::uint32_t a = j * (across + 1) + i, b = a + across + 1;
+      mesh.triangles.push_back({a, a + 1, b + 1});
+      mesh.triangles.push_back({a, b + 1, b});
+    }
+  }
+  return mesh;
 }
 
 Mesh tile() {
