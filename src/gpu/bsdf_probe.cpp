@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kProbesAtATime = 1u << 18;  // samples or queries of one dispatch
 constexpr double kProbeTimeout = 60.0;            // seconds
 
-// A scene that holds nothing but the material, so that it reaches the device the way every material does.
+// A scene that contains only the material, so that it reaches the device in the same way as every material.
 CompiledScene compile_material(const Bsdf& bsdf) {
   Scene scene;
   scene.add(Sphere{}, bsdf).name = "sphere";

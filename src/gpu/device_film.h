@@ -35,7 +35,7 @@ struct SlotLayout {
 class FilmBand {
  public:
   FilmBand(const vulkan::Context& context, std::uint32_t first_group, std::uint32_t group_count, bool with_set_sums);
-  /// Empties all slots.
+  /// Clears all slots.
   void begin(vulkan::Commands& commands);
   std::uint32_t first_group() const { return first_group_; }
   std::uint32_t group_count() const { return group_count_; }
@@ -53,7 +53,7 @@ class FilmBand {
 class DeviceFilm {
  public:
   DeviceFilm(std::shared_ptr<GpuDevice> device, const SlotLayout& layout, std::uint32_t set_bits);
-  /// True if a film of this layout needs no other buffers.
+  /// True if these buffers suit a film of this layout.
   bool fits(const SlotLayout& layout, std::uint32_t set_bits) const {
     return layout == layout_ && set_bits == set_bits_;
   }

@@ -15,11 +15,11 @@
 #include "scene/sharing.h"
 
 namespace etendue {
-// The tables of one buffer, one behind the other.
+// The tables of one buffer, one after the other.
 struct TableGroup {
   struct Table {
     const char* what;
-    std::uint32_t at;  // the constant that says where it begins
+    std::uint32_t at;  // the constant for its start
     std::span<const std::byte> bytes;
 
     /// Bytes up to the next table: whole texels.
@@ -42,7 +42,7 @@ namespace {
 
 using Table = TableGroup::Table;
 
-constexpr std::uint32_t kFirst = gpu::kNone;  // of a table that begins its buffer
+constexpr std::uint32_t kFirst = gpu::kNone;  // for a table at the beginning of its buffer
 
 template <typename Entries>
 Table table(const char* what, std::uint32_t at, const Entries& entries) {
@@ -50,7 +50,7 @@ Table table(const char* what, std::uint32_t at, const Entries& entries) {
   return {what, at, std::as_bytes(std::span(entries))};
 }
 
-// Everything that shaders/scene.glsl reads. The materials may be others than those of the scene. `records`: the tree,
+// Everything that shaders/scene.glsl reads. The materials may differ from those of the scene. `records` are the tree,
 // or what replaces it.
 std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMaterials& m,
                                        const PageVector<gpu::uvec4>& records) {
@@ -102,7 +102,7 @@ VkBufferUsageFlags table_usage(TableLoads loads) {
                                            : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 }
 
-// What the driver's structures take, and the most that building one takes beside them.
+// The memory of the driver's structures, plus the most that building one takes in addition.
 DeviceNeed structures_need(const vulkan::Context& context, const QueryScene& scene) {
   std::uint64_t kept = 0, building = 0;
   const auto add = [&](vulkan::StructureKind kind, std::size_t count, std::size_t bytes) {
@@ -136,7 +136,7 @@ std::vector<vulkan::AccelerationStructure> build_structures(GpuDevice& device, c
   return structures;
 }
 
-// What the materials that surfaces have are: kernels are built for them and no others.
+// The properties of the materials on surfaces: kernels are specialised for exactly these.
 struct MaterialsUsed {
   MaterialsUsed(const CompiledScene& scene, const CompiledMaterials& materials)
       : depths(materials.materials.size(), kUnknown) {
@@ -144,7 +144,8 @@ struct MaterialsUsed {
       adapter_depth = std::max(adapter_depth, look_at(materials, instance.material));
   }
 
-  // Adapters between a surface with this material and what scatters. What an adapter chooses from lies before it.
+  // Number of adapters between a surface with this material and the material that scatters. The candidates of an
+  // adapter precede it in the table.
   std::uint32_t look_at(const CompiledMaterials& all, gpu::uint row) {
     if (depths[row] != kUnknown) return depths[row];
     const gpu::MaterialRecord& record = all.materials[row];
@@ -208,11 +209,12 @@ LoopRounds::LoopRounds(const CompiledScene& scene) {
   primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
   distant = static_cast<std::uint32_t>(std::bit_width(scene.distant_lights));
   const std::uint32_t adapters = MaterialsUsed(scene, scene).adapter_depth, textures = most_texture_uses(scene);
-  // Adapters also of what shadow rays meet, and of what a blend has not chosen; each loop looks once more whether it
-  // ends.
+  // Includes the adapters at hits of shadow rays, and those of the half that a blend has not chosen; each loop tests
+  // its end once more.
   const std::uint32_t adapter_steps = adapters > 0 ? 3 * (adapters + 2) : 0;
   materials = adapter_steps + (textures > 0 ? textures + 1 : 0);
-  // A loop in each lookup: by an adapter, of the parameters of two materials and their coats' normals, of an emitter.
+  // There is a loop in each look-up: by an adapter, for the parameters of two materials and the normals of their coats,
+  // and for an emitter.
   if ((scene.textures.features & gpu::kTexturesNested) != 0)
     materials += (adapter_steps + 2 * (textures + 1) + 1) * (kMaxNestedTextures + 1);
   if (scene.environment.facts.kind == gpu::kEnvironmentNone) return;
@@ -378,7 +380,7 @@ DeviceScene::DeviceScene(const DeviceScene& base, const CompiledScene& scene, co
   if (queries_) use_structures(base.instances_at_);
 }
 
-// Binds them, and tells kernels where the records of instances are.
+// Binds them, and passes the position of the records of instances to the kernels.
 void DeviceScene::use_structures(std::uint32_t instances_at) {
   instances_at_ = instances_at;
   if (has_tree_)

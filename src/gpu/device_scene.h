@@ -21,9 +21,9 @@ struct TableGroup;  // tables that share a buffer
 TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
                               std::optional<TableLoads> wanted = {});
 
-/// Rounds of a kernel's loops, at most: of the bisections that choose a light, ceil(log2) of what there is to choose
-/// from; of the search for a direction of the environment, the levels of its tree; at a hit, through adapters and
-/// textures.
+/// Upper bounds for the iterations of a kernel's loops: ceil(log2) of the number of choices for the bisections that
+/// choose a light; the levels of the tree for the search for a direction of the environment; and those at a hit,
+/// through adapters and textures.
 struct LoopRounds {
   std::uint32_t instances = 0, primitives = 0;
   std::uint32_t environment_rows = 0, environment_columns = 0;
@@ -36,15 +36,15 @@ struct LoopRounds {
 std::vector<vulkan::Specialization> table_places(const CompiledScene& scene, const CompiledMaterials& materials);
 
 /// Specialization constants of every kernel that traces rays: those places, tree, lights, and the few primitives
-/// outside the tree. All but that of the light tree's depth: whether the tree is used is up to the view.
+/// outside the tree. The depth of the light tree is missing, because the view decides whether that tree is used.
 std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, const CompiledMaterials& materials);
 
 /// Device memory of a scene.
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene);
-/// The part of it that is known before the scene is compiled: vertex normals and the triangles that refer to them.
+/// The part known before the scene is compiled: vertex normals and the triangles that refer to them.
 DeviceNeed least_scene_need(const Scene& scene);
 
-/// What kernels that read tables in one way are bound by.
+/// The layouts and the set 0 for kernels that read tables in one way.
 struct SceneLayouts {
   SceneLayouts(const vulkan::Context& context, TableLoads way, bool by_queries)
       : loads(way),
@@ -63,13 +63,14 @@ struct SceneLayouts {
 class DeviceScene {
  public:
   using Layouts = std::shared_ptr<const SceneLayouts>;
-  /// Throws Error(lost), before anything is uploaded, when the device cannot hold or read the tables, or not
-  /// beside what else is `planned`. Has the layouts of another scene of the device, if those will do. With
-  /// `queries` the driver builds acceleration structures in place of the tree.
+  /// Throws Error(lost), before anything is uploaded, if the device cannot hold or read the tables, or not together
+  /// with the memory `planned` for other purposes. Reuses the layouts of another scene of the device if they fit. With
+  /// `queries`, the driver builds acceleration structures in place of the tree.
   DeviceScene(std::shared_ptr<GpuDevice> device, const std::shared_ptr<const CompiledScene>& compiled,
               std::optional<TableLoads> wanted = {}, std::span<const DeviceNeed> planned = {}, const Layouts& like = {},
               bool queries = false);
-  /// `base`, which was made of `scene`, with the numbers of other materials: they share the tree and the geometry.
+  /// The same scene as `base`, which was made from `scene`, but with other numbers in its materials; both share the
+  /// tree and the geometry.
   DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials);
 
   DeviceScene(const DeviceScene&) = delete;
@@ -114,8 +115,8 @@ class DeviceScene {
   std::uint32_t light_tree_depth_;
   std::vector<vulkan::Specialization> constants_;
   Layouts layouts_;
-  std::map<std::uint32_t, std::shared_ptr<const Entry>> entries_;  // by their bindings
-  // Of the meshes, then that of their instances; and the slot of the first instance. Only for queries.
+  std::map<std::uint32_t, std::shared_ptr<const Entry>> entries_;  // key: their bindings
+  // The structures of the meshes, then that of their instances; and the slot of the first instance. Only for queries.
   std::shared_ptr<const std::vector<vulkan::AccelerationStructure>> structures_;
   std::uint32_t instances_at_ = 0;
   vulkan::BindingSet set_;

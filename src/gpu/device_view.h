@@ -10,7 +10,7 @@ namespace etendue {
 class DeviceView {
  public:
   explicit DeviceView(GpuDevice& device);
-  /// Takes the place of the view before; the buffers stay the same.
+  /// Replaces the previous view, in the same buffers.
   void set(GpuDevice& device, const CompiledView& view);
   void bind(vulkan::BindingSet& set) const;
 

@@ -1,5 +1,5 @@
 #pragma once
-/// An open device with what all its work shares.
+/// An open device, with everything that its users share.
 
 #include <memory>
 
@@ -8,7 +8,7 @@
 
 namespace etendue {
 
-/// Used by one thread at a time. Whatever lives in its memory holds it.
+/// Used by one thread at a time. Objects in its memory keep it alive.
 struct GpuDevice {
   explicit GpuDevice(std::shared_ptr<const vulkan::Context> open) : context(std::move(open)), commands(*context) {}
 
@@ -16,7 +16,7 @@ struct GpuDevice {
   vulkan::Commands commands;
 };
 
-/// The device that the options hand over, or else the one they name. Throws Error(device, lost).
+/// The open device given in the options, otherwise the one that they name. Throws Error(device, lost).
 std::shared_ptr<GpuDevice> open_device(const GpuOptions& options);
 
 }  // namespace etendue

@@ -16,13 +16,13 @@ struct KernelSet;  // kernel_set.h
 /// How kernels read the tables of the scene, see shaders/scene.glsl.
 enum class TableLoads { texel_buffer, storage_buffer };
 
-/// From the environment, and with the requirements of our kernels.
+/// Context options from the environment, with the requirements of the kernels.
 vulkan::ContextOptions gpu_context_options();
 
 struct GpuOptions {
   std::string device = "auto";  ///< see vulkan::Context
   vulkan::ContextOptions context = gpu_context_options();
-  std::shared_ptr<const vulkan::Context> open;  ///< not null: a device that is already open, instead of `device`
+  std::shared_ptr<const vulkan::Context> open;  ///< if not null, a device that is already open, instead of `device`
   double pass_seconds = 0.1;                    ///< target duration of a dispatch, so that no watchdog fires
   std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
   std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
@@ -32,9 +32,9 @@ struct GpuOptions {
 
   Traversal traversal = Traversal::automatic;
 
-  /// Whether the driver walks.
+  /// Whether the driver traverses.
   bool queries() const { return traversal == Traversal::query; }
-  /// The choice of `loads` that is open: kernels that ask the driver are built for texel buffers only.
+  /// The possible choices of `loads`: kernels with ray queries are built for texel buffers only.
   std::optional<TableLoads> wanted_loads() const { return kernels || queries() ? TableLoads::texel_buffer : loads; }
 };
 

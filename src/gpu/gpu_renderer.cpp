@@ -24,27 +24,28 @@ namespace etendue {
 namespace {
 
 // Loop iterations per dispatch. lavapipe ends loops silently after 65 535 iterations per SIMD group, all loops of the
-// kernel together; other devices get a bound that keeps a dispatch finite.
+// kernel together; other devices have a bound that keeps a dispatch finite.
 constexpr std::uint32_t kCpuIterations = 60000;
 constexpr std::uint32_t kGpuIterations = 1u << 22;
-// Where lanes count for themselves, their walks may be laid end to end: a group of 8 takes as many rounds as all of
-// them.
+// Where each lane counts its own iterations, the walks of a group may run one after the other, so that a group of 8
+// takes as many rounds as all of them together.
 constexpr std::uint32_t kCpuIterationsDivergent = kCpuIterations / 8;
-// Turns of traversal steps between two rounds of shading, and steps in a turn: with light sampling, where every other
-// ray is a shadow ray, and without. Measured on lavapipe: fewer steps shade for fewer lanes at a time, more let more
-// lanes wait. Where shading is dear, as with all that the plain kernel knows nothing of, it waits a little longer.
+// Turns of traversal steps between two rounds of shading, and steps per turn: with light sampling, where every other
+// ray is a shadow ray, and without. Measured on lavapipe: with fewer steps, fewer lanes are shaded at a time; with
+// more, more lanes wait. Where shading is expensive, as with all features that the plain kernel lacks, it waits
+// slightly longer.
 constexpr std::uint32_t kTurnsNee = 2, kStepsNee = 6, kStepsNeeDear = 8;
 constexpr std::uint32_t kTurnsNaive = 1, kStepsNaive = 8;
-constexpr double kCpuPassSeconds = 1.0;  // no watchdog there, and fewer dispatches waste less
-// Paths that a lane has in a dispatch, one after the other, where that is up to us: at its end lanes wait for those
-// that are slower, for a time that grows with the square root of their number.
+constexpr double kCpuPassSeconds = 1.0;  // there is no watchdog, and fewer dispatches waste less
+// Paths per lane in a dispatch, one after the other, where this can be chosen: at its end, lanes wait for slower ones,
+// for a time that grows with the square root of the number of paths.
 constexpr std::uint32_t kPathsPerLane = 256;
-// Rounds of steps and shading that a path takes, about. A lane whose budget ends before its paths do waits for all
-// others, and so do they for it when the dispatch is repeated.
+// Approximate number of rounds of steps and shading per path. A lane whose budget ends before its paths waits for all
+// others, and they wait for it when the dispatch is repeated.
 constexpr std::uint32_t kRoundsPerPath = 8;
-// Workgroups a thread of a processor has in a dispatch: enough to share them evenly.
+// Workgroups per processor thread in a dispatch: enough to share them evenly.
 constexpr std::uint32_t kGroupsPerThread = 16;
-constexpr std::uint64_t kMostSamples = 1u << 22;  // of a dispatch; 64 MiB
+constexpr std::uint64_t kMostSamples = 1u << 22;  // per dispatch; 64 MiB
 constexpr double kPassTimeout = 300.0;            // seconds; passes are sized to a fraction of one
 
 std::uint32_t iterations_per_round(std::span<const vulkan::Specialization> constants) {
@@ -72,7 +73,7 @@ std::uint32_t wanted_lane_groups(const vulkan::Context& context) {
   return std::min(groups, context.limits().maxComputeWorkGroupCount[0]);
 }
 
-// Samples that a dispatch leaves for the film at most.
+// The most samples that a dispatch may leave for the film.
 std::uint64_t most_samples(const vulkan::Context& context, std::uint32_t lane_groups) {
   return std::min({std::uint64_t{lane_groups} * gpu::kWorkgroupSize * kPathsPerLane, kMostSamples,
                    context.limits().maxStorageBufferRange / sizeof(gpu::vec4)});
@@ -102,7 +103,7 @@ PassLimits pass_limits(const vulkan::Context& context, const GpuOptions& options
           .fixed_groups = options.fixed_groups};
 }
 
-// Groups of 64 slots that a dispatch may count so many paths of.
+// Groups of 64 slots for which a dispatch can count so many paths.
 std::uint32_t most_profiled(const vulkan::Context& context, std::uint32_t paths) {
   const std::uint64_t bytes =
       std::min<std::uint64_t>(kMostSamples * sizeof(gpu::vec4), context.limits().maxStorageBufferRange);
@@ -116,11 +117,11 @@ struct Made {
   GpuTimings timings;
 };
 
-// The scene on the device, compiled unless it is.
+// Uploads the scene, and compiles it first unless that is done already.
 Made make_device_scene(const std::shared_ptr<GpuDevice>& device, const SharedScene& shared, const GpuOptions& options,
                        const DeviceScene::Layouts& like = {}) {
   const DeviceNeed film = most_film_need(*device->context, shared.scene().camera);
-  // What is known before a tree is built, which may take gigabytes and minutes.
+  // Checks what is known before the tree is built, which may take gigabytes and minutes.
   check_needs(std::array{film, least_scene_need(shared.scene())}, limits_of(*device->context));
   Made made;
   Timer timer;
@@ -135,7 +136,7 @@ Made make_device_scene(const std::shared_ptr<GpuDevice>& device, const SharedSce
 
 class GpuRenderer final : public Renderer {
  public:
-  // What a device scene was made of; nothing where only that is given.
+  // The scene from which a device scene was made; nothing if only the latter is given.
   struct Source {
     SharedScene scene;
     std::shared_ptr<const CompiledScene> compiled;
@@ -191,7 +192,7 @@ class GpuRenderer final : public Renderer {
   vulkan::BindingSet make_film_set(const FilmBand& band, const vulkan::Buffer& samples) const {
     vulkan::BindingSet set(context(), scene_->film_kernels().set);
     view_.bind(set);
-    set.bind(gpu::kBindingSetSums, report_);  // unless the band has them
+    set.bind(gpu::kBindingSetSums, report_);  // replaced if the band has sums of its own
     set.bind(gpu::kBindingSamples, samples);
     set.bind(gpu::kBindingReport, report_);
     band.bind(set);
@@ -204,7 +205,7 @@ class GpuRenderer final : public Renderer {
     set.bind(gpu::kBindingResults, results);
     return set;
   }
-  // A kernel with what is bound to it.
+  // A kernel with its bindings.
   struct Work {
     const KernelBindings& layout;
     const vulkan::Kernel& kernel;
@@ -224,7 +225,7 @@ class GpuRenderer final : public Renderer {
   void run_pass(std::size_t band, gpu::Pass pass, std::uint32_t paths);
   void trace_chunk(const Work& work, gpu::Pass pass);
   gpu::ReportHead take_report();
-  // A kernel for certain constants, and how fast it is. AOVs take turns with the picture, so some are kept.
+  // The kernels for certain constants, and their measured speed. AOVs take turns with the picture, so several are kept.
   struct RenderKernel {
     std::vector<vulkan::Specialization> constants;
     PassSizer sizer;
@@ -243,13 +244,13 @@ class GpuRenderer final : public Renderer {
   const std::uint32_t lane_groups_;
   vulkan::Buffer report_;
   std::vector<vulkan::Specialization> view_constants_, constants_;  // of the view; all of them
-  std::list<RenderKernel> render_kernels_;  // the last ones; made when first needed, like the next two
+  std::list<RenderKernel> render_kernels_;  // the most recent ones; made when first needed, like the next two
   vulkan::Kernel path_kernel_;
   std::unique_ptr<SampleTracer> tracer_;
   vulkan::Buffer samples_;                     // on their way to the film
   std::unique_ptr<DeviceFilm> film_;           // of the last render
   std::vector<vulkan::BindingSet> film_sets_;  // of its bands
-  std::uint32_t set_bits_ = 0;                 // of the sampler; what this class calls samples are sets of paths
+  std::uint32_t set_bits_ = 0;                 // of the sampler; the samples of this class are sets of paths
   gpu::Frame frame_{};
   std::uint32_t step_budget_ = 0;
   std::vector<RejectedSample> rejected_;
@@ -289,7 +290,7 @@ class GpuRenderer::SampleTracer {
   vulkan::BindingSet set_;
 };
 
-// Kernels are made anew only where their constants change: seed, size and camera are none of them.
+// Kernels are rebuilt only if their constants change; seed, size and camera are not among these.
 void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
   const CompiledView compiled = compile_view(scene_->facts(), view, settings.seed);
   if (film_ && (compiled.frame.width != frame_.width || compiled.frame.height != frame_.height)) {
@@ -320,7 +321,7 @@ void GpuRenderer::set_materials(const std::vector<Material>& materials) {
   use_constants();
 }
 
-// Kernels stay, for whatever constants they were built, and so do the film and what is bound to it.
+// Kernels are kept, whatever constants they were built for, and so are the film and its bindings.
 void GpuRenderer::set_scene(const SharedScene& shared, const RenderSettings& settings) {
   const std::shared_ptr<GpuDevice> device = scene_->device_pointer();
   const DeviceScene::Layouts layouts = scene_->layouts();
@@ -339,7 +340,7 @@ void GpuRenderer::set_scene(const SharedScene& shared, const RenderSettings& set
   set_view(view_of(shared.scene()), settings);
 }
 
-// Of the view, of the scene, and what the kernels themselves ask for.
+// The constants of the view, of the scene, and of the kernels themselves.
 void GpuRenderer::use_constants() {
   std::vector<vulkan::Specialization> constants = view_constants_;
   for (const auto& more : {scene_->constants(), kernels_.constants})
@@ -384,7 +385,7 @@ std::vector<vulkan::Specialization> GpuRenderer::view_constants(const View& view
           {gpu::kConstantSetBits, set_bits_}};
 }
 
-// The film's place on the device is kept from render to render.
+// The film's memory on the device is kept from render to render.
 void GpuRenderer::prepare_film(const SlotLayout& slots) {
   if (!film_ || !film_->fits(slots, set_bits_)) {
     forget_film();  // before the next one takes memory
@@ -456,7 +457,7 @@ gpu::Pass GpuRenderer::begin_pass(const SlotLayout& slots, SampleRange range) co
           .packed_pixels = slots.packed() ? slots.pixels() : 0};
 }
 
-// Gives every slot of a band its next paths.
+// Renders the next paths of every slot of a band.
 void GpuRenderer::run_pass(std::size_t band, gpu::Pass pass, std::uint32_t paths) {
   const RenderKernel& kernel = present_kernel();
   const KernelBindings& layout = scene_->film_kernels();
@@ -477,7 +478,7 @@ void GpuRenderer::run_pass(std::size_t band, gpu::Pass pass, std::uint32_t paths
 }
 
 GpuRenderer::RenderKernel& GpuRenderer::present_kernel() {
-  constexpr std::size_t kKept = 4;  // of the picture, of what is seen where rays arrive, of direct and indirect light
+  constexpr std::size_t kKept = 4;  // picture, AOVs known where rays arrive, direct and indirect light
   const auto found = std::ranges::find(render_kernels_, constants_, &RenderKernel::constants);
   if (found != render_kernels_.end()) return *found;
   if (render_kernels_.size() == kKept) render_kernels_.pop_front();
@@ -487,7 +488,7 @@ GpuRenderer::RenderKernel& GpuRenderer::present_kernel() {
           PassSizer(pass_limits(context(), options_, lane_groups_, step_budget_ / iterations_per_round(constants_)))});
 }
 
-// A path's counts become its pixel's.
+// Adds the counts of each path to its pixel.
 void add_profile(RenderProfile& profile, const gpu::PathProfile& path, std::uint32_t pixel, glm::dvec4& shares) {
   const auto add = [](RayCounts& counts, const gpu::uvec4& more) {
     counts.rays += more.x;
@@ -544,7 +545,7 @@ RenderProfile GpuRenderer::profile(std::uint32_t samples) {
   const double size = context().info().subgroup_size;
   if (shares.x > 0.0) out.walk_utilisation = shares.y / (shares.x * size);
   if (shares.z > 0.0) out.shade_utilisation = shares.w / (shares.z * size);
-  timings_ = of_renders;  // counting is none
+  timings_ = of_renders;  // counting is not a render
   return out;
 }
 

@@ -36,8 +36,8 @@ struct RenderProfile {
   std::vector<glm::vec3> visits;  ///< of each pixel, per sample: nodes, primitives, rays
 };
 
-/// Opens the device and uploads the scene, compiled unless it is; looks at it as the scene says. Throws
-/// Error(device, lost).
+/// Opens the device and uploads the scene, which is compiled unless that is done already; the view is the scene's own.
+/// Throws Error(device, lost).
 std::unique_ptr<Renderer> make_gpu_renderer(const SharedScene& scene, const RenderSettings& settings,
                                             const GpuOptions& options = {});
 /// Renders a scene that is already on a device; renderers of one device take turns. `options` must be those of the
@@ -47,7 +47,7 @@ std::unique_ptr<Renderer> make_gpu_renderer(std::shared_ptr<const DeviceScene> s
 
 /// Timings of a renderer made by make_gpu_renderer.
 GpuTimings gpu_timings(const Renderer& renderer);
-/// Counts what the render kernel does with samples [0, samples) of every pixel, using a slower build of it with
+/// Counts the operations of the render kernel for samples [0, samples) of every pixel, using a slower build with
 /// counters.
 RenderProfile gpu_profile(Renderer& renderer, std::uint32_t samples);
 /// The message that says which device was chosen, and why.

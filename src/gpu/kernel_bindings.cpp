@@ -53,7 +53,7 @@ vulkan::Requirements kernel_requirements(TableLoads loads) {
       value = std::max(value, count(scene, type) + count(kernel, type));
     };
     most(needed.storage_buffers, kStorage);
-    most(needed.sampled_images, kTexels);  // so Vulkan counts texel buffers
+    most(needed.sampled_images, kTexels);  // Vulkan counts texel buffers as sampled images
     most(needed.uniform_buffers, kUniform);
   }
   return needed;

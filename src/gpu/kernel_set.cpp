@@ -22,7 +22,7 @@ KernelSet kernel_set(TableLoads loads) {
             kernels::trace_path_storage,
             kernels::trace_rays_storage,
             kernels::bsdf_samples_storage,
-            kernels::render_storage,  // scenes for these loads are large: the start counts for nothing there
+            kernels::render_storage,  // scenes that need these loads are large, so the start-up time does not matter
             kernels::trace_samples_storage,
             kernels::trace_path_storage,
             kernels::render_profile_storage,
@@ -42,7 +42,7 @@ KernelSet kernel_set(TableLoads loads) {
           {}};
 }
 
-// Without kernels for plain scenes: what ray queries are for are scenes whose paths take long.
+// Without kernels for plain scenes, because ray queries are meant for scenes with expensive paths.
 KernelSet query_kernel_set() {
   KernelSet set = kernel_set(TableLoads::texel_buffer);
   set.render = set.render_plain = kernels::render_query;
@@ -60,8 +60,8 @@ KernelSet kernel_set(const GpuOptions& options, TableLoads loads) {
 
 namespace {
 
-// What a plain kernel is built for, bit by bit: a constant may have no other bits than these. Ids that are missing here
-// are constants of it, too.
+// The bits of each constant that a plain kernel supports; a scene that sets any other bit cannot use it. Constants
+// whose ids are missing here are supported without restriction.
 struct PlainConstant {
   std::uint32_t id, bits;
 };

@@ -25,9 +25,9 @@ bool is_plain(std::span<const vulkan::Specialization> constants);
 
 /// The kernels that render pictures.
 KernelSet kernel_set(TableLoads loads);
-/// Those for traversal by the driver; without the ones that count.
+/// The kernels for traversal by the driver, without those with counters.
 KernelSet query_kernel_set();
-/// Those of the options, if given, or asked for by their traversal.
+/// The kernels given in the options, or those that their traversal needs.
 KernelSet kernel_set(const GpuOptions& options, TableLoads loads);
 
 }  // namespace etendue

@@ -9,7 +9,7 @@ namespace etendue {
 void PassSizer::measured(double paths, double seconds) {
   if (!(seconds > 0.0)) return;
   const double rate = paths / seconds;
-  // The first measurement may contain a compilation, or lack the dispatch that did: it sizes the next one and no more.
+  // The first measurement may include a compilation, or lack the dispatch that did, so it only sizes the next one.
   if (measurements_ > 0) recent_[(measurements_ - 1) % kRecent] = rate;
   const std::size_t known = std::min(measurements_, kRecent);
   ++measurements_;
@@ -33,7 +33,7 @@ std::uint32_t PassSizer::groups(std::uint32_t left, std::uint32_t paths) const {
   const auto wanted = static_cast<std::uint32_t>(size() / paths);
   const std::uint32_t groups = std::min(std::max(wanted, limits_.lane_groups), most);
   const std::uint32_t chunks = (left + groups - 1) / groups;
-  return (left + chunks - 1) / chunks;  // all of a size
+  return (left + chunks - 1) / chunks;  // all of equal size
 }
 
 std::uint32_t PassSizer::paths(std::uint32_t left, std::uint32_t groups) const {

@@ -16,8 +16,8 @@ static_assert(CastHit::kNone == gpu::kNone);
 
 constexpr std::size_t kMostRays = std::size_t{1} << 22;
 constexpr double kCastTimeout = 60.0;  // seconds
-// Steps of one ray. lavapipe ends loops silently after 65 535 iterations of a group of 8 lanes, and walks may be laid
-// end to end; a tree of 64 levels is left long before that.
+// Step budget of one ray. lavapipe silently ends loops after 65 535 iterations of a group of 8 lanes, whose walks may
+// run one after the other; a walk through a tree of 64 levels ends long before that.
 constexpr std::uint32_t kMostSteps = 7500;
 
 class GpuRayCaster final : public RayCaster {

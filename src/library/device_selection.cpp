@@ -16,8 +16,7 @@ namespace {
 
 constexpr const char* kReference = "reference";
 
-// The numbers in "0,1,1"; empty when the text is anything else. Device names may hold commas, so only numbers make a
-// list.
+// The numbers in "0,1,1"; empty for any other text. Device names may contain commas, so only numbers form a list.
 std::vector<std::string> number_list(const std::string& selector) {
   std::vector<std::string> numbers;
   std::size_t start = 0;

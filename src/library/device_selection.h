@@ -1,5 +1,5 @@
 #pragma once
-/// What a selector of devices means.
+/// The meaning of device selectors.
 
 #include <string>
 #include <vector>
@@ -10,11 +10,11 @@
 
 namespace etendue {
 
-/// The selectors of single devices that a selector stands for: several for "0,1,1" and "all", which leaves drivers that
-/// run on the CPU out when there is anything else. Throws Error(device) when "all" finds none.
+/// The selectors of single devices that a selector stands for: several for "0,1,1" and "all", which leaves out CPU
+/// drivers if there is anything else. Throws Error(device) if "all" finds none.
 std::vector<std::string> single_devices(const std::string& selector);
 
-/// The selectors of all devices that can be used, CPU drivers among them. Throws Error(device) when there is none.
+/// The selectors of all usable devices, including CPU drivers. Throws Error(device) if there is none.
 std::vector<std::string> usable_devices();
 
 /// Options of the Vulkan renderer on the device with this selector, which must be a single one.

@@ -12,7 +12,7 @@
 namespace etendue {
 namespace {
 
-/// The film samples that a request asks for.
+/// The film samples of a request.
 SampleRange wanted_samples(const Scene& scene, const RenderRequest& request) {
   const std::uint32_t paths = request.samples > 0 ? request.samples : scene.sampler.sample_count;
   const std::uint32_t set = scene.sampler.set_size();
@@ -30,14 +30,14 @@ FilmHeader identity_of(const Scene& scene, const RenderRequest& request) {
   return request.aovs ? film_identity(scene, request.seed, *request.aovs) : film_identity(scene, request.seed);
 }
 
-/// The job of a request, with what its film to go on from holds.
+/// The job of a request, including the samples of the film that it continues.
 RenderJob job_of(const FilmHeader& identity, const SampleRange& wanted, std::optional<FilmFile> start) {
   RenderJob job(identity, {{wanted.begin, wanted.end}});
   if (start) job.resume(*std::move(start), "the film to go on from");
   return job;
 }
 
-/// Opens the devices that a request names.
+/// Opens the devices of a request.
 DeviceTeam open_team(const SharedScene& shared, const RenderRequest& request, const FilmHeader& identity) {
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : renderer_factories(request.devices))

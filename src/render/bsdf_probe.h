@@ -1,5 +1,5 @@
 #pragma once
-/// A material on its own, as the device and the reference both offer it to the tests of sampling. Directions are local
+/// A single material, the interface of device and reference to the tests of sampling. Directions are local
 /// unit vectors (+Z is the shading normal) that point away from the surface; the contract of sample, eval and pdf is
 /// that of shaders/bsdf/bsdf.glsl.
 
@@ -50,7 +50,7 @@ class BsdfProbe {
   virtual ~BsdfProbe() = default;
   virtual std::string device_name() const = 0;
   virtual std::string driver_name() const = 0;
-  /// Samples number [first, first + count) of the stream `seed`.
+  /// The samples [first, first + count) of the stream `seed`.
   virtual std::vector<BsdfDraw> sample(const glm::dvec3& wo, std::uint32_t seed, std::uint32_t first,
                                        std::uint32_t count) = 0;
   virtual std::vector<BsdfValue> evaluate(const glm::dvec3& wo, std::span<const glm::dvec3> wi) = 0;

@@ -15,8 +15,8 @@
 namespace etendue {
 namespace {
 
-/// What the film at `path` says of itself; nothing when there is no file or an empty one. Throws Error(file) when
-/// it is no film of the job's render.
+/// The header of the film at `path`; nothing if there is no file or an empty one. Throws Error(file) if it is not a
+/// film of the job's render.
 std::optional<FilmHeader> film_there(const std::string& path, const RenderJob& job) {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);

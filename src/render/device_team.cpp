@@ -15,11 +15,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Work taken from the queue at a time by one of several devices. Long enough that reading the film back costs nothing.
+// Duration of the work that one of several devices takes from the queue at a time. Long enough that reading the film
+// back costs almost nothing.
 constexpr double kChunkSeconds = 5.0;
 constexpr std::uint32_t kFirstChunk = 4;  // sample indices, before the first measurement
 
-// A driver that has just reset its device may need a moment.
+// A driver that has just reset its device may need some time.
 constexpr std::chrono::milliseconds kFirstPause{250};
 
 double seconds_since(Clock::time_point start) {
@@ -33,7 +34,7 @@ std::string without_full_stop(std::string sentence) {
 
 }  // namespace
 
-/// What the members share during one call of render.
+/// The state shared by the members during one call of render.
 struct DeviceTeam::Run {
   SampleQueue& queue;
   const std::function<void(const FinishedSamples&)>& deliver;
@@ -93,7 +94,7 @@ void DeviceTeam::change(AovPlan plan, const std::function<void(Renderer&)>& tell
   }
 }
 
-// Throws DeviceLost when the device has been lost too often.
+// Throws DeviceLost if the device has been lost too often.
 void DeviceTeam::open_afresh(Member& member, std::string reason) {
   member.renderer.reset();
   while (member.failures < kRetries) {
@@ -106,7 +107,7 @@ void DeviceTeam::open_afresh(Member& member, std::string reason) {
     } catch (const DeviceHung&) {
       throw;
     } catch (const Error& error) {
-      reason = error.what();  // a device that fell off its bus is not found: that is a loss as well
+      reason = error.what();  // a device that fell off its bus is not found; this also counts as a loss
     }
   }
   throw DeviceLost(fmt::format("{}; {} reopened devices were lost as well.", without_full_stop(reason), kRetries));
@@ -115,13 +116,13 @@ void DeviceTeam::open_afresh(Member& member, std::string reason) {
 std::uint32_t DeviceTeam::chunk_size(const Member& member, const SampleQueue& queue) const {
   if (members_.size() == 1 && plan_.aovs.empty()) return ~0u;
   if (member.samples_per_second == 0) return kFirstChunk;
-  // Not more than a share of what is left, so that all devices finish together.
+  // At most a share of the remaining samples, so that all devices finish together.
   const double share = static_cast<double>(queue.left()) / (2.0 * static_cast<double>(members_.size()));
-  // One device with AOVs takes chunks, too: while it renders them, nobody can stop it.
+  // A single device with AOVs also takes chunks, because it cannot be stopped while it renders them.
   return static_cast<std::uint32_t>(std::clamp(std::min(member.samples_per_second * kChunkSeconds, share), 1.0, 1e9));
 }
 
-// Returns the samples finished and delivered: a beginning of the chunk.
+// Returns the finished and delivered samples, the first part of the chunk.
 SampleRange DeviceTeam::render_chunk(Member& member, Run& run, SampleRange chunk) {
   const auto start = Clock::now();
   std::vector<RejectedSample> rejected;
@@ -146,14 +147,14 @@ SampleRange DeviceTeam::render_chunk(Member& member, Run& run, SampleRange chunk
   return finished;
 }
 
-// The renderer looks at the picture again afterwards.
+// Afterwards the renderer is set back to the picture's view.
 void DeviceTeam::render_aovs(Member& member, SampleRange samples) {
   if (plan_.aovs.empty()) return;
   for (AovFilm& aov : member.aovs) {
     std::ranges::fill(aov.film.pixels(), FilmPixel{});
     const bool first = traits(aov.aov).mean == AovMean::first;
     const SampleRange range{samples.begin, first ? samples.begin + 1 : samples.end};
-    std::vector<RejectedSample> rejected;  // counted by the film
+    std::vector<RejectedSample> rejected;  // the film counts them
     member.renderer->set_view(aov_view(plan_.view, aov.aov), plan_.settings);
     member.renderer->render(range, aov.film, {}, rejected);
   }
@@ -205,7 +206,7 @@ void DeviceTeam::render(SampleQueue& queue, std::uint32_t width, std::uint32_t h
     present.push_back(&member);
   }
   if (!present.empty()) {
-    // Not before all are ready: each thread adds up what all members have in flight.
+    // Starts only when all are ready, because each thread sums the samples in flight of all members.
     std::vector<std::jthread> threads;
     for (std::size_t i = 1; i < present.size(); ++i)
       threads.emplace_back([this, member = present[i], &run] { work(*member, run); });

@@ -1,5 +1,5 @@
 #pragma once
-/// One or several devices that render a job together and survive the loss of a device.
+/// One or several devices that render a job together, and survive the loss of a device.
 
 #include <functional>
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace etendue {
 
-/// Opens a renderer of the job's scene on one device; called again when that device was lost.
+/// Opens a renderer of the job's scene on one device; called again if that device is lost.
 using OpenRenderer = std::function<std::unique_ptr<Renderer>()>;
 
 /// The AOVs to render, from the same samples.
@@ -45,17 +45,17 @@ class DeviceTeam {
   /// every pass with the pixel samples done in this call.
   ///
   /// A lost device (DeviceLost) loses what it had not delivered; it is reopened, and the samples are rendered again. If
-  /// one is lost for good, the others take over its work; DeviceLost is thrown when none is left. Any other error ends
+  /// one is lost for good, the others take over its work; DeviceLost is thrown if none is left. Any other error ends
   /// the work of all devices after their pass and is thrown.
   void render(SampleQueue& queue, std::uint32_t width, std::uint32_t height, int film_exponent,
               const std::function<void(const FinishedSamples&)>& deliver,
               const std::function<bool(std::uint64_t done)>& go_on);
 
-  /// Renders the same scene from another view from now on, which is already the scene's own: a reopened device uses it,
-  /// too.
+  /// From now on, renders the same scene from another view, which must already be set in the scene, because a reopened
+  /// device uses that.
   void look_at(AovPlan plan);
 
-  /// Renders another scene from now on, on the devices that are open. `open` opens renderers of that scene, as many as
+  /// From now on, renders another scene on the devices that are open. `open` opens renderers of that scene, as many as
   /// before.
   void show(const SharedScene& scene, std::vector<OpenRenderer> open, AovPlan plan);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Rays on their own, without shading: what a renderer's tree answers, and how fast. Measured by src/bench.
+/// Single rays without shading: the hits found by a renderer's tree, and the time they take. Measured by src/bench.
 
 #include <cstddef>
 #include <cstdint>
@@ -25,16 +25,16 @@ struct Placement {
 struct CastRay {
   glm::vec3 o{0.0f};
   float t_min = 0.0f;
-  glm::vec3 d{0.0f};  ///< unit length but for rounding
+  glm::vec3 d{0.0f};  ///< unit length, up to rounding
   float t_max = 0.0f;
 };
 
 struct CastHit {
   static constexpr std::uint32_t kNone = 0xffffffffu;
-  float t = 0.0f;                  ///< meaningless where any hit was asked for
+  float t = 0.0f;                  ///< meaningless if any hit was requested
   std::uint32_t instance = kNone;  ///< kNone: no hit
   std::uint32_t primitive = 0;     ///< triangle in the mesh, 0 for a sphere
-  std::uint32_t steps = 0;         ///< nodes and primitives visited; 0 when they are not counted
+  std::uint32_t steps = 0;         ///< nodes and primitives visited; 0 if they are not counted
 };
 
 enum class RayQuery : std::uint8_t {
@@ -48,17 +48,17 @@ class RayCaster {
   virtual ~RayCaster() = default;
   virtual std::string device_name() const = 0;
   virtual std::string driver_name() const = 0;
-  /// Where the rays' coordinates lie.
+  /// The space of the rays' coordinates.
   virtual Placement placement() const = 0;
-  /// The most rays `load` takes.
+  /// The largest number of rays that `load` accepts.
   virtual std::size_t max_rays() const = 0;
-  /// As many rays as keep the device busy long enough for a measurement.
+  /// The number of rays that keeps the device busy long enough for a measurement.
   virtual std::size_t enough_rays() const = 0;
 
   virtual void load(std::span<const CastRay> rays) = 0;
-  /// Casts the loaded rays; returns the seconds it took, transfers left out.
+  /// Casts the loaded rays; returns the time in seconds, without transfers.
   virtual double cast(RayQuery query) = 0;
-  /// Answers of the last `cast`, in the order of the rays.
+  /// The hits of the last `cast`, in the order of the rays.
   virtual std::vector<CastHit> hits() = 0;
 };
 

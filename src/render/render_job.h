@@ -20,8 +20,9 @@ class RenderJob {
   /// were not requested. `name` is for messages.
   void resume(FilmFile film, const std::string& name);
 
-  /// Renders what is requested and not done, up to `target` samples in total, or until `go_on` (called with the pixel
-  /// samples of this call) returns false. Whatever it throws, the state stays valid and holds every delivered sample.
+  /// Renders the requested samples that are missing, up to `target` samples in total, or until `go_on` (called with the
+  /// pixel samples of this call) returns false. Whatever it throws, the state stays valid and holds every delivered
+  /// sample.
   void advance(DeviceTeam& team, std::uint64_t target, const std::function<bool(std::uint64_t done)>& go_on);
 
   std::uint64_t done() const { return sample_count(state_.samples); }  ///< sample indices

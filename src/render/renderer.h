@@ -86,14 +86,15 @@ class Renderer {
   /// Throws what making a renderer throws.
   virtual void set_view(const View& view, const RenderSettings& settings) = 0;
 
-  /// Renders with other numbers of the scene's materials from now on. Compiles nothing of the scene again; a kernel is
-  /// built where the change asks for what none had. Throws Error(usage) where more than numbers has changed
-  /// (exchange_complaint() in scene/material_numbers.h), Error(scene) for numbers that check_materials() refuses,
+  /// From now on, renders with other numbers in the scene's materials. Does not recompile the scene; a kernel is built
+  /// if the change needs a feature that no kernel has yet. Throws Error(usage) if more than numbers has changed
+  /// (exchange_complaint() in scene/material_numbers.h), Error(scene) for numbers that check_materials() refuses, and
   /// Error(lost).
   virtual void set_materials(const std::vector<Material>& materials) = 0;
 
-  /// Renders another scene from now on, as it says itself, on the device that is open: a kernel is built only where the
-  /// scenes differ in what kernels are built for. Throws what making a renderer throws; then it is of no use any more.
+  /// From now on, renders another scene, with its own view, on the same open device. A kernel is built only if the
+  /// scenes differ in constants of kernels. Throws what making a renderer throws; after that, the renderer must not be
+  /// used.
   virtual void set_scene(const SharedScene& scene, const RenderSettings& settings) = 0;
 
   /// Adds samples [range.begin, end) of every pixel to `film` and returns `end`: range.end, or less if `progress` asked

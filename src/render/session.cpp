@@ -10,7 +10,7 @@
 namespace etendue {
 namespace {
 
-// After this time at most, samples are brought home from the devices: it bounds what the loss of a device costs.
+// Samples are read back from the devices after at most this time, which bounds what the loss of a device costs.
 constexpr std::chrono::seconds kLongestRound{60};
 
 }  // namespace
@@ -96,7 +96,7 @@ void Session::try_checkpoint() {
     checkpoint_.save();
     checkpoint_fails_ = false;
   } catch (const Error& error) {
-    // Said once, not every minute until there is room again.
+    // Reported once, not every minute until there is space again.
     if (hooks_.warn && !checkpoint_fails_) hooks_.warn(fmt::format("{}. The last checkpoint is kept.", error.what()));
     checkpoint_fails_ = true;
   }

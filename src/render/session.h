@@ -1,6 +1,6 @@
 #pragma once
-/// One run of a render job on this machine: rounds, checkpoints, budgets. The caller decides when to stop, who sees the
-/// progress and where pictures go: the session knows nothing about signals or terminals.
+/// One run of a render job on this machine: rounds, checkpoints, budgets. The caller decides when to stop, how progress
+/// is shown and where pictures go; the session knows nothing about signals or terminals.
 
 #include <chrono>
 #include <functional>
@@ -15,8 +15,8 @@ namespace etendue {
 
 struct SessionOptions {
   double checkpoint_seconds = 60.0;    ///< between two checkpoints
-  std::optional<double> time_seconds;  ///< stop in time, counted from `start`
-  std::optional<double> max_error;     ///< stop when stopping_error is at most this
+  std::optional<double> time_seconds;  ///< time limit, counted from `start`
+  std::optional<double> max_error;     ///< stop once stopping_error is at most this
   std::uint32_t set_size = 1;          ///< paths of a film sample, see Sampler::set_size
   std::uint64_t most_samples =
       std::numeric_limits<std::uint64_t>::max();  ///< stop for now at this number of film samples
@@ -26,9 +26,9 @@ struct SessionOptions {
 /// Callbacks of a running session. Any function may be empty; only one at a time is called, from any thread.
 struct SessionHooks {
   std::function<bool()> stop_asked;
-  std::function<bool()> picture_asked;           ///< true: the round ends and `write_picture` is called
-  std::function<void()> write_picture;           ///< writes what is done; must clear the request
-  std::function<void(std::uint64_t)> progress;   ///< paths of all pixels done, those of earlier runs included
+  std::function<bool()> picture_asked;           ///< if it returns true, the round ends and `write_picture` is called
+  std::function<void()> write_picture;           ///< writes the picture so far; must clear the request
+  std::function<void(std::uint64_t)> progress;   ///< paths done, of all pixels, including earlier runs
   std::function<void(const std::string&)> warn;  ///< a sentence about a checkpoint that could not be written
 };
 

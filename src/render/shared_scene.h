@@ -1,5 +1,5 @@
 #pragma once
-/// A scene and what renderers compile from it, made once for all of them.
+/// A scene, with the data that renderers compile from it once for all of them.
 
 #include <map>
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace etendue {
 
-/// Copies share the scene and the compiled data. A renderer keeps what it compiles here, so that another renderer, on a
-/// second device or on a reopened one, compiles nothing again. Thread-safe.
+/// Copies share the scene and the compiled data. Renderers store their compiled data here, so that another renderer, on
+/// a second device or on a reopened one, does not compile them again. Thread-safe.
 class SharedScene {
  public:
   /// Borrows: the scene must outlive every copy, and not change.

@@ -1,12 +1,12 @@
 #pragma once
-/// Who finds what a ray meets.
+/// What traverses the scene to find hits.
 
 namespace etendue {
 
 enum class Traversal {
   automatic,  ///< the tree
-  tree,       ///< kernels walk a tree of our own, on any device
-  query,      ///< the driver walks its acceleration structures, where a device has ray queries
+  tree,       ///< kernels traverse Etendue's own tree, on any device
+  query,      ///< the driver traverses its acceleration structures, on devices with ray queries
 };
 
 }  // namespace etendue

@@ -81,7 +81,7 @@ AccelerationStructure::AccelerationStructure(const Context& context, Commands& c
   check(vkCreateAccelerationStructureKHR(device_, &create, nullptr, &structure), "create an acceleration structure");
   structure_ = {device_, structure};
 
-  // Instances must lie at multiples of 16, which is not promised of a buffer's address.
+  // Instances must be at multiples of 16, which is not guaranteed for a buffer's address.
   constexpr VkDeviceSize kAlignment = 16;
   const Buffer in(context, input.size() + kAlignment,
                   kAddressed | VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR,

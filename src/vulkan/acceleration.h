@@ -1,6 +1,6 @@
 #pragma once
-/// Acceleration structures: what a driver makes of boxes and their instances, so that kernels can ask it which of them
-/// a ray meets.
+/// Acceleration structures, which a driver builds from boxes and their instances, so that kernels can query which of
+/// them a ray meets.
 
 #include <cstdint>
 #include <span>
@@ -10,27 +10,27 @@
 
 namespace etendue::vulkan {
 
-/// Bytes that a structure over so many boxes, or instances, takes: once it is built, and beside that while it is.
+/// Bytes of a structure over so many boxes or instances, and the additional bytes needed to build it.
 struct StructureSize {
   std::uint64_t kept = 0, scratch = 0;
 };
 
 enum class StructureKind { boxes, instances };
 
-/// Throws Error(lost) where they are more than the device takes.
+/// Throws Error(lost) if there are more than the device supports.
 StructureSize structure_size(const Context& context, StructureKind kind, std::uint32_t count);
 
 /// A structure in memory of its own.
 class AccelerationStructure {
  public:
   AccelerationStructure() = default;
-  /// `input`: VkAabbPositionsKHR or VkAccelerationStructureInstanceKHR, one behind the other. The context's device was
-  /// opened for ray queries (Requirements::ray_queries).
+  /// `input` is an array of VkAabbPositionsKHR or VkAccelerationStructureInstanceKHR. The context's device must have
+  /// been opened for ray queries (Requirements::ray_queries).
   AccelerationStructure(const Context& context, Commands& commands, StructureKind kind,
                         std::span<const std::byte> input, std::uint32_t count);
 
   VkAccelerationStructureKHR get() const { return structure_.get(); }
-  /// By which instances refer to it.
+  /// The address by which instances refer to it.
   std::uint64_t address() const;
 
  private:

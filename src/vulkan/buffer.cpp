@@ -19,8 +19,8 @@ namespace {
 
 std::atomic<std::uint64_t> g_bytes{0}, g_peak{0};
 
-// Asks for huge pages under memory that a CPU driver reads at random places: fewer address translations miss, which
-// saves some 5 per cent on trees of tens of megabytes. Advice only: where it is refused nothing changes.
+// Requests huge pages for memory that a CPU driver reads at random: fewer address translations miss, which saves about
+// 5 % on trees of tens of megabytes. This is only advice; if it is refused, nothing changes.
 void advise_huge_pages([[maybe_unused]] const Context& context, [[maybe_unused]] VkDeviceMemory memory,
                        [[maybe_unused]] VkDeviceSize bytes) {
 #ifdef __linux__

@@ -1,5 +1,5 @@
 #pragma once
-/// Device memory and the way bytes get in and out of it.
+/// Device memory, and access to it.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +18,7 @@ struct MemoryUse {
 MemoryUse memory_use();
 void reset_memory_peak();
 
-/// Counts an allocation in memory_use for as long as it lives.
+/// Counts an allocation in memory_use during its lifetime.
 class CountedBytes {
  public:
   CountedBytes() = default;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize{16} << 20;
 constexpr double kTransferTimeout = 60.0;  // seconds; a copy of kStagingBytes takes milliseconds
-constexpr double kBuildTimeout = 300.0;    // seconds; on a CPU millions of boxes take some
+constexpr double kBuildTimeout = 300.0;    // seconds; on a CPU, millions of boxes take several
 
 // Everything before is visible to everything after; passes are long, so finer barriers would buy nothing.
 void full_barrier(VkCommandBuffer buffer) {
@@ -133,7 +133,7 @@ void Commands::build(const VkAccelerationStructureBuildGeometryInfoKHR& structur
   constexpr VkPipelineStageFlags kBuild = VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR;
   constexpr VkAccessFlags kStructures =
       VK_ACCESS_ACCELERATION_STRUCTURE_READ_BIT_KHR | VK_ACCESS_ACCELERATION_STRUCTURE_WRITE_BIT_KHR;
-  // What was uploaded or built before, and what will be built of it or asked of it.
+  // Makes earlier uploads and builds visible to later builds and queries.
   const VkMemoryBarrier before{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT | kStructures,
                                .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | kStructures};

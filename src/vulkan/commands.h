@@ -13,8 +13,8 @@ class Commands {
   explicit Commands(const Context& context);
 
   /// Runs `kernel` over `groups` workgroups and waits; returns the seconds from submission to completion. `sets` are
-  /// its sets 0, 1, …. Throws DeviceLost, or DeviceHung when the device does not finish within `timeout_seconds`; it is
-  /// abandoned then.
+  /// its sets 0, 1, …. Throws DeviceLost, or DeviceHung if the device does not finish within `timeout_seconds`, in
+  /// which case it is abandoned.
   double dispatch(const PipelineLayout& layout, const Kernel& kernel, std::initializer_list<const BindingSet*> sets,
                   std::span<const std::byte> push_constants, std::uint32_t groups, double timeout_seconds);
 

@@ -62,7 +62,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-// Index of a queue family with compute, preferring one without graphics; -1 when there is none.
+// Index of a queue family with compute, preferably without graphics; -1 if there is none.
 int compute_family(VkPhysicalDevice device) {
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
@@ -110,7 +110,7 @@ constexpr const char* kRayQueryExtensions[] = {VK_KHR_RAY_QUERY_EXTENSION_NAME,
                                                VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
                                                VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
 
-// What ray queries ask for, as vkCreateDevice and the query of a device's features chain it.
+// The feature structures needed for ray queries, chained for vkCreateDevice and for querying a device's features.
 struct RayQueryFeatures {
   VkPhysicalDeviceBufferDeviceAddressFeatures addresses{
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES};
@@ -123,7 +123,7 @@ struct RayQueryFeatures {
   RayQueryFeatures& operator=(const RayQueryFeatures&) = delete;
 };
 
-// The first thing that a device with Vulkan 1.2 lacks for ray queries; empty where they work.
+// The first thing that a device with Vulkan 1.2 lacks for ray queries; empty if they work.
 std::string missing_for_ray_queries(VkPhysicalDevice device) {
   for (const char* name : kRayQueryExtensions)
     if (!has_extension(device, name)) return fmt::format("the extension {}", name);
@@ -214,7 +214,7 @@ int device_rank(VkPhysicalDeviceType type, VkDriverId driver) {
     case VK_PHYSICAL_DEVICE_TYPE_CPU:
       if (driver == VK_DRIVER_ID_MESA_LLVMPIPE) return 4;
       return driver == VK_DRIVER_ID_GOOGLE_SWIFTSHADER ? 6 : 5;
-    default:  // an accelerator that is none of these, or a layer over another API: hardware all the same
+    default:  // another kind of accelerator, or a layer over another API: still hardware
       return 3;
   }
 }
@@ -276,7 +276,8 @@ class Instance {
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
-  /// Lets Vulkan keep it to the end of the process: an instance must outlive its devices, and one of them stays open.
+  /// Leaves it to Vulkan until the end of the process: an instance must outlive its devices, and one of them stays
+  /// open.
   void leave_open() { left_open_ = true; }
 
   std::vector<VkPhysicalDevice> physical_devices() const {
@@ -338,13 +339,13 @@ class Instance {
 namespace {
 
 // All open devices share one instance: volk keeps its function pointers in globals, and a second instance would write
-// them while other threads call through them. The last one to close its device does so, too, so that making and
-// destroying an instance exclude each other.
+// them while other threads call through them. The last device to be closed destroys it under the same lock, so that
+// creating and destroying an instance exclude each other.
 std::shared_ptr<Instance> shared_instance(const ContextOptions& options) {
   static std::mutex mutex;
   static std::weak_ptr<Instance> current;
   static ContextOptions current_options;
-  std::shared_ptr<Instance> open;  // outside of the lock, which is taken to destroy what it may be the last to hold
+  std::shared_ptr<Instance> open;  // declared before the lock, because destroying the last reference takes the lock
   const std::lock_guard lock(mutex);
   open = current.lock();
   if (open && options.validation == current_options.validation &&
@@ -497,11 +498,10 @@ void Context::read_limits() {
   structure_limits_.pNext = nullptr;
 }
 
-// A CPU driver may keep device memory in a file that nobody sees (Mesa 25's does), for which the limit on the size of
-// files holds, too. The driver does not look whether its file has grown: the first touch beyond its end would end the
-// process by SIGBUS. So a piece of memory that is larger than files may be is read at its end by a system call, which
-// only fails. Where files may have kEnough bytes nothing is looked at: the largest piece of an ordinary render is far
-// smaller.
+// A CPU driver may keep device memory in an unnamed file (Mesa 25 does), to which the limit on file sizes applies. The
+// driver does not check that its file has grown, and the first access beyond its end would kill the process with
+// SIGBUS. So if an allocation exceeds that limit, its end is read by a system call first, which merely fails. If files
+// may have kEnough bytes, nothing is checked: the largest allocation of an ordinary render is far smaller.
 void Context::refuse_small_files() const {
 #ifdef __linux__
   constexpr VkDeviceSize kEnough = VkDeviceSize{1} << 30;
@@ -538,7 +538,7 @@ void Context::open_device() {
                                            .queueFamilyIndex = queue_family_,
                                            .queueCount = 1,
                                            .pQueuePriorities = &priority};
-  // Every Vulkan device has it: an index out of range, were there one, reads zero or does nothing instead of harm.
+  // Every Vulkan device supports it: an index out of range would read zero or do nothing, instead of doing harm.
   const VkPhysicalDeviceFeatures features{.robustBufferAccess = VK_TRUE};
   RayQueryFeatures on;
   on.addresses.bufferDeviceAddress = on.structures.accelerationStructure = on.queries.rayQuery = VK_TRUE;
@@ -605,7 +605,7 @@ void Context::save_pipeline_cache() const {
   std::error_code ignored;
   if (std::filesystem::file_size(path, ignored) == size) return;
   std::filesystem::create_directories(path.parent_path(), ignored);
-  // A name of its own for each context: two devices that are lost at the same time are closed by two threads.
+  // Each context uses its own name, because two devices lost at the same time are closed by two threads.
   static std::atomic<unsigned> number{0};
   const auto beside = path.string() + fmt::format(".{}.{}", ::getpid(), number++);
   if (std::ofstream(beside, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(size))) {

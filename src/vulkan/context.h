@@ -10,7 +10,7 @@
 
 namespace etendue::vulkan {
 
-/// What is known of a physical device before it is opened.
+/// Facts about a physical device that are known before it is opened.
 struct DeviceInfo {
   std::uint32_t index = 0;  ///< in the order of vkEnumeratePhysicalDevices; what --device takes
   std::string name;
@@ -18,38 +18,38 @@ struct DeviceInfo {
   std::string type;    ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other"
   std::uint32_t api_version = 0;
   std::uint64_t memory_bytes = 0;  ///< largest device-local heap
-  int rank = 0;                    ///< of device_rank: 'auto' takes the least
+  int rank = 0;                    ///< see device_rank: 'auto' takes the least
   std::uint32_t subgroup_size = 0;
-  bool subgroup_ballot = false;  ///< compute kernels may ask which lanes of a subgroup are active
-  bool ray_queries = false;      ///< kernels may ask the driver what a ray meets
-  std::string missing;           ///< why it cannot be used; empty when it can
+  bool subgroup_ballot = false;  ///< compute kernels can query which lanes of a subgroup are active
+  bool ray_queries = false;      ///< kernels can query the driver for hits
+  std::string missing;           ///< why it cannot be used; empty if it can
 };
 
-/// What the kernels of a program ask of a device, apart from Vulkan 1.2 and a compute queue.
+/// What the kernels of a program require of a device, apart from Vulkan 1.2 and a compute queue.
 struct Requirements {
   std::uint32_t sets = 0;             ///< descriptor sets bound at a time
   std::uint32_t storage_buffers = 0;  ///< bound to one kernel
   std::uint32_t sampled_images = 0;   ///< likewise; texel buffers are among them
   std::uint32_t uniform_buffers = 0;  ///< likewise
   std::uint32_t push_constant_bytes = 0;
-  std::uint32_t uniform_bytes = 0;  ///< of the largest uniform buffer
+  std::uint32_t uniform_bytes = 0;  ///< size of the largest uniform buffer
   std::uint32_t workgroup_lanes = 0;
-  /// Extensions and features of ray queries, which are turned on for this alone.
+  /// The extensions and features of ray queries, which are enabled only if this is set.
   bool ray_queries = false;
 
-  /// The first thing that `limits` do not allow, in words; empty when they allow everything.
+  /// The first requirement that `limits` do not meet, in words; empty if they meet all.
   std::string missing(const VkPhysicalDeviceLimits& limits) const;
 };
 
-/// Options of the Vulkan instance, and what is asked of its devices.
+/// Options of the Vulkan instance, and requirements on its devices.
 struct ContextOptions {
-  /// Loads the Khronos validation layer (an error when it is not installed). Every message is counted and logged.
+  /// Loads the Khronos validation layer (an error if it is not installed). Every message is counted and logged.
   bool validation = false;
   /// Adds synchronization and GPU-assisted validation.
   bool validation_extra = false;
   /// Upper bound of the time any submission may take.
   double max_wait_seconds = 300.0;
-  /// Kernels are kept compiled in a file of the user's cache folder.
+  /// Keeps compiled kernels in a file in the user's cache folder.
   bool pipeline_cache = true;
   Requirements requirements;
   /// True when the environment variable ETENDUE_VALIDATION is "1", or "2" for the extra kinds.
@@ -58,18 +58,18 @@ struct ContextOptions {
 
 class Instance;
 
-/// In which order 'auto' takes devices, the least first: discrete, integrated and virtual GPUs, other hardware, then
-/// CPU drivers, Mesa's before all others and SwiftShader last, at a fortieth of Mesa's speed.
+/// The order in which 'auto' takes devices, the least first: discrete, integrated and virtual GPUs, other hardware,
+/// then CPU drivers, with Mesa's before all others and SwiftShader, at a fortieth of its speed, last.
 int device_rank(VkPhysicalDeviceType type, VkDriverId driver);
 
-/// Every physical device, usable or not. Throws Error(device) when there is no Vulkan loader.
+/// Every physical device, usable or not. Throws Error(device) if there is no Vulkan loader.
 std::vector<DeviceInfo> list_devices(const ContextOptions& options);
 
-/// A device that the program around this one has opened, and will close after its last use here.
+/// A device that the calling program has opened, and will close after its last use here.
 struct ForeignDevice {
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;  ///< opened with the feature robustBufferAccess
-  VkQueue queue = VK_NULL_HANDLE;    ///< of a family with compute; nobody else submits to it meanwhile
+  VkQueue queue = VK_NULL_HANDLE;    ///< of a family with compute; nobody else may submit to it meanwhile
   std::uint32_t queue_family = 0;
   /// Opened with VK_KHR_acceleration_structure, VK_KHR_ray_query and their features, and bufferDeviceAddress.
   bool ray_queries = false;
@@ -80,9 +80,9 @@ struct ForeignDevice {
 class Context {
  public:
   /// `selector`: "auto" (the first by device_rank), an index, or a part of the name (case-insensitive).
-  /// Throws Error(device) that says why each device was not taken.
+  /// Throws Error(device) saying why each device was rejected.
   Context(const std::string& selector, const ContextOptions& options);
-  /// Works on a device without owning it. Throws Error(device) that says what it lacks.
+  /// Uses a device without owning it. Throws Error(device) saying what it lacks.
   Context(const ForeignDevice& foreign, const ContextOptions& options);
   ~Context();
   Context(const Context&) = delete;
@@ -91,12 +91,12 @@ class Context {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   const ContextOptions& options() const { return options_; }
-  /// Where the device was opened for ray queries.
+  /// Whether the device was opened for ray queries.
   const VkPhysicalDeviceAccelerationStructurePropertiesKHR& structure_limits() const { return structure_limits_; }
   /// Bytes of the largest single allocation.
   std::uint64_t max_allocation() const { return max_allocation_; }
-  /// Device memory that is there for this process, and who says so: the driver's budget (VK_EXT_memory_budget) where it
-  /// has one, and never more than the largest device-local heap.
+  /// Device memory available to this process, and the source of that number: the driver's budget (VK_EXT_memory_budget)
+  /// if there is one, but never more than the largest device-local heap.
   struct AvailableMemory {
     std::uint64_t bytes = 0;
     const char* name = "";

@@ -7,16 +7,16 @@
 
 namespace etendue::vulkan {
 
-/// Gives up a device whose queue is still at work: nothing of it is destroyed any more, because to destroy what a queue
-/// uses crashes or waits for ever. The process should end soon, and through std::_Exit (a driver's own threads may
-/// never stop).
+/// Gives up a device whose queue is still busy: none of its objects are destroyed any more, because destroying what a
+/// queue uses crashes or waits for ever. The process should end soon, and by std::_Exit, because a driver's own threads
+/// may never stop.
 void abandon(VkDevice device);
 bool is_abandoned(VkDevice device);
 /// True when the process has abandoned any device.
 bool any_abandoned();
 
-/// Calls `*Destroy(device, handle, nullptr)` at the end of its life, unless the device was abandoned. `Destroy` points
-/// at volk's function pointer, which is only filled at run time.
+/// Calls `*Destroy(device, handle, nullptr)` at the end of its lifetime, unless the device was abandoned. `Destroy`
+/// points at volk's function pointer, which is only filled at run time.
 template <typename T, auto Destroy>
 class Handle {
  public:

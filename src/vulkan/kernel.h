@@ -1,5 +1,5 @@
 #pragma once
-/// Compute pipelines and what is bound to them.
+/// Compute pipelines and their bindings.
 
 #include <cstdint>
 #include <initializer_list>
@@ -20,7 +20,7 @@ struct Binding {
   bool operator==(const Binding&) const = default;
 };
 
-/// What a descriptor set can hold.
+/// The layout of a descriptor set.
 class SetLayout {
  public:
   SetLayout(const Context& context, std::vector<Binding> bindings);

@@ -17,7 +17,7 @@ std::vector<std::uint32_t> specialize(std::span<const std::uint32_t> spirv, std:
   std::string complaint;
   optimizer.SetMessageConsumer(
       [&](spv_message_level_t, const char*, const spv_position_t&, const char* message) { complaint = message; });
-  // Inlining would take away more, and more time than the driver then saves.
+  // Inlining would remove more code, but take more time than the driver then saves.
   optimizer.RegisterPass(spvtools::CreateSetSpecConstantDefaultValuePass(values))
       .RegisterPass(spvtools::CreateFreezeSpecConstantValuePass())
       .RegisterPass(spvtools::CreateFoldSpecConstantOpAndCompositePass())
@@ -27,7 +27,7 @@ std::vector<std::uint32_t> specialize(std::span<const std::uint32_t> spirv, std:
       .RegisterPass(spvtools::CreateEliminateDeadFunctionsPass())
       .RegisterPass(spvtools::CreateAggressiveDCEPass());
   spvtools::OptimizerOptions options;
-  options.set_run_validator(false);  // a build with tests has validated it
+  options.set_run_validator(false);  // builds with tests have validated it
   std::vector<std::uint32_t> out;
   if (!optimizer.Run(spirv.data(), spirv.size(), &out, options))
     throw Error(ErrorKind::bug, fmt::format("A kernel cannot be specialized: {}.", complaint));
