@@ -43,10 +43,7 @@ TriangleMesh mesh() {
   return mesh;
 }
 
-/// Something of everything.
-Scene everything() {
-  Scene scene;
-  scene.name = "everything";
+void add_textures(Scene& scene) {
   scene.bitmaps = {bitmap(BitmapFormat::u8, 3, ColorSpace::srgb), bitmap(BitmapFormat::f32, 1, ColorSpace::linear),
                    bitmap(BitmapFormat::f16, 4, ColorSpace::linear), bitmap(BitmapFormat::f32, 3, ColorSpace::srgb)};
   const glm::dmat3 turned(0.3, 0.1, 0.0, -0.2, 1.7, 0.0, 1.0 / 3.0, 0.6, 1.0);
@@ -61,6 +58,9 @@ Scene everything() {
   scene.textures.push_back(
       {.source = CheckerboardTexture{{0.1, 0.2, 0.3}, {0.7, 1.0 / 7.0, 0.2}}, .uv_transform = turned});
   scene.textures.push_back({.source = AttributeTexture{AttributeTexture::Source::face_color}});
+}
+
+void add_instances(Scene& scene) {
   const auto textured = [](std::uint32_t row) { return DiffuseBsdf{ColorParameter(glm::dvec3(1.0), row)}; };
   for (std::uint32_t row = 0; row < 6; ++row) {
     Instance& instance = scene.add(mesh(), textured(row));
@@ -78,19 +78,22 @@ Scene everything() {
   scene.add(Disk{}, ThinDielectricBsdf{});
   scene.add(Disk{}, DielectricBsdf{});
   scene.instances.push_back(scene.instances.back());  // shared material and shape
-  scene.camera.type = Camera::Type::thin_lens;
-  scene.camera.width = 30;
-  scene.camera.height = 7;
-  scene.camera.window = {{0.1, 2.0 / 9.0}, {0.3, 7.0 / 9.0}, {0.01, -0.2}};
-  scene.camera.aperture = {0.1, 7.0 / 3.0, 5, 12.0};
-  scene.camera.fov_axis = Camera::FovAxis::diagonal;
-  scene.camera.filter = {.type = ReconstructionFilter::Type::mitchell, .b = 0.1, .c = 1.0 / 7.0};
-  scene.camera.world_from_camera[3] = glm::dvec4(0.1, 0.2, 1.0 / 3.0, 1);
-  scene.sampler = {Sampler::Type::sobol, 64, 3};
-  scene.integrator.max_depth = 5;
-  scene.integrator.hide_emitters = true;
-  scene.integrator.hide_background = true;
-  scene.aovs = {Aov::depth, Aov::albedo};
+}
+
+Camera lens_camera() {
+  Camera camera;
+  camera.type = Camera::Type::thin_lens;
+  camera.width = 30;
+  camera.height = 7;
+  camera.window = {{0.1, 2.0 / 9.0}, {0.3, 7.0 / 9.0}, {0.01, -0.2}};
+  camera.aperture = {0.1, 7.0 / 3.0, 5, 12.0};
+  camera.fov_axis = Camera::FovAxis::diagonal;
+  camera.filter = {.type = ReconstructionFilter::Type::mitchell, .b = 0.1, .c = 1.0 / 7.0};
+  camera.world_from_camera[3] = glm::dvec4(0.1, 0.2, 1.0 / 3.0, 1);
+  return camera;
+}
+
+void add_lights(Scene& scene) {
   scene.sky.picture = {.bitmap = bitmap(BitmapFormat::f32, 3, ColorSpace::linear),
                        .scale = 1.0 / 3.0,
                        .rows = SkyPicture::Rows::circles};
@@ -105,6 +108,21 @@ Scene everything() {
                                 .falloff = DeltaLight::Falloff::smooth});
   scene.delta_lights.push_back(
       {.type = DeltaLight::Type::directional, .intensity = glm::dvec3(3.0), .world_from_light = turned_light});
+}
+
+/// A scene with something of everything.
+Scene everything() {
+  Scene scene;
+  scene.name = "everything";
+  add_textures(scene);
+  add_instances(scene);
+  scene.camera = lens_camera();
+  scene.sampler = {Sampler::Type::sobol, 64, 3};
+  scene.integrator.max_depth = 5;
+  scene.integrator.hide_emitters = true;
+  scene.integrator.hide_background = true;
+  scene.aovs = {Aov::depth, Aov::albedo};
+  add_lights(scene);
   return scene;
 }
 
