@@ -13,7 +13,7 @@
 namespace etendue {
 namespace {
 
-// What Blender writes where a ray leaves the scene, and compositors take for far away.
+// The value that Blender writes where a ray leaves the scene, and that compositors treat as far away.
 constexpr float kNoDepth = 1e10f;
 
 constexpr std::array kAll = {
@@ -70,7 +70,7 @@ ImageChannel numbers_of(const AovTraits& row, const Film& film) {
   return out;
 }
 
-/// `hits`: the film of the share of rays that meet something, where that is what to average over.
+/// `hits` is the film of the fraction of rays that hit something, if the average is over those.
 void add_values(const AovTraits& row, const Film& film, const Film* hits, std::vector<ImageChannel>& out) {
   const std::size_t first = out.size(), count = std::string_view(row.channels).size();
   for (std::size_t c = 0; c < count; ++c) {

@@ -58,7 +58,8 @@ std::size_t clear_negative_values(Bitmap& bitmap) {
   if (size == 1) return 0;
   std::size_t count = 0;
   for (std::size_t at = 0; at + size <= bitmap.texels.size(); at += size) {
-    // Little-endian: the sign is the last byte's highest bit. NaN, whose exponent is full, stays for others to see.
+    // Little-endian: the sign is the last byte's highest bit. NaN, whose exponent has all bits set, is left for later
+    // checks.
     const bool negative = (bitmap.texels[at + size - 1] & std::byte{0x80}) != std::byte{0};
     const std::size_t index = at / size;
     if (!negative) continue;

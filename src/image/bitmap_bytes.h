@@ -1,5 +1,5 @@
 #pragma once
-/// Pictures that lie in other files.
+/// Pictures inside other files.
 
 #include <cstddef>
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace etendue {
 
-/// As read_bitmap, of bytes; `name` is for messages.
+/// Like read_bitmap, but from bytes in memory; `name` is for messages.
 Bitmap decode_picture(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace etendue

@@ -1,5 +1,5 @@
 #pragma once
-/// Pictures of scenes as files, so that reading one gives the same numbers again.
+/// Writes the pictures of scenes as files from which the same numbers can be read again.
 
 #include <string>
 
@@ -7,12 +7,11 @@
 
 namespace etendue {
 
-/// "png" for 8-bit codes and for floats that are coded by the curve of sRGB, which only 16-bit PNG files give; else
-/// "exr".
+/// "png" for 8-bit codes and for sRGB-encoded floats, which come only from 16-bit PNG files; otherwise "exr".
 const char* bitmap_extension(const Bitmap& bitmap);
 
-/// Writes the picture in the format of that extension. Throws Error(file), also where the numbers of a PNG file would
-/// not be those of the picture.
+/// Writes the picture in the format of that extension. Throws Error(file), also if a PNG file could not hold exactly
+/// the same numbers.
 void write_bitmap(const std::string& path, const Bitmap& bitmap);
 
 /// Internal: the PNG half of it.

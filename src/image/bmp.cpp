@@ -1,4 +1,4 @@
-/// Windows bitmaps: 8-bit palettes, 24 and 32 bits, not compressed, as old scenes have them.
+/// Windows bitmaps: 8-bit palettes, 24 and 32 bits, uncompressed, as found in old scenes.
 
 #include <array>
 #include <cstdint>

@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kVariable = "ETENDUE_OIDN";
 constexpr std::array kSystemNames = {"libOpenImageDenoise.so.2", "libOpenImageDenoise.so"};
-constexpr int kLeastVersion = 20000;  // 2.0.0, as the library counts
+constexpr int kLeastVersion = 20000;  // 2.0.0, in the library's encoding
 constexpr const char* kHowToGet =
     "Debian 13 has it as the package libopenimagedenoise2; anywhere 'pip install pyoidn' brings it, and "
     "--oidn FILE or the environment variable ETENDUE_OIDN names its libOpenImageDenoise.so.2";
@@ -42,7 +42,7 @@ std::array<std::string, 3> layer_channels(const char* layer, const char* letters
 const std::array<std::string, 3> kAlbedo = layer_channels("albedo", "RGB");
 const std::array<std::string, 3> kNormal = layer_channels("normal", "XYZ");
 
-/// The three channels together; nothing where one of them is missing.
+/// The three channels together; nothing if one of them is missing.
 std::optional<std::vector<glm::vec3>> guide(const Image& picture, const std::array<std::string, 3>& names) {
   std::vector<glm::vec3> values(picture.pixels.size());
   for (int i = 0; i < 3; ++i) {
@@ -53,7 +53,7 @@ std::optional<std::vector<glm::vec3>> guide(const Image& picture, const std::arr
   return values;
 }
 
-// What is no number would spread over the picture, or be made up for in silence.
+// A NaN would spread over the picture, or be replaced silently.
 void check_finite(const std::vector<glm::vec3>& values, const char* what, std::uint32_t width,
                   const std::string& name) {
   std::uint64_t count = 0;
@@ -96,7 +96,7 @@ struct Denoiser::Library {
 
   ~Library() {
     if (device != nullptr) release_device(device);
-    // It stays in memory: its threads may still run.
+    // The library is never unloaded, because its threads may still run.
   }
 
   void open(const std::string& path);
@@ -149,7 +149,7 @@ void Denoiser::Library::find_functions(const std::string& path) {
   find(release_filter, "oidnReleaseFilter");
 }
 
-// The CPU's: it is there everywhere, and works on our memory.
+// The CPU device: it exists everywhere and works on ordinary memory.
 void Denoiser::Library::open_device() {
   device = new_device(kDeviceTypeCpu);
   if (device == nullptr) fail("it has no device for the CPU");
@@ -214,7 +214,7 @@ Image Denoiser::denoise(const Image& picture, const std::string& name) const {
     throw Error(ErrorKind::file, why);
   std::vector<glm::vec3> color = picture.pixels;
   std::optional<std::vector<glm::vec3>> albedo = guide(picture, kAlbedo), normal = guide(picture, kNormal);
-  if (!albedo) normal.reset();  // the library takes normals beside an albedo only
+  if (!albedo) normal.reset();  // the library accepts normals only together with an albedo
   check_finite(color, "colour", picture.width, name);
   if (albedo) check_finite(*albedo, "albedo", picture.width, name);
   if (normal) check_finite(*normal, "normals", picture.width, name);

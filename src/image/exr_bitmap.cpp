@@ -1,4 +1,4 @@
-/// EXR files as pictures of scenes: grey or colour, with or without alpha, of one layer.
+/// EXR files as pictures of scenes: one layer in grey or colour, with or without alpha.
 
 #include <algorithm>
 #include <array>
@@ -64,7 +64,7 @@ std::vector<std::string> choose_channels(const Imf::ChannelList& channels, const
                                  list_of(layers)));
 }
 
-/// The format that holds all of the channels. Throws where one has not a number for every pixel.
+/// The format that holds all channels. Throws if one lacks a number for some pixel.
 BitmapFormat common_format(const Imf::ChannelList& channels, const std::vector<std::string>& names,
                            const std::string& path) {
   const bool halves = std::all_of(names.begin(), names.end(),

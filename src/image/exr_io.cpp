@@ -26,7 +26,7 @@
 namespace etendue {
 namespace {
 
-/// Names that the EXR format gives a meaning and a type of its own; as metadata they carry a prefix.
+/// Names to which the EXR format gives a meaning and a type; as metadata they get a prefix.
 constexpr std::array<const char*, 12> kReservedNames = {
     "channels",           "compression",       "dataWindow", "displayWindow", "lineOrder", "pixelAspectRatio",
     "screenWindowCenter", "screenWindowWidth", "name",       "type",          "version",   "view"};
@@ -110,7 +110,7 @@ class AttributeWalker {
   const std::string& path_;
 };
 
-/// How much a method can shrink at best, rounded up.
+/// The largest compression ratio of a method, rounded up.
 std::uint64_t largest_ratio(Imf::Compression method) {
   switch (method) {
     case Imf::NO_COMPRESSION:

@@ -1,5 +1,5 @@
 #pragma once
-/// What the EXR files of pictures and films share: memory streams, header checks, metadata. Internal to src/image.
+/// Common code for the EXR files of pictures and films: memory streams, header checks, metadata. Internal to src/image.
 
 #include <cstddef>
 #include <cstdint>
@@ -55,7 +55,7 @@ class MemoryIStream : public Imf::IStream {
   std::uint64_t position_ = 0;
 };
 
-/// Where an attribute's value lies in the file.
+/// The position of an attribute's value in the file.
 struct ExrAttribute {
   std::string name;
   std::string type;
@@ -63,8 +63,8 @@ struct ExrAttribute {
   std::size_t size = 0;
 };
 
-/// The attributes of a single-part scan-line or tiled file, from its first bytes. Done before the library sees the
-/// file, which would allocate whatever an attribute says its size is. Throws Error(file).
+/// The attributes of a single-part scan-line or tiled file, from its first bytes. This is done before the library sees
+/// the file, because it would allocate whatever size an attribute claims. Throws Error(file).
 std::vector<ExrAttribute> exr_attributes(std::span<const std::byte> bytes, const std::string& path);
 
 /// The header, checked: attributes lie inside the bytes, the sizes are within the limits above. Throws
@@ -91,7 +91,7 @@ Metadata exr_metadata(const Imf::Header& header);
 void add_slice(Imf::FrameBuffer& buffer, const std::string& name, Imf::PixelType type, const void* base,
                std::size_t stride, const Imath::Box2i& window);
 
-/// Channels beside the colour. `channels` must outlive the buffer.
+/// Channels other than colour. `channels` must outlive the buffer.
 void add_channels(Imf::FrameBuffer& buffer, const std::vector<ImageChannel>& channels, const Imath::Box2i& window);
 
 /// Encodes the channels of `buffer`; throws Error(file) naming the path.

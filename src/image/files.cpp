@@ -23,7 +23,7 @@
 namespace etendue {
 namespace {
 
-/// While it lives, a write beyond RLIMIT_FSIZE fails with EFBIG in this thread instead of ending the process by
+/// During its lifetime, a write beyond RLIMIT_FSIZE fails with EFBIG in this thread instead of ending the process by
 /// SIGXFSZ.
 class HoldFileSizeSignal {
  public:
@@ -33,7 +33,8 @@ class HoldFileSizeSignal {
     pthread_sigmask(SIG_BLOCK, &signal_, &before_);
   }
   ~HoldFileSizeSignal() {
-    // A caller that holds the signal itself keeps what is pending; otherwise take ours before it is let through.
+    // If the caller blocks the signal itself, a pending one is left alone; otherwise the one raised here is consumed
+    // before it is unblocked.
     const timespec at_once{};
     if (sigismember(&before_, SIGXFSZ) == 0) {
       while (sigtimedwait(&signal_, nullptr, &at_once) == SIGXFSZ) {
@@ -48,7 +49,7 @@ class HoldFileSizeSignal {
   sigset_t signal_, before_;
 };
 
-/// fsync, where a file system that has nothing to flush is not an error.
+/// fsync, except that a file system that cannot flush is not an error.
 int flush(int descriptor) {
   int result;
   do {
@@ -76,7 +77,7 @@ class Descriptor {
   int number_ = -1;
 };
 
-/// The folder and the name in it that a path leads to after all symbolic links; what failed where it leads nowhere.
+/// The folder and the name in it to which a path leads after all symbolic links; if it leads nowhere, what failed.
 struct Place {
   Descriptor folder;
   std::string name;
@@ -84,7 +85,7 @@ struct Place {
   int error = 0;
 };
 
-/// The setting of the kernel, /proc/sys/fs/`name`; 1 where it cannot be read.
+/// The kernel setting /proc/sys/fs/`name`; 1 if it cannot be read.
 int kernel_setting(const char* name) {
   char digit = '1';
   const Descriptor file(open(fmt::format("/proc/sys/fs/{}", name).c_str(), O_RDONLY | O_CLOEXEC));
@@ -92,9 +93,9 @@ int kernel_setting(const char* name) {
   return digit - '0';
 }
 
-/// What the kernel decides about following a link (may_follow_link in fs/namei.c): in a sticky folder that everybody
-/// may write to, only the links of the folder's owner and one's own lead on. open() follows links itself; we need the
-/// place they lead to, so we have to decide as it does.
+/// The kernel's decision about following a link (may_follow_link in fs/namei.c): in a sticky folder that everybody may
+/// write to, only the user's own links and those of the folder's owner are followed. open() follows links by itself,
+/// but here the target must be known, so the same decision is made here.
 bool may_follow(int folder, int link) {
   struct stat above {
   }, itself{};
@@ -106,14 +107,14 @@ bool may_follow(int folder, int link) {
 
 Descriptor open_folder(int at, const std::string& path) {
   Descriptor folder(openat(at, path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  // A folder that may be written but not listed serves as well; it cannot be flushed then.
+  // A folder that may be written but not listed will do, too, but cannot be flushed.
   if (folder.get() < 0 && errno == EACCES)
     folder = Descriptor(openat(at, path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   return folder;
 }
 
 Place find_place(const std::string& path) {
-  // The kernel has the first word, whatever its reasons are: links that lead nowhere yet are ENOENT.
+  // The kernel decides first, whatever its reasons; dangling links are ENOENT.
   const Descriptor target(open(path.c_str(), O_PATH | O_CLOEXEC));
   if (target.get() < 0 && errno != ENOENT) return {.failed = "cannot open it", .error = errno};
   Place place;
@@ -124,7 +125,7 @@ Place find_place(const std::string& path) {
     if (folder.get() < 0) return {.failed = "cannot open the folder", .error = errno};
     place.folder = std::move(folder);
     place.name = rest.filename().string();
-    // Each link is held open while it is judged and read, so that nobody can exchange it in between.
+    // Each link is kept open while it is checked and read, so that nobody can replace it in between.
     const Descriptor link(openat(place.folder.get(), place.name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
     struct stat status {};
     if (link.get() < 0 || fstat(link.get(), &status) != 0 || !S_ISLNK(status.st_mode)) return place;
@@ -162,7 +163,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path) {
   }
 }
 
-// The permissions of the file that is there and may be replaced, or -1 when there is none.
+// The permissions of the existing file, which may be replaced, or -1 if there is none.
 int AtomicFile::mode_of_existing() const {
   struct stat existing {};
   if (fstatat(folder_, name_.c_str(), &existing, AT_SYMLINK_NOFOLLOW) != 0) {
@@ -174,7 +175,8 @@ int AtomicFile::mode_of_existing() const {
     throw Error(ErrorKind::file,
                 fmt::format("{}: is a device, pipe or socket and cannot be replaced; give the name of a file", path_));
   }
-  // Opened as the shell opens it, only not emptied: permissions, protected_regular, whatever else the kernel knows.
+  // Opened in the same way as by the shell, but not truncated, so that permissions, protected_regular and all other
+  // kernel rules apply.
   const Descriptor probe(
       openat(folder_, name_.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0666));
   if (probe.get() < 0) fail("cannot replace it", errno);
@@ -183,7 +185,8 @@ int AtomicFile::mode_of_existing() const {
 
 void AtomicFile::create_beside(int mode) {
   std::random_device random;
-  // Names have at most 255 bytes; the start of the target's tells the user whose leftover it is after a power cut.
+  // Names have at most 255 bytes; the beginning of the target's name shows the user where a leftover comes from after a
+  // power cut.
   const std::string start = name_.substr(0, std::min<std::size_t>(name_.size(), 200));
   for (int attempt = 0; attempt < 100 && file_ < 0; ++attempt) {
     temporary_ = fmt::format(".{}.{:08x}.tmp", start, random());
@@ -195,7 +198,7 @@ void AtomicFile::create_beside(int mode) {
     temporary_.clear();
     fail("cannot create a file next to it", error);
   }
-  // Keep the permissions of what is replaced. A file system without them is no reason to lose a render.
+  // Keeps the permissions of the replaced file. A file system without permissions is no reason to lose a render.
   if (mode >= 0 && fchmod(file_, static_cast<mode_t>(mode)) != 0) return;
 }
 
@@ -223,7 +226,7 @@ void AtomicFile::commit() {
   if (closed != 0 && errno != EINTR) fail("cannot close", errno);
   if (renameat(folder_, temporary_.c_str(), folder_, name_.c_str()) != 0) fail("cannot move the new file there", errno);
   temporary_.clear();
-  // The rename is what a power cut could undo. EBADF: the folder could only be opened as a path.
+  // A power cut could undo the rename. EBADF means that the folder could only be opened as a path.
   if (const int error = flush(folder_); error != 0 && error != EBADF) {
     throw Error(ErrorKind::file, fmt::format("{}: is written, but the folder could not be flushed to the disk: {}",
                                              path_, std::generic_category().message(error)));
@@ -256,7 +259,7 @@ std::vector<std::byte> read_file(const std::string& path, std::uint64_t limit) {
     throw Error(ErrorKind::file, fmt::format("{}: {}: {}", path, action, std::generic_category().message(error)));
   };
   note_read(path);
-  // Not blocking: opening a pipe without a writer would wait for ever.
+  // Non-blocking, because opening a pipe without a writer would wait for ever.
   const int descriptor = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) fail("cannot open it", errno);
   const struct Closer {
@@ -275,7 +278,7 @@ std::vector<std::byte> read_file(const std::string& path, std::uint64_t limit) {
     const ssize_t count = ::read(descriptor, bytes.data() + done, std::min<std::size_t>(bytes.size() - done, 1u << 30));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail("cannot read it", errno);
-    if (count == 0) break;  // became shorter meanwhile
+    if (count == 0) break;  // the file has become shorter
     done += static_cast<std::size_t>(count);
   }
   bytes.resize(done);

@@ -1,5 +1,5 @@
 #pragma once
-/// Whole files: read at once, and written so that they appear whole or not at all.
+/// Whole files: read at once, and written completely or not at all.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace etendue {
 
-/// Replaces the file at a path in one step: bytes go to a new file beside it, which is flushed to the disk and renamed
-/// over the path by commit(). Whatever fails before that, the path keeps what it had and the new file is removed. A
+/// Replaces the file at a path in one step: bytes go to a new file next to it, which is flushed to disk and renamed
+/// over the path by commit(). If anything fails before that, the old file is kept and the new one is removed. A
 /// symbolic link at the path stays a link: the file it leads to is replaced. Links and existing files that the kernel
 /// would not open for writing (fs.protected_symlinks and fs.protected_regular in sticky folders such as /tmp) are
-/// refused, as they are by the shell's `>`. Every function throws Error(file) with the path and the system's
-/// reason; a file size limit (RLIMIT_FSIZE) is reported like a full disk and does not end the process.
+/// refused, as they are by the shell's `>`. Every function throws Error(file) with the path and the system's reason; a
+/// file size limit (RLIMIT_FSIZE) is reported like a full disk and does not end the process.
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);
@@ -32,13 +32,13 @@ class AtomicFile {
 
   std::string path_;       ///< as given, for messages
   std::string name_;       ///< file name inside folder_
-  std::string temporary_;  ///< name of the new file inside folder_; empty when there is none
+  std::string temporary_;  ///< name of the new file inside folder_; empty if there is none
   int folder_ = -1;
   int file_ = -1;
 };
 
-/// Whether writing to both paths would write to one place: the same name in the same folder after all links, or two
-/// hard links of one file. False where a path leads nowhere.
+/// Whether both paths lead to the same file: the same name in the same folder after all links, or two hard links of one
+/// file. False if a path leads nowhere.
 bool is_same_place(const std::string& a, const std::string& b);
 
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes);

@@ -19,7 +19,7 @@ struct Quantised {
 };
 
 /// q = trunc(v · 2^(56 − exponent)) from the bits of v, so that every machine gets the same integer. Returns false for
-/// what the film rejects: NaN, infinite, |v| >= 2^(exponent + 24).
+/// values that the film rejects: NaN, infinity, |v| >= 2^(exponent + 24).
 bool quantise(float v, int exponent, Quantised& q) {
   const auto bits = std::bit_cast<std::uint32_t>(v);
   const int field = static_cast<int>(bits >> 23 & 0xffu);

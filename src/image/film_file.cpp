@@ -38,7 +38,7 @@ struct Limb {
   std::size_t offset = 0;  ///< bytes from the start of FilmPixel
 };
 
-/// Those of the picture's film, or of an AOV's: "Aov.depth.Sum.R.0".
+/// The channels of the picture's film, or of an AOV's: "Aov.depth.Sum.R.0".
 std::vector<Limb> limbs(const char* aov = nullptr) {
   const std::string prefix = aov != nullptr ? fmt::format("Aov.{}.", aov) : "";
   std::vector<Limb> all;
@@ -71,7 +71,7 @@ const void* limb_base(const Film& film, const Limb& limb) {
   return reinterpret_cast<const std::byte*>(film.pixels().data()) + limb.offset;
 }
 
-/// Channels of sums; those without a bit set are not stored, but for the counts.
+/// Channels of sums. Those without a bit set are not stored, except for the counts.
 void add_sums(Imf::FrameBuffer& buffer, const Film& film, const char* aov, const Imath::Box2i& window) {
   const auto used = used_bits(film);
   for (const Limb& limb : limbs(aov)) {
@@ -80,7 +80,7 @@ void add_sums(Imf::FrameBuffer& buffer, const Film& film, const char* aov, const
   }
 }
 
-/// Where the sums that the file has are to go.
+/// The destinations of the sums in the file.
 void add_stored_sums(Imf::FrameBuffer& buffer, const Imf::Header& header, const Film& film, const char* aov) {
   for (const Limb& limb : limbs(aov)) {
     if (header.channels().findChannel(limb.channel) == nullptr) continue;

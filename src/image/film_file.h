@@ -1,5 +1,5 @@
 #pragma once
-/// What a film file says about itself, without its pixels. write_film and read_film are in image.h.
+/// The header of a film file, without its pixels. write_film and read_film are in image.h.
 
 #include <cstdint>
 #include <string>
@@ -19,7 +19,7 @@ struct FilmHeader {
   bool operator==(const FilmHeader&) const = default;
 };
 
-/// Reads only the first bytes of the file; the checksum, which covers all of it, is left to read_film. Throws
+/// Reads only the first bytes of the file; read_film verifies the checksum, which covers the whole file. Throws
 /// Error(file).
 FilmHeader read_film_header(const std::string& path);
 FilmHeader header_of(const FilmFile& file);
@@ -27,7 +27,7 @@ FilmHeader header_of(const FilmFile& file);
 /// Films of these sizes and exponents, without samples.
 std::vector<AovFilm> empty_aovs(const FilmHeader& header);
 
-/// The file's metadata with what follows from the film, "samples" and "rejected". write_film writes these.
+/// The file's metadata, with the entries "samples" and "rejected" derived from the film. write_film writes these.
 Metadata film_metadata(const FilmFile& file);
 
 }  // namespace etendue

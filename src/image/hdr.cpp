@@ -1,7 +1,7 @@
 /// Radiance HDR pictures [Ward1991]: a shared exponent of 8 bits for three mantissas of 8 bits.
 ///
-/// A mantissa m with exponent e stands for m · 2^(e − 136), as most programs have it, and e = 0 for black. Radiance
-/// itself takes m + 1/2, the middle of what was cut off.
+/// A mantissa m with exponent e stands for m · 2^(e − 136), as in most programs, and e = 0 for black. Radiance itself
+/// uses m + 1/2, the middle of the truncated interval.
 
 #include <algorithm>
 #include <array>
@@ -43,7 +43,7 @@ class HdrReader {
   HdrReader(std::span<const std::byte> bytes, const std::string& path) : bytes_(bytes), path_(path) {}
 
   HdrHeader header();
-  /// Unpacks one scan line into `line`, or only steps over it where there is none.
+  /// Unpacks one scan line into `line`, or skips it if `line` is null.
   void scan_line(std::uint64_t length, std::vector<Rgbe>* line);
   std::size_t position() const { return position_; }
   void go_to(std::size_t position) { position_ = position; }
@@ -211,8 +211,8 @@ void HdrReader::scan_line(std::uint64_t length, std::vector<Rgbe>* line) {
   planes(length, line);
 }
 
-/// RGB of XYZ as Radiance has it: primaries of Rec. 709 but for green (0.290, 0.600), white of equal energy, so that
-/// grey is grey; and a file is the same picture whichever of its two kinds it is written as.
+/// Converts XYZ to RGB as Radiance does, with the primaries of Rec. 709 except for green (0.290, 0.600) and a white of
+/// equal energy, so that grey stays grey, and both kinds of file give the same picture.
 glm::dmat3 rgb_from_xyz() {
   const auto xyz = [](double x, double y) { return glm::dvec3(x, y, 1 - x - y) / y; };
   const glm::dmat3 primaries(xyz(0.640, 0.330), xyz(0.290, 0.600), xyz(0.150, 0.060));
@@ -264,7 +264,7 @@ Bitmap decode_hdr(std::span<const std::byte> bytes, const std::string& path) {
   const std::uint64_t width = header.rows ? header.length : header.lines;
   const std::uint64_t height = header.rows ? header.lines : header.length;
   check_picture_size(width, height, path);
-  // Once without memory: a short file may announce a large picture.
+  // First without allocating memory, because a short file may announce a large picture.
   const std::size_t pixels = reader.position();
   for (std::uint64_t i = 0; i < header.lines; ++i) reader.scan_line(header.length, nullptr);
   reader.go_to(pixels);

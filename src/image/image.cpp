@@ -47,7 +47,7 @@ std::vector<std::byte> read_whole_image(const std::string& path) {
 
 Image read_image(const std::string& path, std::span<const std::string> beside) {
   try {
-    // The kind first: gigabytes of something else need not be read.
+    // Checks the type first, so that gigabytes of something else are not read.
     const std::vector<std::byte> head = read_file(path, 8);
     if (is_exr(head)) {
       const std::vector<std::byte> bytes = read_whole_image(path);

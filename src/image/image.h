@@ -42,7 +42,7 @@ struct Image {
 /// The picture of a film.
 Image image_from_film(const Film& film, Metadata metadata);
 struct FilmFile;
-/// The same with all AOVs.
+/// The same, with all AOVs.
 Image image_from_film(const FilmFile& file);
 
 /// Reads EXR (float or half R,G,B or Y; StdErr.* and SampleCount if present) or PNG (sRGB, decoded to linear),

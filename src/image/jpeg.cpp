@@ -18,18 +18,18 @@
 namespace etendue {
 namespace {
 
-/// More scans than a picture needs (a progressive one has about ten): each may be a few bytes, and passes over all
-/// blocks.
+/// More scans than any picture needs (a progressive one has about ten); each may be only a few bytes long and yet
+/// process all blocks.
 constexpr int kMostScans = 200;
 
-/// What libjpeg's callbacks share with us. libjpeg leaves by longjmp, so functions that call it hold nothing with a
-/// destructor.
+/// State shared with libjpeg's callbacks. libjpeg reports errors by longjmp, so functions that call it must not hold
+/// objects with destructors.
 struct JpegState {
   jpeg_error_mgr errors{};
   jpeg_progress_mgr progress{};
   std::jmp_buf leave;
   std::array<char, JMSG_LENGTH_MAX> message{};
-  bool extra_bytes = false;  ///< bytes between segments that mean nothing: no harm
+  bool extra_bytes = false;  ///< meaningless bytes between segments, which are harmless
 };
 
 JpegState& state_of(j_common_ptr jpeg) {
@@ -44,7 +44,7 @@ extern "C" {
   std::longjmp(state.leave, 1);
 }
 
-/// libjpeg goes on after a "warning" with grey in place of what is missing; here that is an error.
+/// After a "warning", libjpeg continues with grey in place of missing data; here that is an error.
 static void on_jpeg_message(j_common_ptr jpeg, int level) {
   if (level >= 0) return;
   if (jpeg->err->msg_code == JWRN_EXTRANEOUS_DATA) {
@@ -72,7 +72,7 @@ struct JpegReader {
   JpegReader& operator=(const JpegReader&) = delete;
 };
 
-/// Reads up to the pixels. Returns false when libjpeg gave up; state.message says why.
+/// Reads up to the pixels. Returns false if libjpeg has failed; state.message says why.
 bool read_header(jpeg_decompress_struct& jpeg, JpegState& state, std::span<const std::byte> bytes) {
   jpeg.err = jpeg_std_error(&state.errors);
   jpeg.err->error_exit = on_jpeg_error;

@@ -13,7 +13,7 @@
 namespace etendue {
 namespace {
 
-/// Metadata that must agree: what the samples are a function of.
+/// Metadata that must agree, because the samples depend on them.
 struct IdentityKey {
   const char* key;
   const char* words;
@@ -79,12 +79,12 @@ std::optional<Listed> parse_list(const std::string& text, const SampleRanges& sa
   return entries;
 }
 
-/// The value of a listed key for the result; nothing when no shard has one.
+/// The value of a listed key for the result; nothing if no shard has one.
 std::optional<std::string> merge_listed(const std::vector<Shard>& shards, const char* key) {
   Listed entries;
   bool any = false;
   for (const Shard& shard : shards) {
-    // A film without samples owes nothing to its device, unless there is nothing else.
+    // The device of a film without samples does not matter, unless there are no others.
     if (shard.header.samples.empty() && !shards.front().header.samples.empty()) continue;
     const auto found = shard.header.metadata.find(key);
     any = any || found != shard.header.metadata.end();
@@ -120,7 +120,7 @@ Metadata merge_metadata(const std::vector<Shard>& shards) {
   return result;
 }
 
-/// Throws when two shards hold the same sample; returns the union.
+/// Throws if two shards hold the same sample; returns the union.
 SampleRanges join_ranges(const std::vector<Shard>& shards) {
   struct Owned {
     std::pair<std::uint32_t, std::uint32_t> range;

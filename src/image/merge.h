@@ -1,5 +1,5 @@
 #pragma once
-/// Putting the films of one render together.
+/// Merging the films of one render.
 
 #include <span>
 #include <string>
@@ -25,12 +25,12 @@ FilmHeader merge_headers(const FilmHeader& a, const FilmHeader& b);
 /// The film of all samples of the files, in whatever order they are given; equal to one render of these samples. Gaps
 /// in the sample ranges are allowed and recorded. Holds one file at a time besides the result. Metadata:
 /// - "samples" and "rejected" are those of the result; "scene" is that of the file with the lowest sample index;
-/// - "device" and "driver", where files differ, become a list with the sample ranges: "A [0:64]; B [64:128,192:256]";
-/// - anything else is kept where all files agree and left out where they do not.
-/// Throws Error(file) when a file is no film, belongs to another render or shares samples with another file;
-/// Error(usage) when there are no paths.
+/// - "device" and "driver" become a list with sample ranges if files differ: "A [0:64]; B [64:128,192:256]";
+/// - anything else is kept if all files agree, and left out otherwise.
+/// Throws Error(file) if a file is not a film, belongs to another render or shares samples with another file;
+/// Error(usage) if there are no paths.
 FilmFile merge_films(const std::vector<std::string>& paths);
-/// The same of films in memory, none of them null, which messages call "film 1", "film 2", … in the order given.
+/// The same for films in memory, none of them null. Messages call them "film 1", "film 2", … in the given order.
 FilmFile merge_loaded_films(std::span<const FilmFile* const> films);
 
 }  // namespace etendue

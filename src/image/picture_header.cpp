@@ -42,7 +42,7 @@ PictureHeader read_exr_picture_header(const std::string& path) {
 }
 
 PictureHeader read_png_picture_header(const std::string& path) {
-  // Texts stand before the pixels, if they are ours. Longer ones than these are not.
+  // In files written by Etendue, texts come before the pixels and are shorter than this.
   constexpr std::uint64_t kLongest = 1 << 24;
   PictureHeader picture = decode_png_header(read_file(path, kLongest), std::filesystem::file_size(path), path);
   picture.samples = samples_in(picture.metadata);

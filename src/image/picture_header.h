@@ -1,5 +1,5 @@
 #pragma once
-/// What a picture or film file says about itself, without its pixels.
+/// The header of a picture or film file, without its pixels.
 
 #include <cstdint>
 #include <string>
@@ -14,12 +14,12 @@ struct PictureHeader {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   bool film = false;     ///< holds exact sums: can be merged and resumed
-  SampleRanges samples;  ///< sample indices inside; empty when the file does not say
+  SampleRanges samples;  ///< sample indices inside; empty if the file does not say
   Metadata metadata;
   std::vector<std::string> channels;  ///< names, of an EXR file
 };
 
-/// Reads the first bytes of an EXR or PNG file, by content, however large the picture is that it announces. Throws
+/// Reads only the first bytes of an EXR or PNG file (recognised by content), however large the picture is. Throws
 /// Error(file) with the path and the reason.
 PictureHeader read_picture_header(const std::string& path);
 

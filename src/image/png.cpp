@@ -1,4 +1,4 @@
-/// PNG pictures: 8-bit sRGB out, anything libpng understands in.
+/// PNG pictures: writes 8-bit sRGB, reads anything that libpng understands.
 
 #include <algorithm>
 #include <array>
@@ -20,8 +20,8 @@
 namespace etendue {
 namespace {
 
-/// What libpng's callbacks share with us. libpng leaves by longjmp, so functions that call it hold nothing with a
-/// destructor.
+/// State shared with libpng's callbacks. libpng reports errors by longjmp, so functions that call it must not hold
+/// objects with destructors.
 struct PngState {
   std::vector<std::byte> output;
   std::span<const std::byte> input;
@@ -77,7 +77,7 @@ bool is_png_keyword(const std::string& key) {
          std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c <= '~'; });
 }
 
-/// Returns false when libpng gave up; state.message says why.
+/// Returns false if libpng has failed; state.message says why.
 bool encode(png_structp png, png_infop info, PngState& state, const Image& image, png_bytepp rows, bool alpha,
             png_textp texts, int text_count) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
@@ -93,7 +93,7 @@ bool encode(png_structp png, png_infop info, PngState& state, const Image& image
   return true;
 }
 
-/// Codes as they are, of 8 or 16 bits in this machine's order, without a word about their meaning.
+/// Codes as stored, of 8 or 16 bits in this machine's byte order, whatever they mean.
 bool encode_codes(png_structp png, png_infop info, PngState& state, const Bitmap& bitmap, int bits, png_bytepp rows) {
   constexpr std::array<int, 4> kTypes = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
                                          PNG_COLOR_TYPE_RGB_ALPHA};
@@ -114,7 +114,7 @@ bool read_info(png_structp png, png_infop info, PngState& state) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_read_fn(png, &state, read_png_bytes);
   png_set_user_limits(png, kMaxImageSide, kMaxImageSide);
-  png_set_chunk_malloc_max(png, 8u << 20);  // bounds what a compressed text may grow to
+  png_set_chunk_malloc_max(png, 8u << 20);  // bounds the size of an uncompressed text
   png_set_chunk_cache_max(png, 1000);
   png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
   png_read_info(png, info);
@@ -196,7 +196,7 @@ struct PngReader {
   PngReader& operator=(const PngReader&) = delete;
 };
 
-/// What libpng will make of the file with png_set_expand.
+/// The channels and bit depth that png_set_expand will give for the file.
 std::uint32_t expanded_channels(png_structp png, png_infop info) {
   const unsigned type = png_get_color_type(png, info);
   const std::uint32_t colors = (type & PNG_COLOR_MASK_COLOR) != 0 ? 3 : 1;
@@ -242,8 +242,8 @@ Metadata png_metadata(png_structp png, png_infop info) {
   return metadata;
 }
 
-/// Whether no chunk before the one called `last` announces more than the bytes hold. libpng reserves what a chunk
-/// announces before it reads it, up to 2 GiB, and only warns about its own limit.
+/// Whether no chunk before the one called `last` announces more bytes than there are. libpng allocates the announced
+/// size, up to 2 GiB, before it reads a chunk, and only warns about its own limit.
 bool chunks_fit(std::span<const std::byte> bytes, const char* last) {
   const auto at = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]); };
   for (std::size_t begin = 8; bytes.size() >= begin + 8;) {
@@ -272,7 +272,7 @@ void check_png_size(png_structp png, png_infop info, std::size_t file_size, cons
   }
 }
 
-/// What was done to the values is no secret: such a picture shows no radiance.
+/// The metadata record how the values were changed, because such a picture no longer shows radiance.
 Metadata with_display(Metadata metadata, const Display& display) {
   if (display.tone_map != ToneMap::none) metadata["toneMapping"] = name_of(display.tone_map);
   if (display.exposure != 0.0) metadata["exposure"] = fmt::format("{:+g}", display.exposure);

@@ -28,7 +28,7 @@ std::optional<SampleRanges> parse_sample_ranges(std::string_view text) {
     at = second.ptr;
     if (at != end && *at++ != ',') return {};
   }
-  // Comparing with what would be written refuses leading zeros, trailing commas and ranges out of order in one go.
+  // Comparing with the canonical text refuses leading zeros, trailing commas and unsorted ranges all at once.
   if (!is_canonical(ranges) || to_text(ranges) != text) return {};
   return ranges;
 }

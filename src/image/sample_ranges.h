@@ -14,16 +14,16 @@ using SampleRanges = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 /// "0:64,128:192"; empty for no ranges.
 std::string to_text(const SampleRanges& ranges);
-/// The inverse of to_text; nothing when the text is not exactly what to_text writes.
+/// The inverse of to_text; nothing if the text is not exactly what to_text writes.
 std::optional<SampleRanges> parse_sample_ranges(std::string_view text);
 
 /// True when the ranges are non-empty, sorted and separated by gaps.
 bool is_canonical(const SampleRanges& ranges);
-/// Sorted, with neighbours that touch joined. The ranges must be disjoint.
+/// Sorts the ranges and joins adjacent ones. They must be disjoint.
 SampleRanges canonical(SampleRanges ranges);
 /// How many indices the ranges hold.
 std::uint64_t sample_count(const SampleRanges& ranges);
-/// The least index; 2^32 - 1, which is none, where there are no samples.
+/// The smallest index; 2^32 - 1, which is not a valid index, if there are no samples.
 std::uint32_t lowest_sample(const SampleRanges& ranges);
 
 }  // namespace etendue

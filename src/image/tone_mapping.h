@@ -1,5 +1,5 @@
 #pragma once
-/// From scene radiance to what a PNG shows: exposure, then an operator. docs/image_files.md has the equations.
+/// Conversion of scene radiance for PNG files: exposure, then an operator. docs/image_files.md has the equations.
 
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@ namespace etendue {
 
 /// How radiance is brought into [0,1].
 enum class ToneMap {
-  none,      ///< it is cut off at 1
+  none,      ///< clipped at 1
   reinhard,  ///< L/(1+L) of the luminance [Reinhard2002], equation 3
   aces,      ///< a filmic curve of each channel [Narkowicz2015]
 };

@@ -1,6 +1,6 @@
 #pragma once
-/// Small functions of vectors and colours, written once for everything but the reference and the closed forms, which
-/// share nothing with what they check.
+/// Small functions for vectors and colours, shared by everything except the reference and the closed forms, which share
+/// nothing with the code that they check.
 
 #include <algorithm>
 #include <cmath>

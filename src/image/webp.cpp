@@ -1,4 +1,4 @@
-/// WebP pictures: lossy and lossless, with and without alpha, standing still.
+/// WebP pictures: lossy and lossless, with and without alpha, not animated.
 
 #include <cstring>
 

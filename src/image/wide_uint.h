@@ -81,7 +81,8 @@ struct WideUint {
     return remainder;
   }
 
-  /// Multiplies by 2^bits (rounding down for negative `bits`); returns true when non-zero bits fell off below.
+  /// Multiplies by 2^bits (rounding down for negative `bits`); returns true if non-zero bits were lost at the lower
+  /// end.
   bool scale(int bits) {
     const WideUint before = *this;
     const int words = (bits >= 0 ? bits : -bits) / 64;

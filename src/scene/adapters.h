@@ -28,9 +28,9 @@ struct BlendAdapter {
   std::uint32_t second = 0;
 };
 
-/// What becomes of turned normals.
+/// The treatment of turned normals.
 struct TurnedNormals {
-  bool mirrored = true;  ///< those that are not seen are mirrored; else nothing is reflected there
+  bool mirrored = true;  ///< those facing away are mirrored; otherwise nothing is reflected there
   bool shadowed = true;  ///< they shadow like microfacets as steep as they are
 
   bool operator==(const TurnedNormals&) const = default;

@@ -27,7 +27,7 @@ Bounds bounds_of(const Shape& shape);
 Bounds transformed(const Bounds& box, const glm::dmat4& world_from_object);
 
 Bounds bounds_of(const Scene& scene, const Instance& instance);
-/// Of all instances; empty where there are none. Instances of shared meshes count by their transformed boxes.
+/// The box of all instances; empty if there are none. Instances of shared meshes count by their transformed boxes.
 Bounds bounds_of(const Scene& scene);
 /// How far the bulk of a scene extends: the lower median, over all instances, of the larger of two numbers, half the
 /// diagonal of its box and the distance of the box's centre from the median centre (per coordinate). A large floor

@@ -67,7 +67,7 @@ struct GltfBsdf {
   ScalarParameter iridescence{0.0};
   ScalarParameter iridescence_ior{1.3};          ///< of the film, in [1,10]
   ScalarParameter iridescence_thickness{400.0};  ///< of the film, nanometres, in [0,10000]
-  bool thin = true;         ///< a thin sheet; else the surface of a solid, which has a thickness in glTF
+  bool thin = true;         ///< a thin sheet; otherwise the surface of a solid, which has a thickness in glTF
   double dispersion = 0.0;  ///< for a solid: 20 divided by its Abbe number, in [0,kMaxDispersion]
   /// The coat has the surface's normal, whatever normal maps apply to the base, or that of a normal map of its own, as
   /// in NormalMapAdapter.

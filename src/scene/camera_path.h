@@ -1,5 +1,5 @@
 #pragma once
-/// Cameras that move: keyframes, and where the camera stands between them. docs/cameras.md, "Paths".
+/// Moving cameras: keyframes, and interpolation between them. docs/cameras.md, "Paths".
 
 #include <cstddef>
 #include <string>
@@ -23,9 +23,9 @@ struct CameraPath {
   bool empty() const { return keys.empty(); }
 };
 
-/// What is wrong with a key, given those before it, a sentence without a full stop, "" if nothing is: a time that is no
-/// number or not later than the one before, axes that are not at right angles, a key that is mirrored where the first
-/// is not.
+/// What is wrong with a key, given the previous ones, as a sentence without a full stop; "" if nothing is. Wrong are a
+/// time that is not a number or not later than the previous one, axes that are not at right angles, and a key that is
+/// mirrored if the first is not, or vice versa.
 std::string key_complaint(const CameraPath& path, std::size_t key);
 /// The first of all keys.
 std::string path_complaint(const CameraPath& path);

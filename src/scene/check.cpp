@@ -133,7 +133,7 @@ void check_scale(const Instance& instance, const Bounds& box, const Bounds& all,
                   text::quoted(instance.name), size / whole));
 }
 
-/// What is written and changes nothing.
+/// Warns about settings without effect.
 void check_effect(const Scene& scene, const Instance& instance, Diagnostics& diagnostics) {
   const auto* glass = std::get_if<DielectricBsdf>(&scene.bsdf_of(instance));
   if (glass == nullptr || glass->int_ior != glass->ext_ior) return;
@@ -225,7 +225,7 @@ void check_scene(const Scene& scene, Diagnostics& diagnostics) {
   seen.add(glm::dvec3(scene.camera.world_from_camera[3]));
   if (gathers_light(scene.integrator)) check_light(scene, diagnostics);
   check_camera_medium(scene, boxes, diagnostics);
-  // Of a mesh that is shared the first instance tells: a forest has thousands.
+  // For a shared mesh only the first instance is checked, because a forest has thousands.
   std::vector<bool> told(scene.shapes.size(), false), told_as_glass(scene.shapes.size(), false);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];

@@ -21,15 +21,16 @@ namespace etendue {
 namespace {
 
 constexpr std::size_t kMaxPairs = std::size_t{1} << 22;
-/// Planes are told apart in steps of the normal and of the scene's size. The steps are odd, so that common values such
-/// as 0 and 1 do not lie between two of them.
+/// Planes are distinguished in steps of the normal and of the scene's size. The steps are odd, so that common values
+/// such as 0 and 1 do not lie between two of them.
 constexpr double kNormalStep = 3.1e-5;
 constexpr double kOffsetStep = 2.7e-7;
 
 /// More than so many instances are not compared box by box.
 constexpr std::size_t kManyInstances = 2000;
 
-/// Where a triangle lies: its plane in steps, whichever way it faces, and its interval along an axis of that plane.
+/// The location of a triangle: its plane in steps, whichever way it faces, and its interval along an axis of that
+/// plane.
 struct Face {
   std::array<std::int64_t, 4> plane{};
   double lower = 0.0, upper = 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-/// Where points of the world lie in a camera's picture.
+/// The projection of world points into a camera's picture.
 
 #include <optional>
 

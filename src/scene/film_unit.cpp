@@ -57,7 +57,7 @@ int distance_exponent(const Camera& camera) {
   return exponent_above(camera.far_clip * glm::length(glm::dvec3(camera.world_from_camera[2])));
 }
 
-/// Of lengths and places: all that is met lies within the bounds.
+/// For lengths and positions: everything that can be hit is within the bounds.
 int aov_exponent(const View& view, const Bounds& bounds) {
   if (bounds.empty()) return 0;
   glm::dvec3 largest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));

@@ -64,7 +64,7 @@ class Checker {
     }
   }
 
-  /// Of a scene whose tables fit.
+  /// Checks a scene whose tables are consistent.
   void check_materials() {
     check_numbers();
     check_adapters();
@@ -601,7 +601,7 @@ class Checker {
     }
   }
 
-  /// What is found out about a mesh once, for all instances that show it.
+  /// Facts about a mesh, determined once for all its instances.
   struct MeshChecks {
     bool checked = false, usable = false;
     Bounds box;
@@ -612,7 +612,7 @@ class Checker {
     MeshChecks& checks = shapes_[instance.shape];
     if (std::exchange(checks.checked, true)) return checks;
     checks.usable = check_tables(mesh, instance);
-    // A box does not tell of what is no number: then every instance is looked at vertex by vertex.
+    // A box cannot reveal NaN, so in that case every instance is checked vertex by vertex.
     if (std::ranges::all_of(mesh.positions, [](const glm::dvec3& p) { return is_finite(p); })) {
       checks.box = bounds_of(scene_.shape_of(instance));
     } else {
@@ -646,7 +646,7 @@ class Checker {
     return true;
   }
 
-  /// Half of what is allowed: a box around all vertices that lies within needs no look at them.
+  /// Half of the allowed range: if a box around all vertices is within it, they need not be checked.
   static bool lies_within(const Bounds& box) {
     constexpr double kRoom = 0.5;
     const double largest = std::max(largest_coordinate(box.min), largest_coordinate(box.max));

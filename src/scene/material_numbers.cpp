@@ -23,7 +23,7 @@ constexpr const char* kAdapterTypes[] = {"twosided", "mask", "blend", "normalmap
 static_assert(std::size(kBsdfTypes) == std::variant_size_v<Bsdf>);
 static_assert(std::size(kAdapterTypes) == std::variant_size_v<Adapter>);
 
-/// What of a material must stay: its textures and their channels, and the rows that it chooses from.
+/// The parts of a material that must not change: its textures and their channels, and the rows that it chooses from.
 std::vector<std::uint32_t> references_of(const Material& material) {
   std::vector<std::uint32_t> references;
   each_parameter(material, [&](const char*, const auto& parameter) {

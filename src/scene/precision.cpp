@@ -56,7 +56,7 @@ std::string precision_complaint(const Scene& scene) {
   const glm::dmat4& m = camera.world_from_camera;
   const double depth = std::min(depths_of(box, glm::inverse(m)).most, camera.far_clip);
   const double size = glm::length(box.max - box.min);
-  // Of a pixel as far away as anything is. Where it is too small there, it is everywhere.
+  // The size of a pixel at the farthest point; if it is too small there, it is too small everywhere.
   const double pixel = widest_pixel(camera, depth) * glm::length(glm::dvec3(m[0]));
   if (!(pixel > 0.0) || !(size > 0.0)) return "";
   // Positions are rounded, relative to the scene's size in single precision; in double precision to the coordinates.

@@ -190,7 +190,7 @@ void hash(Hasher& h, const BumpMapAdapter& map) {
   hash(h, map.turned);
 }
 
-/// Of each row what it is hashed as: of an adapter a digest that holds those of its choices.
+/// The hash of each row: for an adapter, a digest that includes those of its candidates.
 std::vector<std::uint64_t> adapter_digests(const Scene& scene) {
   std::vector<std::uint64_t> digests;
   for (const Material& material : scene.materials) {
@@ -210,7 +210,7 @@ void hash(Hasher& h, const glm::dmat4& matrix) {
   for (int column = 0; column < 4; ++column) h.bytes(&matrix[column], 4 * sizeof(double));
 }
 
-/// What plain cameras do not have, so that they keep their hash.
+/// Settings that plain cameras lack are hashed only if present, so that plain cameras keep their hash.
 void hash_rest(Hasher& h, const Camera& camera) {
   const FilmWindow& window = camera.window;
   if (camera.type == Camera::Type::perspective && camera.fov_axis == Camera::FovAxis::x && window.whole()) return;
@@ -304,7 +304,7 @@ void hash(Hasher& h, const Camera& camera) {
   h.value(camera.filter.stddev);
   h.value(camera.filter.b);
   h.value(camera.filter.c);
-  // Not what filters of before had no word for: their scenes keep their hashes.
+  // Later settings of filters are hashed only if used, so that older scenes keep their hashes.
   if (camera.filter.stretch != 1.0) h.value(camera.filter.stretch);
   if (camera.filter.type == ReconstructionFilter::Type::lanczos) h.value(camera.filter.lobes);
   hash_rest(h, camera);

@@ -7,7 +7,7 @@
 namespace etendue {
 namespace {
 
-/// Of the squared length of the longest axis.
+/// Relative to the squared length of the longest axis.
 constexpr double kExact = 1e-9, kMisprint = 1e-3;
 
 bool is_similarity_within(const glm::dmat3& m, double tolerance) {

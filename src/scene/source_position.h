@@ -4,7 +4,7 @@
 
 namespace etendue {
 
-/// Where a thing stands in a text file; line and column count from 1 (0: unknown).
+/// A position in a text file; line and column count from 1 (0: unknown).
 struct SourcePosition {
   std::string file;
   int line = 0;

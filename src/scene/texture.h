@@ -30,8 +30,8 @@ struct BitmapTexture {
 struct CheckerboardTexture {
   glm::dvec3 color0{0.4};
   glm::dvec3 color1{0.2};
-  /// What stands in the squares, times their colours: earlier rows of Scene::textures, pictures or checkerboards of the
-  /// same set of coordinates, each in its own place on the surface.
+  /// The textures in the squares, multiplied by their colours: earlier rows of Scene::textures, pictures or
+  /// checkerboards of the same set of coordinates, each in its own place on the surface.
   std::optional<std::uint32_t> texture0{}, texture1{};
 
   bool is_nested() const { return texture0 || texture1; }

@@ -252,7 +252,7 @@ class TextureChecker {
     });
   }
 
-  /// A light has no mesh whose colours it could show.
+  /// A light has no mesh, so it cannot use mesh colours.
   void check_projected(const DeltaLight& light) {
     if (!light.intensity.texture) return;
     const Texture& texture = scene_.textures[*light.intensity.texture];

@@ -1,5 +1,5 @@
 #pragma once
-/// What must hold for textures and for whoever has them; part of check_invariants.
+/// Invariants of textures and of the objects that use them; part of check_invariants.
 
 #include "scene/invariants.h"
 

@@ -24,7 +24,7 @@ const std::array<double, 256>& code_lights() {
 TextureFacts bitmap_facts(const Bitmap& bitmap, ColorSpace color_space) {
   TextureFacts facts{.mean = glm::dvec3(0.0), .least = glm::dvec3(INFINITY), .largest = glm::dvec3(-INFINITY)};
   for (std::uint32_t y = 0; y < bitmap.height; ++y) {
-    glm::dvec3 row(0.0);  // summed by rows, so that large pictures lose no digits
+    glm::dvec3 row(0.0);  // summed by rows, so that large pictures lose no precision
     for (std::uint32_t x = 0; x < bitmap.width; ++x) {
       const glm::dvec3 color(texel_color(bitmap, color_space, x, y));
       if (!is_finite(color)) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What is true of a texture as a whole: how bright lamps are that have one, and what a scene must not hold.
+/// Facts about a texture as a whole: the brightness of lamps that use it, and values that a scene must not contain.
 
 #include <cstdint>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace etendue {
 
-/// Of the colours of all its texels, linear.
+/// Statistics of the linear colours of all its texels.
 struct TextureFacts {
   glm::dvec3 mean{1.0};
   glm::dvec3 least{1.0};
@@ -16,7 +16,7 @@ struct TextureFacts {
   bool finite = true;  ///< otherwise the others are those of the finite numbers
 };
 
-/// Of a picture or a checkerboard; that of colours of a mesh is up to the mesh. Looks at every texel.
+/// For a picture or a checkerboard; mesh colours depend on the mesh. Visits every texel.
 TextureFacts texture_facts(const Scene& scene, const Texture& texture);
 
 /// Radiance of the primitives of an emitting instance, averaged so that it is positive wherever they shine: what lights
