@@ -31,11 +31,11 @@ struct BenchArguments {
   ResultOptions results;
 };
 
-// What --quick measures with: enough to see that everything works.
+// The settings of --quick: just enough to see that everything works.
 constexpr std::size_t kQuickRays = 1 << 14;
 constexpr double kQuickSeconds = 0.02;
 
-// Measured when nothing is named: few primitives, and a tree of half a million.
+// The default scenes: one with few primitives, and one with a tree of half a million.
 std::vector<std::string> default_scenes() {
   std::vector<std::string> files;
   for (const char* name : {"cbox-sphere", "cbox-bumpy", "bubble"}) {
@@ -88,7 +88,7 @@ std::vector<std::unique_ptr<SceneBench>> read_scenes(const BenchArguments& optio
   return benches;
 }
 
-// Each scene into a folder of its own, named after it.
+// Each scene gets a folder of its own, named after it.
 void export_all(const std::string& folder, const std::vector<std::unique_ptr<SceneBench>>& benches) {
   for (const auto& bench : benches) {
     const std::string place = (std::filesystem::path(folder) / bench->scene().name).string();

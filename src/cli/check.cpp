@@ -34,7 +34,7 @@ Result check_files(const CheckArguments& options) {
   for (const std::string& file : options.files) {
     Diagnostics diagnostics;
     ReadOptions read = options.scene.read_options();
-    read.strict = true;  // a check is strict by nature: an unknown property is a mistake until shown otherwise
+    read.strict = true;  // a check is always strict: an unknown property is considered a mistake
     if (std::optional<SceneFile> content = read_scene_file(file, read, diagnostics)) {
       if (auto* scene = std::get_if<Scene>(&*content)) options.sampling.set_size_and_spp(*scene);
       check_scene_file(*content, diagnostics);

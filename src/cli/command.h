@@ -1,5 +1,5 @@
 #pragma once
-/// How main finds the commands: each file of this folder adds one.
+/// The interface through which main finds the commands: each file of this folder adds one.
 
 #include <functional>
 #include <string>
@@ -33,7 +33,7 @@ void add_bench_command(Command& app, Action& action);
 void add_explain_command(Command& app, Action& action);
 void add_view_command(Command& app, Action& action);
 
-/// Files that are scenes, for completion in shells.
+/// The endings of scene files, for shell completion.
 inline const std::vector<std::string> kSceneEndings = {".xml", ".gltf", ".glb", ".obj", ".ply"};
 
 /// Options that several commands share.
@@ -52,15 +52,15 @@ struct SceneOptions {
 /// --size and --spp, short for properties of the scene, and --seed: alike in every command that renders.
 struct SampleOptions {
   std::string size;       ///< "WxH"; empty: the scene's
-  std::uint32_t spp = 0;  ///< 0: what the scene says, or the command
+  std::uint32_t spp = 0;  ///< 0: the default of the scene or the command
   std::uint32_t seed = 0;
 
   void add_to(Command& command);
   /// --size and --spp, for commands without random numbers of their own.
   void add_size_and_spp(Command& command);
-  /// Gives the camera the size, if there is one. Throws Error(usage).
+  /// Sets the camera's size, if one was given. Throws Error(usage).
   void set_size(Scene& scene) const;
-  /// The same, and the sampler the number of samples.
+  /// The same, and sets the sampler's number of samples.
   void set_size_and_spp(Scene& scene) const;
 };
 
@@ -73,7 +73,7 @@ struct DeviceOption {
 
   /// `several`: whether the command shares its work among devices.
   void add_to(Command& command, bool several = false);
-  /// For the library. Sets the number of threads.
+  /// The selection for the library. Also sets the number of threads.
   DeviceSelection selection() const;
   /// Renderers on the chosen device; "reference" is the CPU reference.
   RendererFactory factory() const;
@@ -81,9 +81,9 @@ struct DeviceOption {
   BsdfProbeFactory probe_factory() const;
   /// The chosen Vulkan device. Throws Error(usage) for "reference".
   GpuOptions gpu_options() const;
-  /// One for each device where the selector names several. Throws Error(usage, device).
+  /// One factory per device if the selector names several. Throws Error(usage, device).
   std::vector<RendererFactory> factories() const;
-  /// Devices to be compared, by their selectors: "all" means CPU drivers, too. Throws Error(usage, device).
+  /// The selectors of the devices to be compared; here "all" includes CPU drivers. Throws Error(usage, device).
   std::vector<LabelledFactory> compared() const;
 };
 

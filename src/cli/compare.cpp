@@ -27,8 +27,8 @@ struct CompareArguments {
   ResultOptions results;
 };
 
-/// Both pictures are held as a whole, and one file while it is unpacked. Better said than found out by the system,
-/// which would end the program, or another one.
+/// Both pictures are kept in memory, plus one file while it is unpacked. If that is too much, an error is better than
+/// letting the system kill this program or another one.
 void check_memory(const CompareArguments& options, const PictureHeader& header) {
   constexpr std::uint64_t kPixelBytes = 28;  // color, standard error, sample count
   std::error_code error;
@@ -53,7 +53,7 @@ Ending run_compare(const CompareArguments& options) {
   compare.allow_untested = options.allow_untested;
   for (const std::string& text : options.above) compare.limits.push_back(parse_limit(text, true));
   for (const std::string& text : options.below) compare.limits.push_back(parse_limit(text, false));
-  // Before gigabytes are unpacked from a small file: pictures of different sizes cannot be compared.
+  // Checked before gigabytes are unpacked from a small file: pictures of different sizes cannot be compared.
   const PictureHeader a = read_picture_header(options.test), b = read_picture_header(options.reference);
   require_same_size(a.width, a.height, b.width, b.height);
   check_memory(options, a);

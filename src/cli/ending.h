@@ -1,5 +1,5 @@
 #pragma once
-/// How commands end.
+/// The outcomes of commands.
 
 #include <variant>
 
@@ -7,14 +7,14 @@
 
 namespace etendue::cli {
 
-/// The end of a command that threw no Error.
+/// The outcome of a command that threw no Error.
 enum class Ending {
   ok,
   failed,       ///< a comparison or a statistical test failed
   interrupted,  ///< by a signal, after saving what was done
 };
 
-/// What a command returns: its end, or the kind of an error that it has told about itself.
+/// The result of a command: its outcome, or the kind of an error that it has already reported.
 using Result = std::variant<Ending, ErrorKind>;
 
 /// The exit code of the process. The numbers are in main.cpp and nowhere else.

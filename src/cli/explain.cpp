@@ -22,11 +22,11 @@ struct ExplainArguments {
   SampleOptions sampling;
   std::string pixel;  ///< "X,Y"; empty: the middle
   std::uint32_t sample = 0;
-  std::uint64_t lights = 0;  ///< paths whose lights are counted; 0: one path is told
+  std::uint64_t lights = 0;  ///< number of paths whose lights are counted; 0: one path is explained
   ResultOptions results;
 };
 
-/// How often next-event estimation chose a light, and how often nothing stood in the way.
+/// How often next-event estimation chose a light, and how often it was unoccluded.
 struct LightTally {
   std::uint64_t chosen = 0, reached = 0;
 };
@@ -81,8 +81,8 @@ void tell_path(Renderer& renderer, const Scene& scene, SampleId id, const Explai
   }
 }
 
-/// Paths spread evenly over the picture: multiples of the golden ratio, so that a row of few pixels gets its share,
-/// too.
+/// Distributes paths evenly over the picture by multiples of the golden ratio, so that pictures of few pixels are
+/// covered evenly, too.
 Tally count_lights(Renderer& renderer, const Scene& scene, std::uint64_t paths) {
   constexpr double kGolden = 0.6180339887498949;
   const double pixels = static_cast<double>(std::uint64_t{scene.camera.width} * scene.camera.height);

@@ -33,7 +33,7 @@ bool is_finished_file(const FrameFile& file, const FilmHeader& wanted) {
            same_samples(header.metadata, wanted.metadata) && difference(wanted.samples, header.samples).empty() &&
            (file.denoised || !file.path.ends_with(".exr") || has_aovs(header, wanted));
   } catch (const Error&) {
-    return false;  // what stands there is judged before it is replaced
+    return false;  // existing files are checked before they are replaced
   }
 }
 

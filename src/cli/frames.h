@@ -1,5 +1,5 @@
 #pragma once
-/// Pictures one after the other: --frames and --fps. docs/cameras.md, "Paths".
+/// Sequences of pictures: --frames and --fps. docs/cameras.md, "Paths".
 
 #include <cstdint>
 #include <string>
@@ -19,18 +19,18 @@ struct FrameOptions {
   bool wanted() const { return !range.empty(); }
 };
 
-/// "frame-0007.png" for frame 7 of "frame-####.png"; longer where the number is. Throws Error(usage) that names the
-/// option unless there is one place for a number.
+/// "frame-0007.png" for frame 7 of "frame-####.png"; longer numbers are not cut. Throws Error(usage) naming the option
+/// unless there is exactly one place for a number.
 std::string frame_name(const char* option, const std::string& pattern, std::uint32_t frame);
 
-/// A file that a frame consists of.
+/// One of the files of a frame.
 struct FrameFile {
   std::string path;
   bool film = false;      ///< holds a film
   bool denoised = false;  ///< a denoised picture
 };
 
-/// Whether all files are there, of the render that `wanted` names, with all its samples and AOVs.
+/// Whether all files exist, belong to the render described by `wanted`, and have all its samples and AOVs.
 bool is_finished(const std::vector<FrameFile>& files, const FilmHeader& wanted);
 
 }  // namespace etendue::cli

@@ -22,7 +22,7 @@ struct MergeArguments {
   ResultOptions results;
 };
 
-// Films count samples; where the sampler deals out sets of paths, a sample is a set.
+// Films count samples; with samplers of sets of paths, a sample is a set.
 std::string samples_text(const FilmFile& film, std::uint64_t count) {
   const auto sampler = film.metadata.find("sampler");
   return sampler == film.metadata.end()
@@ -30,7 +30,7 @@ std::string samples_text(const FilmFile& film, std::uint64_t count) {
              : fmt::format("{} sets of paths per pixel ({})", count, text::printable(sampler->second, 60));
 }
 
-// Outputs are different files, and none of them is a picture in place of a film that is read: its sums would be lost.
+// Outputs must be different files, and no picture may replace a film that is read, because its sums would be lost.
 void check_inputs_stay(const MergeArguments& options) {
   std::vector<NamedFile> files;
   for (const std::string& path : options.outputs) files.emplace_back("-o", path);

@@ -15,15 +15,15 @@ namespace etendue::cli {
 /// Throws Error(usage) unless the path ends in .exr or .png.
 void check_output_name(const std::string& path);
 
-/// Throws Error(file) when the file could not be written now: better before the work than after it. The file is
-/// not touched.
+/// Throws Error(file) if the file could not be written now; to be called before the work rather than after it. Does not
+/// touch the file.
 void check_writable(const std::string& path);
 
 /// An option and the file it names: {"-o", "picture.exr"}.
 using NamedFile = std::pair<std::string, std::string>;
 
-/// Throws Error(usage) when two of the files are one: the same place after all links, or the same file by two hard
-/// links. Empty names are skipped.
+/// Throws Error(usage) if two of the names lead to the same file, through symbolic or hard links. Empty names are
+/// skipped.
 void check_distinct(const std::vector<NamedFile>& files);
 
 /// --oidn, and in commands that render --denoise.
@@ -44,32 +44,32 @@ struct DisplayOptions {
 
   void add_to(Command& command);
   Display display() const;
-  /// Throws Error(usage) when they ask for something and none of the outputs is a PNG file.
+  /// Throws Error(usage) if one of them was given but none of the outputs is a PNG file.
   void check(const std::vector<std::string>& outputs) const;
 };
 
 /// "picture.denoised.exr" for "picture.exr".
 std::string denoised_name(const std::string& path);
 
-/// A name that no film goes by: writes a picture, .png as `display` shows it, or .exr.
+/// For a name that is not a film's: writes a picture, as .exr or, converted by `display`, as .png.
 void write_picture(const std::string& path, const Image& image, const Display& display);
 
-/// Writes a film as picture (.png, as `display` shows it), picture or film (.exr).
+/// Writes a film as a picture (.png, converted by `display`), or as a picture or film (.exr).
 void write_output(const std::string& path, const FilmFile& film, bool as_film, const Display& display);
 
-/// Writes files one by one. One that cannot be written does not keep the others from being written.
+/// Writes files one by one; a failure does not prevent the others from being written.
 class OutputWriter {
  public:
   /// Calls `write`, which writes the file at `path`; an Error(file) or a lack of memory is kept for finish().
   void write(const std::string& path, const std::function<void()>& write);
-  /// The same where `write` decides the place and returns it.
+  /// The same, if `write` chooses the path and returns it.
   void write_somewhere(const std::string& path, const std::function<std::string()>& write);
 
   const std::vector<std::string>& written() const { return written_; }
   const std::vector<std::string>& failed() const { return failed_; }
-  /// Takes over what another one could not write.
+  /// Takes over the failures of another writer.
   void add_failures(const OutputWriter& other);
-  /// One sentence about everything that failed; empty when nothing did.
+  /// One sentence about everything that failed; empty if nothing did.
   std::string complaint() const;
   /// Throws Error(file) with the complaint if there is one.
   void finish() const;

@@ -45,13 +45,13 @@ std::string describe(const PictureHeader& old) {
                      spp > 0 ? fmt::format(" and {} samples each", spp) : "");
 }
 
-/// What files say of themselves is not to be trusted on a terminal.
+/// Texts from files must be cleaned before they are printed.
 std::string clean(const std::string& value) {
   constexpr std::size_t kLongest = 60;
   return text::printable(value, kLongest);
 }
 
-/// "of seed 3": the first thing that tells a picture from those of the new render; "" where nothing does.
+/// "of seed 3": the first difference between a picture and those of the new render; "" if there is none.
 std::string difference_text(const PictureHeader& old, const FilmHeader& wanted) {
   const auto differs = [&](const char* key) { return value_of(old.metadata, key) != value_of(wanted.metadata, key); };
   if (differs("scene")) return fmt::format("of another scene ('{}')", clean(value_of(old.metadata, "scene")));
@@ -61,13 +61,13 @@ std::string difference_text(const PictureHeader& old, const FilmHeader& wanted) 
   return "";
 }
 
-/// A regular file with something in it. What is none is the business of those who write.
+/// Whether this is a regular, non-empty file. Everything else is left to the code that writes.
 bool holds_something(const std::string& path) {
   std::error_code error;
   return std::filesystem::is_regular_file(path, error) && (std::filesystem::file_size(path, error) > 0 || error);
 }
 
-/// Why the file must not be replaced by the picture; "" where it may.
+/// Why the file must not be replaced by the picture; "" if it may.
 std::string reason_to_keep(const std::string& path, const NewPicture& picture) {
   PictureHeader old;
   try {
@@ -100,7 +100,7 @@ std::string reason_to_keep(const std::string& path, const NewPicture& picture) {
                      wanted.width, wanted.height);
 }
 
-/// Whether a file begins like what the option writes.
+/// Whether a file begins like those that the option writes.
 bool begins_like_report(const std::string& option, std::string_view beginning) {
   if (option == "--json") return beginning.starts_with("{") || beginning.starts_with("[");
   if (option == "--html") return beginning.starts_with("<!DOCTYPE html>");

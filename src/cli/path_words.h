@@ -1,5 +1,5 @@
 #pragma once
-/// What happened at a vertex of a path, for people and for programs.
+/// Describes what happened at a vertex of a path, for people and for programs.
 
 #include <cstdint>
 #include <string>
@@ -12,13 +12,14 @@ namespace etendue::cli {
 struct VertexWords {
   std::string meets;     ///< "instance 4, 0", or "nothing"
   std::string light;     ///< the light that was chosen, "sky, 17" or "-"
-  std::string reached;   ///< whether it can be seen from here: "yes", "no" or "-"
+  std::string reached;   ///< whether it is visible from here: "yes", "no" or "-"
   std::string lobe;      ///< "diffuse", "reflection" …
-  std::string survives;  ///< of Russian roulette
+  std::string survives;  ///< result of Russian roulette
 };
 VertexWords words_of(const PathVertex& vertex);
 
-/// Of the light at a vertex: the number of an instance, "sky", or "point", whose number then is that of the primitive.
+/// The name of the light at a vertex: the number of an instance, "sky", or "point", whose number is that of the
+/// primitive.
 Json light_json(std::uint32_t instance);
 Json to_json(const PathVertex& vertex);
 

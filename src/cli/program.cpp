@@ -38,7 +38,7 @@ int run(const std::string& description, const std::string& name, const CommandSe
   if (const std::optional<bool> end = app.parse(argc, argv, etendue::cli::print_text))
     return *end ? exit_code(Ending::ok) : exit_code(ErrorKind::usage);
   const etendue::cli::Result result = action();
-  // A run under the validation layer is only good when the layer had nothing to say.
+  // A run under the validation layer succeeds only if the layer reported nothing.
   if (result == etendue::cli::Result(Ending::ok) && etendue::vulkan::validation_message_count() > 0) {
     etendue::log::error(
         fmt::format("The validation layer sent {} messages.", etendue::vulkan::validation_message_count()));
@@ -47,14 +47,14 @@ int run(const std::string& description, const std::string& name, const CommandSe
   return std::visit([](auto end) { return exit_code(end); }, result);
 }
 
-// A stream that is closed, full, or a pipe without a reader must cost what is written to it and nothing else. Closed
-// ones get a file that refuses writes, or the next file opened would take their number and their text.
+// If a stream is closed, full, or a pipe without a reader, only the text written to it may be lost. Closed streams are
+// replaced by a file that refuses writes; otherwise the next file opened would get their number and receive their text.
 void guard_streams() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) >= 0) continue;
-    // Takes the lowest free number, which is `stream`. Without /dev/null there is nothing to be done.
+    // This takes the lowest free number, which is `stream`. Without /dev/null nothing can be done.
     [[maybe_unused]] const int opened = open("/dev/null", O_RDONLY);
   }
 }
@@ -64,7 +64,7 @@ int guarded_run(const std::string& description, const std::string& name, const C
                 char** argv) {
   try {
     const int code = run(description, name, set_up, argc, argv);
-    // Results that did not arrive are no results: a full disk under a redirected stdout must not look like success.
+    // Results must have arrived: a full disk under a redirected stdout must not look like success.
     etendue::cli::finish_results();
     return code;
   } catch (const etendue::Error& error) {
@@ -84,7 +84,7 @@ int guarded_run(const std::string& description, const std::string& name, const C
 
 }  // namespace
 
-// README.md lists these numbers; 77, "skipped", is for tests alone.
+// README.md lists these numbers; 77, "skipped", is only for tests.
 int etendue::cli::exit_code(Ending ending) {
   switch (ending) {
     case Ending::ok:

@@ -1,5 +1,5 @@
 #pragma once
-/// What every program of ours does around its commands.
+/// The frame of every program of this project, around its commands.
 
 #include <functional>
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace etendue::cli {
 
-/// Gives the program its options or commands; whichever is asked for sets the action.
+/// Adds the options or commands of the program; the one that is requested sets the action.
 using CommandSetup = std::function<void(Command& app, Action& action)>;
 
-/// For main: reads the arguments, runs the action and returns the exit code. Errors become sentences on stderr; no
-/// stream that is closed, full or broken ends the program.
+/// For main: reads the arguments, runs the action and returns the exit code. Errors become sentences on stderr; closed,
+/// full or broken streams do not end the program.
 int run_program(const std::string& description, const std::string& name, const CommandSetup& set_up, int argc,
                 char** argv);
 

@@ -7,15 +7,15 @@
 
 namespace etendue::cli {
 
-/// One rewritten line when stderr is a terminal, else a line every few seconds; nothing when quiet.
+/// One line that is rewritten if stderr is a terminal, otherwise a line every few seconds; nothing if quiet.
 class ProgressLine {
  public:
-  /// `total` pixel samples make the job; `before` of them were done by earlier runs and do not count for the speed.
+  /// The job has `total` pixel samples; `before` of them were done by earlier runs and do not count for the speed.
   ProgressLine(bool quiet, std::uint64_t before, std::uint64_t total);
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
-  /// `done` pixel samples of the job, those of earlier runs included.
+  /// `done` pixel samples of the job are done, including those of earlier runs.
   void update(std::uint64_t done);
   /// Ends the line, so that something else can be written.
   void finish();

@@ -63,7 +63,7 @@ bool uses_gpu(const RenderArguments& options) {
   return options.device.selector != "reference";
 }
 
-// A range of paths as film samples. A film knows whole sets only.
+// A range of paths as film samples, which are whole sets.
 SampleRange whole_sets(const SampleRange& paths, const Sampler& sampler) {
   const std::uint32_t size = sampler.set_size();
   if (paths.begin % size == 0 && paths.end % size == 0) return {paths.begin / size, paths.end / size};
@@ -105,14 +105,14 @@ std::vector<std::string> output_paths(const RenderArguments& options, const Scen
   return {name + ".exr", name + ".png"};
 }
 
-/// What one call of the command is to do.
+/// The task of one call of the command.
 struct Plan {
   SessionOptions session;
   std::vector<std::string> outputs;  ///< .exr and .png
   bool film = false;                 ///< .exr outputs are films, which can be merged and resumed
-  std::optional<ViewerAddress> tev;  ///< where it is shown
+  std::optional<ViewerAddress> tev;  ///< the viewer that shows it
   std::optional<Denoiser> denoiser;
-  std::vector<std::string> denoised;  ///< what it writes, one for each output
+  std::vector<std::string> denoised;  ///< paths of denoised pictures, one for each output
   std::optional<std::uint32_t> frame;
   std::vector<Json> reports;  ///< of frames, for one file of --json
 };
@@ -142,7 +142,7 @@ Plan make_plan(const RenderArguments& options, Clock::time_point start) {
   return plan;
 }
 
-// What is denoised is an estimate without an error: the one that it was made of must not be lost.
+// A denoised picture is an estimate without an error, so the original must not be lost.
 void plan_denoising(Plan& plan) {
   if (!plan.denoiser) return;
   if (std::ranges::none_of(plan.outputs, [](const std::string& path) { return path.ends_with(".exr"); }))
@@ -152,7 +152,7 @@ void plan_denoising(Plan& plan) {
   for (const std::string& path : plan.outputs) plan.denoised.push_back(denoised_name(path));
 }
 
-// Every file is one of its own, so that none is lost to another; a film may take the place of the film it goes on from.
+// All files must be different, so that none overwrites another; but a film may replace the film that it continues.
 void check_files(const Plan& plan, const RenderArguments& options) {
   std::vector<NamedFile> files = {{"--checkpoint", options.checkpoint}};
   for (const std::string& path : plan.outputs) files.emplace_back("-o", path);
@@ -169,7 +169,7 @@ void check_files(const Plan& plan, const RenderArguments& options) {
   }
 }
 
-// Nothing when all samples are in the film.
+// Nothing if all samples are in the film.
 std::string rejected_text(const RenderJob& job) {
   std::uint64_t count = job.state().film.rejected();
   for (const AovFilm& aov : job.state().aovs) count += aov.film.rejected();
@@ -184,7 +184,7 @@ std::string rejected_text(const RenderJob& job) {
   return fmt::format("{} samples were not finite or too large for the film and were left out{}", count, places);
 }
 
-/// What one run did, for the report.
+/// The outcome of one run, for the report.
 struct Outcome {
   SessionEnd end;
   std::uint64_t samples = 0;  ///< sample indices rendered by this run
@@ -194,7 +194,7 @@ struct Outcome {
   OutputWriter files;
 };
 
-// A render that went on to its last sample for want of certainty says so.
+// Says so if a render continued to its last sample because the error bound was not reached.
 std::string missed_error_text(const Film& film, const std::string& wanted) {
   const double error = stopping_error(film);
   return std::isinf(error)
@@ -277,14 +277,15 @@ void report(Outcome& outcome, const RenderJob& job, const RenderArguments& optio
     print_text(stats_text(*outcome.profile, gpu_timings(*team.renderers().front())));
 }
 
-// Statistics and heat maps are counted afterwards, on the first device and a few samples: the render pays nothing.
+// Statistics and heat maps are counted afterwards, on the first device and for a few samples, so they do not slow the
+// render down.
 std::optional<RenderProfile> count_profile(const DeviceTeam& team, const RenderArguments& options) {
   constexpr std::uint32_t kProfiledSamples = 4;
   if (!options.stats && options.heat_maps.empty()) return std::nullopt;
   return gpu_profile(*team.renderers().front(), kProfiledSamples);
 }
 
-// What is done now, each file where it costs nothing that is worth more.
+// Writes the samples so far; each file only where it replaces nothing more valuable.
 void write_outputs(OutputWriter& files, const RenderJob& job, const RenderArguments& options, const Plan& plan) {
   const NewPicture picture{header_of(job.state()), plan.film};
   for (const std::string& path : plan.outputs)
@@ -295,7 +296,7 @@ void write_outputs(OutputWriter& files, const RenderJob& job, const RenderArgume
     });
 }
 
-// What the viewer lists; no path of a file that it may have open.
+// The name listed by the viewer, which must not be the path of a file that it may have open.
 std::string viewer_name(const Plan& plan) {
   return "etendue: " + std::filesystem::path(plan.outputs.front()).filename().string();
 }
@@ -354,9 +355,9 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const R
     log::warning("Interrupted before the first pass was finished; nothing was written.");
     return Ending::interrupted;
   }
-  // The checkpoint comes first; from here on, what one file suffers does not touch the others.
+  // The checkpoint comes first; after that, a failure with one file does not affect the others.
   OutputWriter checkpoint_file;
-  if (!plan.frame || outcome.end != SessionEnd::complete)  // a frame that is done needs none
+  if (!plan.frame || outcome.end != SessionEnd::complete)  // a finished frame needs no checkpoint
     checkpoint_file.write(options.checkpoint, [&] { checkpoint.save(); });
   if (const std::string text = rejected_text(job); !text.empty()) {
     if (options.scene.strict && !checkpoint_file.failed().empty()) log::warning(checkpoint_file.complaint() + ".");
@@ -366,7 +367,7 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const R
   }
   write_outputs(outcome.files, job, options, plan);
   write_denoised(outcome.files, job, options, plan);
-  // Behind the files, which a viewer must not keep waiting.
+  // After the files, which must not wait for a viewer.
   if (viewer) {
     const bool interrupted = outcome.end == SessionEnd::interrupted;
     outcome.shown = viewer->finish(image_from_film(job.state()), [&] { return !interrupted && signals.stop_asked(); });
@@ -383,7 +384,7 @@ Ending run_job(RenderJob& job, Checkpoint& checkpoint, DeviceTeam& team, const R
   return outcome.end == SessionEnd::interrupted ? Ending::interrupted : Ending::ok;
 }
 
-// Before the render, not after it: what stands where pictures are to go and is worth more than they will be.
+// Checks before the render, not after it, whether existing files are worth more than the new ones.
 void check_outputs(const RenderArguments& options, const Plan& plan, const FilmHeader& wanted) {
   FilmHeader heat = wanted;
   heat.samples.clear();
@@ -401,7 +402,7 @@ void check_outputs(const RenderArguments& options, const Plan& plan, const FilmH
   }
 }
 
-// Those of the command beside those of the scene.
+// The AOVs of the command in addition to those of the scene.
 void add_aovs(const RenderArguments& options, Scene& scene) {
   for (const Aov aov : parse_aovs(options.aovs)) {
     const std::string complaint = aov_complaint(scene.integrator, aov);
@@ -415,7 +416,7 @@ void add_aovs(const RenderArguments& options, Scene& scene) {
   }
 }
 
-/// What pictures of one scene share, or of several one after the other.
+/// The state shared by several pictures, of one scene or of several.
 struct Stage {
   std::shared_ptr<Scene> scene;
   bool is_new = true;                ///< the scene, to the team
@@ -429,14 +430,13 @@ Scene read_prepared(const RenderArguments& options, const ReadOptions& read) {
   return scene;
 }
 
-// Opens the devices, unless they only have to look at the scene from another place.
+// Opens the devices, unless only their view of the scene changes.
 void prepare_team(Stage& stage, const RenderArguments& options, const FilmHeader& identity) {
   AovPlan aovs = aov_plan(*stage.scene, options.sampling.seed, identity);
   if (!std::exchange(stage.is_new, false)) return stage.team->look_at(std::move(aovs));
   if (const std::string sentence = precision_complaint(*stage.scene); uses_gpu(options) && !sentence.empty())
     log::warning("the camera: " + sentence);
-  // Compiled once for all devices, and for those that are opened afresh. Of the scene only the camera moves, which is
-  // not compiled.
+  // Compiled once for all devices, including reopened ones. Only the camera moves, and it is not compiled.
   const SharedScene shared{std::shared_ptr<const Scene>(stage.scene)};
   std::vector<OpenRenderer> open;
   for (const RendererFactory& factory : options.device.factories()) {
@@ -507,13 +507,13 @@ void check_frame_options(const RenderArguments& options) {
   if (!options.until_error.empty()) refuse("--until-error", "existing frames are recognised by their samples");
   if (!options.resume.empty()) refuse("--resume", "interrupted frames continue by themselves");
   if (!options.scene.at.empty()) refuse("--at", "each frame has its own time, given by --fps");
-  // Before a scene is read: every name has its place for the number.
+  // Checked before a scene is read: every name has a place for the number.
   for (const std::string& path : options.outputs) frame_name("-o", path, 0);
   for (const std::string& path : options.heat_maps) frame_name("--heat-map", path, 0);
   if (!options.checkpoint.empty()) frame_name("--checkpoint", options.checkpoint, 0);
 }
 
-// The same for one frame: its names, and where it goes on if it was interrupted.
+// The same for one frame: its file names, and the film to continue if it was interrupted.
 RenderArguments frame_arguments(const RenderArguments& options, const Scene& scene, std::uint32_t frame) {
   RenderArguments one = options;
   one.outputs = output_paths(options, scene);
@@ -533,7 +533,7 @@ RenderArguments frame_arguments(const RenderArguments& options, const Scene& sce
   return one;
 }
 
-// A camera moves in a scene that is read and compiled once; whatever else moves is another scene.
+// If only the camera moves, the scene is read and compiled once; if anything else moves, each frame is a new scene.
 void set_stage(Stage& stage, const RenderArguments& options, double time) {
   ReadOptions read = options.scene.read_options();
   if (is_gltf(options.scene_file)) {

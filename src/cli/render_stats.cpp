@@ -37,7 +37,8 @@ double linear(double srgb) {
   return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
 }
 
-// Colours of equal steps from 0 to 1, as sRGB: their lightness rises all the way, so the order shows in grey as well.
+// Colours at equal steps from 0 to 1, in sRGB. Their lightness increases throughout, so the order is also visible in
+// grey.
 constexpr std::array<std::array<double, 3>, 6> kRamp = {
     {{0.0, 0.0, 0.0}, {0.24, 0.06, 0.44}, {0.62, 0.14, 0.42}, {0.92, 0.38, 0.20}, {0.98, 0.75, 0.20}, {1.0, 1.0, 1.0}}};
 

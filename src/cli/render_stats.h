@@ -1,5 +1,5 @@
 #pragma once
-/// What `etendue render --stats` tells and what heat maps show.
+/// The output of `etendue render --stats`, and heat maps.
 
 #include <string>
 
@@ -9,7 +9,7 @@
 
 namespace etendue::cli {
 
-/// Rays, nodes and primitives by class, lanes at work, and passes; for stdout.
+/// Rays, nodes and primitives by class, active lanes, and passes; for stdout.
 std::string stats_text(const RenderProfile& profile, const GpuTimings& timings);
 Json stats_json(const RenderProfile& profile, const GpuTimings& timings);
 

@@ -10,9 +10,9 @@
 
 namespace etendue::cli {
 
-/// Writes text of whole lines to stdout, cleaned by text::printable_lines: whatever names it holds, no control
+/// Writes text of whole lines to stdout, cleaned by text::printable_lines: whatever names it contains, no control
 /// characters reach the terminal, and lines are cut at text::kLongestLine. A stdout that is closed, full, or a pipe
-/// without a reader does not end the command, which may have files to write yet; finish_results() tells.
+/// without a reader does not end the command, which may still have files to write; finish_results() reports it.
 void print_text(std::string_view text);
 
 template <typename... Arguments>
@@ -20,10 +20,10 @@ void print_result(fmt::format_string<Arguments...> format, Arguments&&... argume
   print_text(fmt::format(format, std::forward<Arguments>(arguments)...));
 }
 
-/// Writes a value, two blanks a level, and a newline; never cut.
+/// Writes a value, indented by two blanks per level, and a newline; lines are never cut.
 void print_json(const Json& json);
 
-/// What was printed is with its receiver now. Throws Error(file) unless all of it is.
+/// Makes sure that everything printed has arrived. Throws Error(file) if not.
 void finish_results();
 
 }  // namespace etendue::cli

@@ -27,9 +27,8 @@ static_assert(std::atomic<std::int64_t>::is_always_lock_free && std::atomic<bool
 
 constexpr std::int64_t kOneRequest = 300'000'000;  // ns: signals that belong together
 
-// Whatever would end the program without a core dump and can be caught, but for SIGPIPE and SIGXFSZ, which writes
-// report themselves, and the signals of faults in the program. SIGXCPU is the kernel's, every second beyond `ulimit -S
-// -t`.
+// All signals that end a program without a core dump and can be caught, except SIGPIPE and SIGXFSZ, which writes report
+// themselves, and those of faults in the program. SIGXCPU is sent by the kernel every second beyond `ulimit -S -t`.
 constexpr int kSignals[] = {SIGINT,  SIGTERM,   SIGHUP,  SIGUSR1, SIGUSR2, SIGXCPU,
                             SIGALRM, SIGVTALRM, SIGPROF, SIGPWR,  SIGPOLL};
 constexpr int kSignalCount = static_cast<int>(std::size(kSignals));
@@ -37,14 +36,14 @@ struct sigaction g_before[kSignalCount];
 
 void say(const char* sentence) {
   if (g_quiet) return;
-  // Nothing can be done about a stderr that is gone, and a pipe that nobody reads must not hold the process.
+  // Nothing can be done if stderr is gone, and a pipe that nobody reads must not block the process.
   pollfd stream{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
   if (poll(&stream, 1, 0) != 1) return;
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, sentence, std::strlen(sentence));
 }
 
 bool is_impatient(int signal) {
-  if (signal != SIGINT && signal != SIGTERM) return false;  // others are repeated by shells, timers or the kernel
+  if (signal != SIGINT && signal != SIGTERM) return false;  // shells, timers and the kernel repeat the others
   timespec time{};
   clock_gettime(CLOCK_MONOTONIC, &time);
   const std::int64_t now = std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
@@ -86,7 +85,7 @@ SignalWatch::SignalWatch(bool quiet) {
   sigemptyset(&action.sa_mask);
   for (int i = 0; i < kSignalCount; ++i) {
     sigaction(kSignals[i], nullptr, &g_before[i]);
-    // As by nohup. SIGINT is ignored in every background job of a script, and is meant all the same.
+    // Ignored by nohup. SIGINT is ignored in background jobs of scripts, too, but is honoured anyway.
     const bool deliberate = kSignals[i] != SIGINT && kSignals[i] != SIGTERM && kSignals[i] != SIGUSR1;
     if (deliberate && g_before[i].sa_handler == SIG_IGN) continue;
     sigaction(kSignals[i], &action, nullptr);

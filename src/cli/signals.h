@@ -3,10 +3,11 @@
 
 namespace etendue::cli {
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP (unless it was ignored) ask to stop, and SIGUSR1 asks for the current
-/// image. Until saving_starts(), when there is nothing to save, a request to stop ends the process at once with code
-/// 130. After it, so does a second SIGINT or SIGTERM, the impatient one. SIGHUP is never that one, and neither is a
-/// signal within 0.3 s of the first: `timeout` sends two, to its child and to its group. One at a time.
+/// During its lifetime, SIGINT, SIGTERM and SIGHUP (unless it was ignored) request a stop, and SIGUSR1 requests the
+/// current image. Until saving_starts(), while there is nothing to save, a request to stop ends the process at once
+/// with code 130. After that, a second SIGINT or SIGTERM does so. SIGHUP never counts as the second one, nor does a
+/// signal within 0.3 s of the first, because `timeout` sends two, to its child and to its group. Only one may exist at
+/// a time.
 class SignalWatch {
  public:
   explicit SignalWatch(bool quiet);
@@ -14,7 +15,7 @@ class SignalWatch {
   SignalWatch(const SignalWatch&) = delete;
   SignalWatch& operator=(const SignalWatch&) = delete;
 
-  /// From here on the one who asks `stop_asked` stops and saves.
+  /// From here on, the caller of `stop_asked` stops and saves.
   void saving_starts();
   bool stop_asked() const;
   bool image_asked() const;

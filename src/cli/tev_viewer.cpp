@@ -13,7 +13,7 @@ namespace etendue::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenPictures{500};
-constexpr int kCostShare = 20;  // at most one part in this many of the time goes into making pictures
+constexpr int kCostShare = 20;  // making pictures may take at most 1/kCostShare of the time
 constexpr std::chrono::seconds kBetweenTries{2};
 constexpr std::chrono::milliseconds kLookForEnd{200};
 constexpr std::chrono::seconds kViewerPatience{10};
@@ -76,7 +76,7 @@ void TevViewer::work() {
   changed_.notify_all();
 }
 
-// Until the viewer is looked for again.
+// The time until the next attempt to reach the viewer.
 void TevViewer::pause() {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, kBetweenTries, [&] { return finishing_ || stopped_; });
@@ -125,7 +125,7 @@ void TevViewer::serve() {
   }
 }
 
-// The last picture ends an earlier one between two packets. Returns what went wrong.
+// The last picture interrupts an earlier one between two packets. Returns what went wrong.
 std::string TevViewer::send(const Image& picture) {
   window_ = Clock::now();
   taken_ = 0;
@@ -165,7 +165,7 @@ void TevViewer::lose(const std::string& reason, std::shared_ptr<const Image> pic
   waiting_ = std::move(picture);
 }
 
-// A viewer that is slow may be so while there is something to render.
+// A slow viewer does not matter while the render continues.
 bool TevViewer::goes_on() {
   if (stopped_) return false;
   {

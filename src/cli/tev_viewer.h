@@ -1,5 +1,5 @@
 #pragma once
-/// A picture in the viewer tev while it renders: docs/tev.md.
+/// Shows the picture in the viewer tev during the render: docs/tev.md.
 
 #include <atomic>
 #include <chrono>
@@ -16,19 +16,19 @@
 
 namespace etendue::cli {
 
-/// Sends pictures from a thread of its own. The render pays for a copy of the picture when the viewer has taken the
-/// last one, and for nothing else: a viewer that is slow gets fewer pictures, one that is not there or goes away costs
-/// a warning and is looked for again.
+/// Sends pictures from a thread of its own. The only cost for the render is a copy of the picture each time the viewer
+/// has received the last one. A slow viewer gets fewer pictures; if there is none, or it disappears, there is a warning
+/// and later another attempt.
 class TevViewer {
  public:
   struct Report {
-    std::uint64_t pictures = 0;  ///< sent whole
-    bool last = false;           ///< the last one was
+    std::uint64_t pictures = 0;  ///< number of pictures sent completely
+    bool last = false;           ///< whether the last one was sent
   };
 
   /// Connects in the background. `name` is what the viewer lists the picture as.
   TevViewer(ViewerAddress address, const std::string& name);
-  /// Gives up what is not sent yet.
+  /// Discards what has not been sent yet.
   ~TevViewer();
   TevViewer(const TevViewer&) = delete;
   TevViewer& operator=(const TevViewer&) = delete;
@@ -61,17 +61,17 @@ class TevViewer {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::shared_ptr<const Image> waiting_;  ///< the picture to be sent next
-  bool idle_ = false;                     ///< connected, and everything is sent
+  bool idle_ = false;                     ///< connected, and everything has been sent
   bool finishing_ = false;                ///< what waits is the last picture
-  bool ended_ = false;                    ///< nothing more is going to happen
+  bool ended_ = false;                    ///< the thread has ended
   Report report_;
   Clock::time_point next_ = Clock::now();  ///< no picture before that
-  std::atomic<bool> stopped_{false};       ///< the owner wants no more
+  std::atomic<bool> stopped_{false};       ///< the owner has requested the end
 
-  // Of the thread alone.
+  // Used by the thread only.
   ViewerConnection connection_;
   bool created_ = false;     ///< the viewer knows the picture
-  bool told_ = false;        ///< that there is no viewer
+  bool told_ = false;        ///< whether the missing viewer was reported
   bool sends_last_ = false;  ///< is at the last picture now
   bool sent_last_ = false;
   bool cut_short_ = false;    ///< did not send all of the picture
@@ -80,7 +80,7 @@ class TevViewer {
   Clock::time_point window_;  ///< since then it took `taken_` bytes
   std::size_t taken_ = 0;
 
-  std::thread thread_;  ///< begins when all else is there
+  std::thread thread_;  ///< the last member, so that everything else exists when it starts
 };
 
 }  // namespace etendue::cli

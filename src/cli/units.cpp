@@ -45,7 +45,7 @@ double parse_duration(const char* option, const std::string& text) {
   for (const Unit& unit : kUnits) {
     if (std::string_view(text).substr(digits) != unit.name) continue;
     const auto value = parse_plain(std::string_view(text).substr(0, digits));
-    // Beyond a thousand years the clock's arithmetic ends.
+    // Beyond a thousand years the clock's arithmetic would overflow.
     if (value && *value > 0.0 && *value * unit.seconds < 3e10) return *value * unit.seconds;
   }
   refuse(option, text, "a duration above zero with its unit ms, s, m, h or d; write for example 30s, 10m or 1.5h");

@@ -30,7 +30,7 @@ struct ValidateArguments {
   ResultOptions results;
 };
 
-// One device is told at length, several in a table.
+// A single device gets a detailed report, several devices a table.
 std::string text_of(const DevicesValidation& all) {
   return all.pairs.size() == 1 ? validation_text(all.pairs.front()) : devices_text(all);
 }
@@ -69,7 +69,7 @@ Ending finish(const ValidateArguments& options, const std::vector<DevicesValidat
   return passed ? Ending::ok : Ending::failed;
 }
 
-// The scene that renders this beside the picture, under a name that says so.
+// The scene with this AOV instead of the picture, under a name that says so.
 Scene scene_of_aov(const Scene& scene, Aov aov, const std::string& list) {
   const std::string complaint = aov_complaint(scene.integrator, aov);
   if (!complaint.empty()) throw Error(ErrorKind::usage, fmt::format("'--aov {}': {}.", list, complaint));

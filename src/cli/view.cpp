@@ -29,7 +29,7 @@ std::vector<std::string> own_arguments() {
   return arguments;
 }
 
-/// The viewer is a program of its own, beside this one, so that no other command carries a web server about.
+/// The viewer is a separate program next to this one, so that other commands do not contain a web server.
 [[noreturn]] void become_viewer() {
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);

@@ -1,6 +1,6 @@
 #pragma once
-/// The options of `etendue view`, read twice: by the command, whose table help and completion are written from, and by
-/// the viewer that it becomes.
+/// The options of `etendue view`, which are read twice: by the command, whose table yields help and completion, and by
+/// the viewer that replaces it.
 
 #include <string>
 
@@ -15,7 +15,7 @@ struct ViewOptions {
   SampleOptions sampling;
   DeviceOption device;
   std::string listen = "127.0.0.1";
-  unsigned port = 0;  ///< 0: one that is free
+  unsigned port = 0;  ///< 0: any free port
   ResultOptions results;
 
   void add_to(Command& command);

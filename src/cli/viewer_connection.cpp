@@ -40,7 +40,7 @@ bool is_port(const std::string& text) {
 
 using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
 
-/// The reason in `error` where there is none.
+/// If there is none, `error` is set to the reason.
 Addresses look_up(const ViewerAddress& address, std::string& error) {
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;
@@ -66,7 +66,7 @@ ViewerAddress parse_viewer_address(const std::string& text) {
     if (!rest.empty() && rest[0] != ':') fail_on_address(text, "continues after the ']' without a colon");
     if (rest == ":") fail_on_address(text, "has no port after the colon");
     port = rest.empty() ? "" : rest.substr(1);
-  } else if (std::ranges::count(text, ':') == 1) {  // more of them: an IPv6 address and no port
+  } else if (std::ranges::count(text, ':') == 1) {  // more colons mean an IPv6 address without a port
     const std::size_t colon = text.find(':');
     host = text.substr(0, colon);
     port = text.substr(colon + 1);
@@ -92,7 +92,7 @@ void ViewerConnection::close() {
   socket_ = -1;
 }
 
-// False when `go_on` says so. Errors count as ready: the call that follows finds them.
+// False if `go_on` returns false. Errors count as ready; the next call will find them.
 bool ViewerConnection::wait(short events, const GoOn& go_on) const {
   for (;;) {
     if (!go_on()) return false;
@@ -112,7 +112,7 @@ std::string ViewerConnection::open(const ViewerAddress& address, const GoOn& go_
       error = std::strerror(errno);
       continue;
     }
-    // A picture that waits in the system's memory is one that the viewer has not taken.
+    // A small buffer, because a picture that waits in the system's memory has not been received by the viewer.
     setsockopt(socket_, SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof(kSendBuffer));
     if (connect(socket_, each->ai_addr, each->ai_addrlen) == 0) return "";
     int reason = errno;

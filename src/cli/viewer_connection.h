@@ -1,5 +1,5 @@
 #pragma once
-/// A TCP connection to a viewer that may be slow, deaf or gone.
+/// A TCP connection to a viewer that may be slow, unresponsive or gone.
 
 #include <chrono>
 #include <cstddef>
@@ -9,19 +9,19 @@
 
 namespace etendue::cli {
 
-/// Where a viewer listens.
+/// The address of a viewer.
 struct ViewerAddress {
   std::string host = "127.0.0.1";  ///< a name, an IPv4 or an IPv6 address
   std::string port = "14158";      ///< 1 to 65535
 };
 
-/// "host:port", "host", ":port", "[::1]:port", "::1"; what is left out is as above. Throws Error(usage).
+/// "host:port", "host", ":port", "[::1]:port", "::1"; missing parts have the defaults above. Throws Error(usage).
 ViewerAddress parse_viewer_address(const std::string& text);
 /// "127.0.0.1:14158", "[::1]:14158".
 std::string to_text(const ViewerAddress& address);
 
-/// Nothing here throws but for memory, or raises SIGPIPE. Functions that may take long ask `go_on` several times a
-/// second and end with "stopped" when it returns false.
+/// Nothing here raises SIGPIPE or throws, except if memory runs out. Functions that may take long call `go_on` several
+/// times per second and end with "stopped" if it returns false.
 class ViewerConnection {
  public:
   using GoOn = std::function<bool()>;
@@ -35,10 +35,10 @@ class ViewerConnection {
   void close();
   /// Tries all addresses of the host, some seconds each. Returns what went wrong, "" if nothing did.
   std::string open(const ViewerAddress& address, const GoOn& go_on);
-  /// Sends all bytes, or returns what went wrong, and is closed then. `taken` hears of every piece.
+  /// Sends all bytes, or returns what went wrong and closes the connection. `taken` is called for every piece.
   std::string send(std::span<const std::byte> bytes, const GoOn& go_on, const std::function<void(std::size_t)>& taken);
-  /// Tells the other side that nothing more comes, and waits at most so long until it has closed, too. False when it
-  /// has thrown away what it was sent.
+  /// Shuts down sending and waits, at most so long, until the other side has closed as well. False if it has discarded
+  /// data.
   bool finish(std::chrono::milliseconds patience, const GoOn& go_on);
   /// Whether the other side has closed the connection.
   bool was_closed() const;
