@@ -22,7 +22,9 @@ namespace etendue {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::uint32_t kByte = 5120, kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+// Component types, as the numbers that JSON has.
+constexpr double kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125,
+                 kFloat = 5126;
 
 /// Between which numbers a member of a material lies, and what becomes of others.
 struct Range {
@@ -100,20 +102,23 @@ bool is_known(std::string_view kind) {
 }
 
 /// Whether the standard lets an attribute have that component type.
-bool may_have_type(std::string_view kind, std::uint32_t type, bool normalized, bool quantized) {
+bool may_have_type(std::string_view kind, double type, bool normalized, bool quantized) {
   const bool is_unsigned = type == kUnsignedByte || type == kUnsignedShort;
   if (kind == "JOINTS_") return is_unsigned && !normalized;
   if (type == kFloat || (normalized && is_unsigned && (kind == "COLOR_" || kind == "WEIGHTS_"))) return true;
   if (kind == "TEXCOORD_") return (normalized && is_unsigned) || (quantized && type <= kUnsignedShort);
   if (kind == "POSITION") return quantized && type <= kUnsignedShort;
-  const bool is_signed = type == kByte || type == kByte + 2;
+  const bool is_signed = type == kByte || type == kShort;
   return (kind == "NORMAL" || kind == "TANGENT") && quantized && normalized && is_signed;
 }
 
 class GltfAuditor {
  public:
   GltfAuditor(const GltfDocument& document, Diagnostics& diagnostics)
-      : document_(document), root_(document.root()), sink_(diagnostics) {}
+      : document_(document),
+        root_(document.root()),
+        sink_(diagnostics),
+        quantized_(declares("KHR_mesh_quantization")) {}
 
   void run() {
     audit_names();
@@ -222,7 +227,7 @@ class GltfAuditor {
     for (const JsonValue& primitive : primitives) {
       const JsonValue* attributes = primitive.find("attributes");
       if (attributes == nullptr || attributes->object() == nullptr) continue;
-      for (const auto& [name, value] : *attributes->object()) audit_attribute(*attributes, name);
+      audit_attributes(*attributes);
       for (const JsonValue& target : list(primitive, "targets")) {
         if (target.object() == nullptr) continue;
         for (const auto& [name, value] : *target.object()) check_attribute_name(target, name);
@@ -237,33 +242,45 @@ class GltfAuditor {
                        text::quoted(name)));
   }
 
-  void audit_attribute(const JsonValue& attributes, const std::string& name) {
-    check_attribute_name(attributes, name);
-    check_index(attributes, name, "accessors");
-    const std::string_view kind = kind_of_attribute(name);
-    const auto missing = [&](const std::string& other) { return attributes.find(other) == nullptr; };
-    const std::string number = name.substr(kind.size());
-    if (kind == "JOINTS_" && missing("WEIGHTS_" + number))
-      warn(attributes, fmt::format("{} comes without WEIGHTS_{}; it moves nothing", name, number));
-    if (kind == "WEIGHTS_" && missing("JOINTS_" + number))
-      warn(attributes, fmt::format("{} comes without JOINTS_{}; it moves nothing", name, number));
-    if (kind == "TEXCOORD_" && number != "0" && number.size() == 1 &&
-        missing(fmt::format("TEXCOORD_{}", number[0] - '1')))
-      warn(attributes, fmt::format("{} comes without TEXCOORD_{}; it is not used", name, number[0] - '1'));
-    check_type(attributes, name, kind);
+  /// Looks names up in a set: hostile files have very many.
+  void audit_attributes(const JsonValue& attributes) {
+    std::set<std::string_view> names;
+    for (const auto& [name, value] : *attributes.object()) names.insert(name);
+    for (const auto& [name, value] : *attributes.object()) {
+      if (!sink_.wants_warnings()) return;
+      check_attribute_name(attributes, name);
+      check_companions(attributes, name, names);
+      check_attribute_accessor(attributes, name, value);
+    }
   }
 
-  void check_type(const JsonValue& attributes, const std::string& name, std::string_view kind) {
-    const auto index = number_in(attributes, name);
+  void check_companions(const JsonValue& attributes, const std::string& name, const std::set<std::string_view>& names) {
+    const std::string_view kind = kind_of_attribute(name);
+    const std::string number = name.substr(kind.size());
+    const auto needs = [&](const std::string& other, const char* otherwise) {
+      if (!names.contains(other)) warn(attributes, fmt::format("{} comes without {}; it {}", name, other, otherwise));
+    };
+    if (kind == "JOINTS_") needs("WEIGHTS_" + number, "moves nothing");
+    if (kind == "WEIGHTS_") needs("JOINTS_" + number, "moves nothing");
+    if (kind == "TEXCOORD_" && number.size() == 1 && number[0] >= '1' && number[0] <= '9')
+      needs(fmt::format("TEXCOORD_{}", number[0] - '1'), "is not used");
+  }
+
+  void check_attribute_accessor(const JsonValue& attributes, const std::string& name, const JsonValue& value) {
     const JsonValue::Array& accessors = list(root_, "accessors");
-    if (!index || !is_known(kind) || !(*index >= 0.0 && *index < static_cast<double>(accessors.size()))) return;
-    const JsonValue& accessor = accessors[static_cast<std::size_t>(*index)];
+    if (value.number() == nullptr) return;
+    const double index = *value.number();
+    if (!(index >= 0.0 && index < static_cast<double>(accessors.size())))
+      return warn(attributes,
+                  fmt::format("{} refers to number {} of \"accessors\", of which there are {}; it is ignored",
+                              text::quoted(name), index, accessors.size()));
+    const std::string_view kind = kind_of_attribute(name);
+    const JsonValue& accessor = accessors[static_cast<std::size_t>(index)];
     const JsonValue* normalized = accessor.find("normalized");
     const bool is_normalized = normalized != nullptr && normalized->boolean() != nullptr && *normalized->boolean();
-    const auto type = static_cast<std::uint32_t>(number_in(accessor, "componentType").value_or(0.0));
-    const bool quantized = declares("KHR_mesh_quantization");
-    if (may_have_type(kind, type, is_normalized, quantized)) return;
-    const bool would_help = !quantized && may_have_type(kind, type, is_normalized, true);
+    const double type = number_in(accessor, "componentType").value_or(0.0);
+    if (!is_known(kind) || may_have_type(kind, type, is_normalized, quantized_)) return;
+    const bool would_help = !quantized_ && may_have_type(kind, type, is_normalized, true);
     warn(accessor,
          fmt::format("{} has the component type {}{}, which the standard does not allow{}; it is read all the "
                      "same",
@@ -385,6 +402,7 @@ class GltfAuditor {
   const GltfDocument& document_;
   const JsonValue& root_;
   Diagnostics& sink_;
+  bool quantized_;
 };
 
 }  // namespace
