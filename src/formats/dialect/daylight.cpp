@@ -17,7 +17,7 @@ namespace {
 
 /// cd/m² of a unit of radiance: lumens per watt times the integral of the CIE observer's ȳ in nm.
 constexpr double kCandelas = 683.0 * 106.856895;
-/// Half the angle that the sun fills, radians.
+/// Half the angle that the sun subtends, in radians.
 constexpr double kSunRadius = 0.2665 * kPi / 180.0;
 
 /// Perez's coefficients are linear in the turbidity.
@@ -60,7 +60,7 @@ constexpr std::array<std::array<double, 4>, 3> kZenithX{
 constexpr std::array<std::array<double, 4>, 3> kZenithY{
     {{0.00275, -0.00610, 0.00317, 0.0}, {-0.04214, 0.08970, -0.04153, 0.00516}, {0.15346, -0.26756, 0.06670, 0.26688}}};
 
-/// IEC 61966-2-1; what lies outside of the gamut loses its negative part.
+/// IEC 61966-2-1; colours outside the gamut lose their negative parts.
 glm::dvec3 rec709_of(double luminance, double x, double y) {
   const glm::dvec3 xyz(x / y * luminance, luminance, (1.0 - x - y) / y * luminance);
   const glm::dvec3 rgb(3.240479 * xyz.x - 1.537150 * xyz.y - 0.498535 * xyz.z,
@@ -73,7 +73,7 @@ struct Entry {
   double wavelength, value;  ///< nm
 };
 
-/// Linear between entries, 0 outside of them.
+/// Linear between entries, 0 outside.
 double at(std::span<const Entry> table, double wavelength) {
   const auto next = std::ranges::upper_bound(table, wavelength, {}, &Entry::wavelength);
   if (next == table.begin() || next == table.end()) return 0.0;
@@ -99,7 +99,7 @@ constexpr Entry kGases[] = {{759, 0.0}, {760, 3.0}, {770, 0.21}, {771, 0.0}};
 constexpr Entry kWater[] = {{689, 0.0},  {690, 0.016}, {700, 0.024}, {710, 0.0125}, {720, 1.0},
                             {730, 0.87}, {740, 0.061}, {750, 0.001}, {760, 1e-5},   {770, 1e-5}};
 
-/// Share of the light of a wavelength, in micrometres for the powers, that gets through `m` atmospheres.
+/// Fraction of light of one wavelength, in micrometres for the powers, transmitted by `m` atmospheres.
 double transmittance(double wavelength, double m, double turbidity) {
   const double micrometres = wavelength / 1000.0, beta = 0.04608 * turbidity - 0.04586;
   const double rayleigh = std::exp(-0.008735 * std::pow(micrometres, -4.08) * m);
@@ -112,7 +112,7 @@ double transmittance(double wavelength, double m, double turbidity) {
   return rayleigh * aerosol * ozone * gases * water;
 }
 
-/// The direction of a place of the picture, in texels from its upper left corner.
+/// The direction for a position in the picture, in texels from its upper left corner.
 glm::dvec3 direction_at(double x, double y, std::uint32_t width, std::uint32_t height) {
   const double phi = 2.0 * kPi * x / width, theta = kPi * y / height;
   return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
@@ -122,9 +122,9 @@ double solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t height)
   return 2.0 * kPi / width * (std::cos(kPi * row / height) - std::cos(kPi * (row + 1.0) / height));
 }
 
-/// Adds the sun, spread over the texels as far as it covers them, its irradiance kept.
+/// Adds the sun, distributed over the texels by the area it covers in each, preserving its irradiance.
 void add_sun(const Daylight& daylight, std::vector<glm::dvec3>& texels, std::uint32_t width, std::uint32_t height) {
-  constexpr int kSteps = 16;  // places looked at in a texel, each way
+  constexpr int kSteps = 16;  // positions tested in a texel, per axis
   const double radius = std::min(daylight.sun_radius * kSunRadius, 0.25 * kPi);
   const double reach = radius + 1.5 * kPi / height;
   std::vector<std::pair<std::size_t, double>> covered;  // texel, and how much of it
@@ -142,7 +142,7 @@ void add_sun(const Daylight& daylight, std::vector<glm::dvec3>& texels, std::uin
       sum += covered.back().second * solid_angle(y, width, height);
     }
   }
-  if (covered.empty()) {  // smaller than the places are apart
+  if (covered.empty()) {  // the sun is smaller than the spacing of the positions
     const double phi = std::atan2(daylight.sun.x, -daylight.sun.z), theta = std::acos(daylight.sun.y);
     const auto x = static_cast<std::uint32_t>((phi < 0.0 ? phi + 2.0 * kPi : phi) / (2.0 * kPi) * width) % width;
     const std::uint32_t y = std::min(static_cast<std::uint32_t>(theta / kPi * height), height - 1);
@@ -153,7 +153,7 @@ void add_sun(const Daylight& daylight, std::vector<glm::dvec3>& texels, std::uin
   for (const auto& [texel, share] : covered) texels[texel] += share * radiance;
 }
 
-/// Below the horizon a matt ground, lit by what is above it.
+/// Below the horizon there is a matt ground, lit by the sky and the sun.
 void add_ground(const Daylight& daylight, std::vector<glm::dvec3>& texels, std::uint32_t width, std::uint32_t height) {
   glm::dvec3 irradiance(0.0);
   for (std::uint32_t y = 0; y < height / 2; ++y) {
@@ -169,7 +169,7 @@ void add_ground(const Daylight& daylight, std::vector<glm::dvec3>& texels, std::
 glm::dvec3 sky_radiance(const Daylight& daylight, const glm::dvec3& w) {
   const double t = daylight.turbidity, theta_sun = std::acos(std::clamp(daylight.sun.y, 0.0, 1.0));
   const double gamma = std::acos(std::clamp(glm::dot(w, daylight.sun), -1.0, 1.0));
-  // At the horizon the model's exponent has no bound.
+  // At the horizon, the model's exponent is unbounded.
   const double cosine = std::max(w.y, 1e-3);
   const auto value = [&](double zenith, const Perez& f) { return zenith * f(cosine, gamma) / f(1.0, theta_sun); };
   const double luminance = value(zenith_luminance(t, theta_sun), luminance_of(t)) / kCandelas;

@@ -12,11 +12,11 @@ namespace etendue {
 
 struct Daylight {
   double turbidity = 3.0;   ///< 1.9 … 10: how hazy the air is
-  glm::dvec3 sun{0, 1, 0};  ///< unit, toward the sun, which stands above the horizon
-  double sky_scale = 1.0;   ///< factors of the radiances; 0 leaves one out
+  glm::dvec3 sun{0, 1, 0};  ///< unit, toward the sun, which must be above the horizon
+  double sky_scale = 1.0;   ///< factors of the radiances; 0 leaves out the sky or the sun
   double sun_scale = 1.0;
   double sun_radius = 1.0;     ///< in radii of the real sun; its irradiance does not depend on it
-  double ground_albedo = 0.0;  ///< of a matt ground below the horizon, which all of that lights
+  double ground_albedo = 0.0;  ///< of a matt ground below the horizon, lit by both
   std::uint32_t width = 1024;  ///< of the picture, which is half as high
 };
 

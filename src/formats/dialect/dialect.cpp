@@ -15,7 +15,7 @@ bool contains(const Words& words, std::string_view word) {
   return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
-/// Whether two words differ in nothing but capitals, hyphens and underscores: pointLight, point_light, PointLight.
+/// Whether two words differ only in capitals, hyphens and underscores: pointLight, point_light, PointLight.
 bool is_spelling_of(std::string_view a, std::string_view b) {
   std::size_t i = 0, j = 0;
   const auto skip = [](std::string_view word, std::size_t& at) {
@@ -161,7 +161,7 @@ const Parameter* Dialect::chief_parameter(const Plugin& plugin, std::string_view
   std::size_t count = 0;
   for (const Parameter& parameter : plugin.parameters) {
     if (parameter.child != tag) continue;
-    // The colour of a surface is what a texture is for.
+    // A texture without a name is meant for the colour of the surface.
     static constexpr std::string_view kColors[] = {"albedo", "kd", "base_color", "diffuse_reflectance"};
     if (contains(kColors, parameter.name)) return &parameter;
     only = &parameter;

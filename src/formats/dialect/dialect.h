@@ -1,6 +1,6 @@
 #pragma once
 /// A dialect of scene files as a value: a row per tag and type with its parameters, their defaults, ranges and meaning,
-/// other words for tags, and what its files leave unsaid. Elements are validated by it (object.h), and
+/// other words for tags, and the defaults for what its files leave open. Elements are validated by it (object.h), and
 /// docs/scene_format.md prints it.
 
 #include <limits>
@@ -21,11 +21,11 @@ struct Parameter {
   const char* child = "";  ///< tag of the objects that may stand for the value: <texture name="albedo" type="…">
 };
 
-/// How children get into an object: by their element or a <ref> to it; by their element alone; or not at all: they are
-/// only defined there, with an id, and <ref> uses them elsewhere.
+/// How children belong to an object: by their element or a <ref> to it; only by their element; or not at all, if they
+/// are only defined there, with an id, for use by <ref> elsewhere.
 enum class ChildUse { element_or_reference, element, definition };
 
-/// How many children of a tag an object takes that have no name.
+/// How many unnamed children of a tag an object accepts.
 struct ChildRule {
   const char* tag;
   std::size_t min;
@@ -64,14 +64,14 @@ struct TypeAlias {
   std::string_view tag, word, type;
 };
 
-/// Another word for a property, of whatever has that property.
+/// Another word for a property, for every object that has it.
 struct ParameterAlias {
   std::string_view word, name;
-  std::string_view tag = {};      ///< then of objects of this tag alone
-  std::string_view element = {};  ///< then where the property is written so: <vector name="scale" …>
+  std::string_view tag = {};      ///< if set, only for objects of this tag
+  std::string_view element = {};  ///< if set, only if the property is written like this: <vector name="scale" …>
 };
 
-/// A tag of other renderers for what has no place in a scene here; it is passed over.
+/// A tag of other renderers without counterpart here; it is ignored.
 struct IgnoredTag {
   std::string_view tag, why;
   bool changes_picture;  ///< a warning, not only a note
@@ -80,10 +80,10 @@ struct IgnoredTag {
 /// The edge of a picture where texture coordinates have v = 0.
 enum class VOrigin { bottom, top };
 
-/// What mesh files and shapes leave to the dialect.
+/// Conventions that mesh files and shapes leave to the dialect.
 struct MeshFacts {
-  bool smooth_without_normals = false;  ///< a mesh file without normals gets smooth ones; else its triangles are flat
-  VOrigin v_origin = VOrigin::bottom;   ///< where the file's format does not say
+  bool smooth_without_normals = false;  ///< a mesh file without normals gets smooth ones; otherwise it is flat
+  VOrigin v_origin = VOrigin::bottom;   ///< if the file format does not say
 };
 
 /// Tag of the property element: "float" for a real, "string" for a list of numbers.
@@ -94,42 +94,42 @@ const std::vector<std::string>& property_tags();
 struct Dialect {
   std::vector<Plugin> plugins;
   std::vector<UnsupportedTypes> unsupported_types;
-  std::vector<std::string> unsupported_tags;  ///< without a usable type: "medium"
+  std::vector<std::string> unsupported_tags;  ///< tags without a usable type: "medium"
   std::vector<TagAlias> aliases;
   MeshFacts mesh_facts;
   std::vector<TypeAlias> type_aliases = {};
   std::vector<ParameterAlias> parameter_aliases = {};
   /// Words of types and properties may differ in capitals, hyphens and underscores.
   bool any_spelling = false;
-  /// What can mean one thing only is taken for that: a number under another tag, a texture without a name, a name of an
-  /// object that needs none, a property that is given twice alike.
+  /// Input that can mean only one thing is accepted: a number under another tag, a texture without a name, a name on an
+  /// object that needs none, a property given twice with the same value.
   bool forgiving = false;
   std::vector<IgnoredTag> ignored_tags = {};
 
-  /// The word of the table for a tag.
+  /// The table's word for a tag.
   std::string_view canonical(std::string_view tag) const;
-  /// The word of the table for a type of a canonical tag.
+  /// The table's word for a type of a canonical tag.
   std::string_view canonical_type(std::string_view tag, std::string_view type) const;
   /// The parameter of a row by its name or another word for it; nullptr if there is none.
   /// `element` is the tag that gives it.
   const Parameter* find_parameter(const Plugin& plugin, std::string_view name, std::string_view element = {}) const;
-  /// The property that an object of `tag` without a name can only be meant for; nullptr where there are several or
-  /// none.
+  /// The only property that an unnamed object of `tag` can be meant for; nullptr if there are several or none.
   const Parameter* chief_parameter(const Plugin& plugin, std::string_view tag) const;
   /// The row of a canonical tag and a type, or nullptr.
   const Plugin* find(std::string_view tag, std::string_view type) const;
-  /// Types of a tag that can be used, in table order; empty for a tag that is no object.
+  /// The usable types of a tag, in table order; empty for tags that are not objects.
   std::vector<std::string> types_of(std::string_view tag) const;
   bool is_known_but_unsupported(std::string_view tag, std::string_view type) const;
   /// Object tags of the table ("scene", "mesh", …).
   std::vector<std::string> object_tags() const;
   bool is_object_tag(std::string_view tag) const;
   bool is_unsupported_tag(std::string_view tag) const;
-  /// Objects of the tag can stand for a property's value.
+  /// Whether objects of the tag can be the value of a property.
   bool can_be_named(std::string_view tag) const;
-  /// Where `tag` can be used: "<mesh> or <scene>"; "" for the root of a file, and for what stands for properties alone.
+  /// Where `tag` can be used: "<mesh> or <scene>"; "" for the root of a file, and for tags that can only be values of
+  /// properties.
   std::string parents_of(std::string_view tag) const;
-  /// The tags of objects of whose properties one of `tag` can be the value: "<bsdf> or <emitter>".
+  /// The tags of objects with a property whose value can be an object of `tag`: "<bsdf> or <emitter>".
   std::string owners_of(std::string_view tag) const;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the writers of scene files share: materials, which the dialects write alike but for some words.
+/// Common code of the writers of scene files: materials, which the dialects write alike except for some words.
 
 #include <cstdint>
 #include <optional>
@@ -16,10 +16,10 @@ namespace etendue {
 
 class MaterialWriter {
  protected:
-  /// Words that the dialects have for the same things.
+  /// The dialects' words for the same things.
   struct Words {
     const char *color, *albedo, *mirror, *blend, *int_ior, *ext_ior;
-    const char* lacking;  ///< end of the sentence on what the dialect cannot say: "which Mitsuba does not have"
+    const char* lacking;  ///< end of the sentence about what the dialect cannot express: "which Mitsuba does not have"
   };
 
   MaterialWriter(const std::string& path, const Scene& scene, const Words& words)
@@ -33,7 +33,7 @@ class MaterialWriter {
 
   void color(const char* name, const glm::dvec3& value) { xml_.property(words_.color, name, shortest(value)); }
   void color(const char* name, const ColorParameter& parameter);
-  /// What stands in the squares of a checkerboard.
+  /// The texture in the squares of a checkerboard.
   static ColorParameter square(const glm::dvec3& color, const std::optional<std::uint32_t>& texture) {
     return texture ? ColorParameter(color, *texture) : ColorParameter(color);
   }
@@ -51,7 +51,7 @@ class MaterialWriter {
     });
   }
 
-  /// All materials that instances show, in the order of their first use.
+  /// Writes all materials of instances, in the order of their first use.
   void write_materials();
   /// A material and what it chooses from, to be pasted into a file: known by the names that they have there, and so are
   /// pictures.
@@ -71,13 +71,13 @@ class MaterialWriter {
   XmlWriter xml_;
 
  private:
-  /// The texture that stands for a property, multiplied by `factor`; of numbers one channel.
+  /// The texture that is the value of a property, multiplied by `factor`; for numbers, one channel of it.
   virtual void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor,
                              std::optional<TextureChannel> channel) = 0;
   /// Opens the element, like write_bsdf.
   virtual void write_microfacet(const std::string& id, const MicrofacetBsdf& bsdf) = 0;
   virtual void write_gltf(const std::string& id, const GltfBsdf& bsdf) = 0;
-  /// That a normal map lies by the tangents of vertices.
+  /// Notes that a normal map follows vertex tangents.
   virtual void write_vertex_tangents() = 0;
 
   void write_turned(const TurnedNormals& turned);

@@ -1,5 +1,5 @@
 #pragma once
-/// What materials and emitters read of a mesh, beside its surface.
+/// The data of a mesh that materials and emitters read, besides its surface.
 
 #include <string>
 

@@ -12,7 +12,7 @@
 namespace etendue {
 namespace {
 
-/// Tags of which a scene has one at most, so that -D can name them.
+/// Tags that occur at most once in a scene, so that -D can name them.
 bool is_overridable(std::string_view tag) {
   static constexpr std::string_view kTags[] = {"scene", "integrator", "camera", "sampler", "rfilter", "test"};
   return std::find(std::begin(kTags), std::end(kTags), tag) != std::end(kTags);
@@ -29,7 +29,7 @@ std::vector<std::string> optional_attributes(std::string_view tag, const Dialect
 }
 
 /// The row for an element's type; reports what is wrong with it.
-/// The type that -D gives the objects of a tag, "-D integrator.type=ao"; nullptr where it gives none.
+/// The type that -D gives the objects of a tag, "-D integrator.type=ao"; nullptr if it gives none.
 const std::pair<std::string, std::string>* find_type_override(std::string_view tag, ReadContext& context) {
   if (!is_overridable(tag) || context.dialect.find(tag, "") != nullptr) return nullptr;
   const std::string path = fmt::format("{}.type", tag);
@@ -43,7 +43,7 @@ const std::pair<std::string, std::string>* find_type_override(std::string_view t
   return last;
 }
 
-/// The row of a type that -D gives; reports one that there is not.
+/// The row of a type given by -D; reports unknown types.
 const Plugin* find_overriding_row(std::string_view tag, const std::pair<std::string, std::string>& type,
                                   ReadContext& context) {
   if (const Plugin* plugin = context.dialect.find(tag, type.second)) return plugin;
@@ -58,7 +58,7 @@ const Plugin* find_overriding_row(std::string_view tag, const std::pair<std::str
 const Plugin* find_row(const XmlElement& element, ReadContext& context) {
   const Dialect& dialect = context.dialect;
   const std::string_view tag = dialect.canonical(element.name);
-  if (const Plugin* only = dialect.find(tag, "")) {  // of one kind, which needs no name
+  if (const Plugin* only = dialect.find(tag, "")) {  // the tag has only one type, which need not be named
     const bool may_have_version = dialect.forgiving && tag == "scene";
     check_attributes(element, {}, context,
                      may_have_version ? std::vector<std::string>{"version"} : std::vector<std::string>{});
@@ -71,7 +71,7 @@ const Plugin* find_row(const XmlElement& element, ReadContext& context) {
   if (const Plugin* plugin = dialect.find(tag, type->value)) return plugin;
   const std::vector<std::string> types = dialect.types_of(tag);
   const SourcePosition position = value_position(*type, 0, context);
-  // A slip of the pen is no missing feature.
+  // A typo is not a missing feature.
   if (dialect.is_known_but_unsupported(tag, type->value) || text::did_you_mean(type->value, types).empty())
     context.lacking.emplace_back(fmt::format("{} {}", tag, type->value), position);
   if (dialect.is_known_but_unsupported(tag, type->value)) {
@@ -85,15 +85,15 @@ const Plugin* find_row(const XmlElement& element, ReadContext& context) {
   return nullptr;
 }
 
-/// "<color> or <texture>": what can give a property.
+/// "<color> or <texture>": the tags that can give a property.
 std::string tags_of(const Parameter& parameter) {
   if (parameter.type == ParameterType::object) return fmt::format("<{}>", parameter.child);
   const std::string value = fmt::format("<{}>", tag_of(parameter.type));
   return *parameter.child == '\0' ? value : fmt::format("{} or <{}>", value, parameter.child);
 }
 
-/// Whether a value under another tag is one of the type: 3 is a number of any kind, (1, 2, 3) a point or a vector, and
-/// one number a grey.
+/// Whether a value under another tag fits the type: 3 is a number of any type, (1, 2, 3) a point or a vector, and a
+/// single number a grey.
 bool says_the_same(std::string_view tag, ParameterType type) {
   using enum ParameterType;
   const bool number = tag == "integer" || tag == "float", triple = tag == "point" || tag == "vector";
@@ -188,7 +188,7 @@ std::string Object::heading() const {
 }
 
 void Object::read_child(const XmlElement& child, ReadContext& context) {
-  if (!context.diagnostics.wants_errors()) return;  // the file is refused anyhow, and nobody reads the rest
+  if (!context.diagnostics.wants_errors()) return;  // the file is refused anyway, and nobody reads further errors
   if (contains(property_tags(), child.name)) {
     read_property(child, context);
   } else if (child.name == "ref") {
@@ -323,7 +323,7 @@ void Object::set_named_child(const Parameter& parameter, const XmlElement& child
 
 void Object::report_unknown_property(const XmlAttribute& name, ReadContext& context) const {
   if (!context.strict && !context.diagnostics.wants_warnings()) return;
-  // What belongs to the type that -D has replaced is not wrong.
+  // Properties of the type that -D has replaced are not errors.
   if (retyped_ && (in_file_ == nullptr || context.dialect.find_parameter(*in_file_, name.value) != nullptr)) return;
   const std::vector<std::string> names = plugin_->parameter_names();
   const std::string known = names.empty() ? "it has none" : "it has: " + text::join(names);
@@ -334,7 +334,7 @@ void Object::report_unknown_property(const XmlAttribute& name, ReadContext& cont
                  : context.diagnostics.warning(position, message + "; ignored");
 }
 
-/// Whether the element, a property that was given before, says the same again.
+/// Whether the element repeats an earlier property with the same value.
 bool Object::repeats(const Parameter& parameter, const XmlElement& element) const {
   const auto before = given_.find(parameter.name);
   const XmlAttribute* value = element.find("value");
@@ -471,7 +471,7 @@ Value Object::get_value(const char* name) const {
   if (parameter == nullptr) throw std::logic_error(fmt::format("{} has no row for {}", heading(), name));
   const auto found = given_.find(name);
   if (found != given_.end() && !named_children_.contains(name)) return found->second.value;
-  // A required property that is missing was reported; a stand-in lets reading go on and find the next problem.
+  // A missing required property has been reported; a substitute lets reading continue and find the next problem.
   if (parameter->type == ParameterType::number_list) return std::vector<double>{};
   if (parameter->type == ParameterType::string)
     return std::string(parameter->default_text == nullptr ? "" : parameter->default_text);

@@ -18,7 +18,7 @@ namespace etendue {
 /// "tag.property" and value, as given with -D.
 using Overrides = std::vector<std::pair<std::string, std::string>>;
 
-/// What the reading of one file shares.
+/// The state shared while one file is read.
 struct ReadContext {
   const Dialect& dialect;
   const XmlDocument& document;
@@ -28,22 +28,22 @@ struct ReadContext {
   bool strict = false;
   std::set<std::string> overridable;   ///< "tag.property" of every object met so far that overrides can reach
   std::vector<bool> override_matched;  ///< one per override
-  /// Types and tags that there are not here, as in "bsdf phong", and where; each was reported as well.
+  /// Unsupported types and tags, such as "bsdf phong", and their positions; each was reported as well.
   std::vector<std::pair<std::string, SourcePosition>> lacking = {};
-  /// What there is not here is replaced, with a warning for each, in place of being refused.
+  /// Unsupported features are replaced, with a warning for each, instead of being refused.
   bool approximate = false;
   std::vector<std::string> approximations = {};  ///< "medium: left out", each once
 
-  /// Warns of a substitute, and remembers it for the metadata of pictures.
+  /// Warns about a substitute, and records it for the metadata of pictures.
   void approximated(const std::string& what, const std::string& substitute, const SourcePosition& position);
 };
 
-/// Where the file needs several things that there are not here, one more error before all others that names them all.
+/// If the file needs several unsupported features, adds an error before all others that names them all.
 void report_lacking(const ReadContext& context);
 
 class Object {
  public:
-  /// Reads an element of a known object tag. Problems are reported; an element without a usable type gives nothing.
+  /// Reads an element of a known object tag. Problems are reported; an element without a usable type yields nothing.
   static std::optional<Object> read(const XmlElement& element, ReadContext& context);
   /// An object the file leaves out: defaults and overrides only.
   static Object defaulted(const char* tag, const char* type, const SourcePosition& parent, ReadContext& context);
@@ -51,14 +51,14 @@ class Object {
   const Plugin& plugin() const { return *plugin_; }
   const SourcePosition& position() const { return position_; }
   /// Child objects of an allowed tag that have no name, in file order; for a <ref>, the element it refers to. One
-  /// element may therefore be the child of many: who reads it into a table remembers its row.
+  /// element may therefore be the child of many, so a caller that reads it into a table must remember its row.
   std::vector<const XmlElement*> children(std::string_view tag) const;
-  /// The object that stands for the value of a property; nullptr where there is none.
+  /// The object that is the value of a property; nullptr if there is none.
   const XmlElement* child_of(const char* name) const;
 
   /// True if the file or an override gives the property, by a value or by an object.
   bool given(const char* name) const { return given_.contains(name); }
-  /// Where the property's value stands, or the object if it is not given.
+  /// The position of the property's value, or of the object if it is not given.
   SourcePosition position_of(const char* name) const;
 
   /// Value of a property or its default; asking for a type or name that the table does not have is a bug

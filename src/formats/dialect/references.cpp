@@ -22,7 +22,7 @@ const XmlElement* References::find(std::string_view id) const {
 }
 
 std::string References::suggest(std::string_view id) const {
-  constexpr std::size_t kSearched = 1000, kListed = 10;  // a sentence stays one, and quick
+  constexpr std::size_t kSearched = 1000, kListed = 10;  // limits the length of the sentence and the time to make it
   if (by_id_.empty()) return "; no object has one";
   std::vector<std::string> ids;
   for (auto next = by_id_.begin(); next != by_id_.end() && ids.size() < kSearched; ++next) ids.push_back(next->first);
@@ -32,7 +32,7 @@ std::string References::suggest(std::string_view id) const {
   return text + "; there are: " + text::join(ids);
 }
 
-/// `around` are the definitions that `element` stands in: what uses them uses the references within, too.
+/// `around` are the definitions that contain `element`: whatever uses them also uses the references inside.
 void References::collect(const XmlElement& element, std::vector<std::size_t>& around) {
   const XmlAttribute* id = element.find("id");
   if (element.name == "ref" && id != nullptr) {
@@ -70,7 +70,7 @@ void References::check_nesting() {
   }
 }
 
-/// Depth first, with a stack of its own: a file may hold a chain of a hundred thousand.
+/// Depth first, with an explicit stack, because a file may contain a chain of a hundred thousand.
 void References::visit(std::size_t first) {
   std::vector<Visit> path = {{first}};
   states_[first] = State::open;

@@ -16,7 +16,7 @@ namespace etendue {
 
 class References {
  public:
-  /// Objects within objects, also by reference, so that whoever reads them may do so recursively.
+  /// The largest depth of objects within objects, including references, so that they may be read recursively.
   static constexpr std::size_t kMaxNesting = 32;
 
   /// Finds all ids. Reports an id that is given twice, references that lead back to themselves and chains of them that
@@ -25,7 +25,7 @@ class References {
 
   /// The element of an id; nullptr if there is none.
   const XmlElement* find(std::string_view id) const;
-  /// What might have been meant by an id that there is not, as the end of a sentence.
+  /// A suggestion for an unknown id, as the end of a sentence.
   std::string suggest(std::string_view id) const;
   /// True if some <ref> of the file names it.
   bool is_used(std::string_view id) const { return used_.contains(id); }
@@ -56,7 +56,7 @@ class References {
   std::map<std::string, std::size_t, std::less<>> by_id_;
   std::set<std::string, std::less<>> used_;
   std::vector<State> states_;
-  std::vector<std::size_t> depths_;  ///< of a definition that is done: references after one another below it
+  std::vector<std::size_t> depths_;  ///< of a finished definition: length of the longest chain of references below it
 };
 
 }  // namespace etendue

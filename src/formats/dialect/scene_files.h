@@ -1,5 +1,5 @@
 #pragma once
-/// A scene file in the making, and the files that it names: meshes and pictures beside it.
+/// A scene file being written, with the files that it names: meshes and pictures next to it.
 
 #include <cstdint>
 #include <map>
@@ -11,23 +11,23 @@
 
 namespace etendue {
 
-/// What becomes of files that are there already.
+/// What to do with existing files.
 enum class ExistingFiles { refuse, replace };
 
 class SceneFiles {
  public:
-  /// Files of the scene file at `path` go into the folder NAME-files beside it. The scene must outlive this.
+  /// Files of the scene file at `path` go into the folder NAME-files next to it. The scene must outlive this.
   SceneFiles(const std::string& path, const Scene& scene) : path_(path), scene_(scene) {}
 
   // Names relative to the folder of the scene file; nothing is written yet.
-  /// `turned`: with its inside out.
+  /// `turned`: with its sides exchanged.
   std::string mesh(std::uint32_t shape, bool turned = false);
   std::string picture(const std::shared_ptr<const Bitmap>& bitmap);
-  /// Gives a picture the name that it has already.
+  /// Lets a picture keep the name that it already has.
   void know(const std::shared_ptr<const Bitmap>& bitmap, const std::string& name);
 
-  /// Writes them, and `text` as the scene file when all that it names is there. Throws Error(file); then files that
-  /// this made are taken away again.
+  /// Writes them, and then `text` as the scene file, once everything that it names exists. Throws Error(file), after
+  /// removing the files that it has created.
   void write(const std::string& text, ExistingFiles existing) const;
 
  private:

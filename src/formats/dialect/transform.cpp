@@ -14,8 +14,8 @@
 namespace etendue {
 namespace {
 
-/// A matrix counts as singular when the volume its unit columns span is below this: what is left of single precision by
-/// then.
+/// A matrix counts as singular if the volume spanned by its unit columns is below this, where single precision breaks
+/// down.
 constexpr double kMinUnitVolume = 1e-9;
 
 /// Volume spanned by the columns' directions, in [0,1]: independent of scale, so that tiny and huge scenes are fine.
@@ -50,7 +50,7 @@ glm::dmat4 read_rotate(const XmlElement& element) {
                      fmt::format("\"angle\" of <rotate>: {}", text::describe(error, token, "a number"))};
   }
   const double turn = std::fmod(degrees, 360.0);
-  if (turn == 0.0) return glm::dmat4(1.0);  // about anything, also about no axis: some exporters write 0 0 0 then
+  if (turn == 0.0) return glm::dmat4(1.0);  // about any axis, even the zero vector, which some exporters write then
   const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
   if (!(largest > 0.0))
     throw ValueError{element.find("axis")->value_offset,
@@ -83,7 +83,7 @@ glm::dmat4 read_matrix(const XmlElement& element) {
   return m;
 }
 
-/// The axis across which `dir` lies most; the first of y, z, x where it lies across several alike.
+/// The axis most perpendicular to `dir`; among equals, the first of y, z, x.
 glm::dvec3 other_up(const glm::dvec3& dir) {
   const glm::dvec3 along = glm::abs(dir);
   if (along.y <= along.z && along.y <= along.x) return {0.0, 1.0, 0.0};

@@ -1,5 +1,5 @@
 #pragma once
-/// What a property can hold: types, allowed ranges, and the reading of values from text.
+/// Values of properties: types, allowed ranges, and reading them from text.
 
 #include <cstdint>
 #include <limits>
@@ -65,13 +65,13 @@ inline Range at_least(double min) {
 
 using Value = std::variant<bool, std::int64_t, double, std::string, std::vector<double>, glm::dvec3>;
 
-/// A value that cannot be read: where in its text, and why.
+/// A value that cannot be read: the position in its text, and the reason.
 struct ValueError {
   std::size_t offset;
   std::string message;
 };
 
-/// Reads a value of any type that has one, and holds it against the range. Throws ValueError.
+/// Reads a value of any type that has values, and checks the range. Throws ValueError.
 Value parse_value(ParameterType type, const Range& range, std::string_view text);
 /// Numbers separated by any run of commas and blanks; each with its offset. Throws ValueError.
 struct ListedNumber {

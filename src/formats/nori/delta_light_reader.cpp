@@ -117,7 +117,7 @@ class DeltaLightReader {
     light_.world_from_light[2] = glm::dvec4(z, 0.0);
   }
 
-  /// The cone in one of two languages.
+  /// The cone, in one of two conventions.
   void read_cone() {
     const bool other = object_.given("totalWidth") || object_.given("falloffStart");
     for (const char* name : {"cutoffAngle", "beamWidth"}) {

@@ -35,17 +35,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Errors after which meshes are no longer opened: a file that names one broken mesh a million times ends soon.
+/// Number of errors after which no more meshes are opened, so that a file that names one broken mesh a million times
+/// ends soon.
 constexpr std::size_t kMaxErrorsBeforeMeshes = 100;
-/// Bytes of all mesh files together: some minutes of reading.
+/// Limit on the bytes of all mesh files together: some minutes of reading.
 constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{1} << 34;
 
 std::uint32_t to_uint32(std::int64_t value) {
   return static_cast<std::uint32_t>(value);
 }  // in range by the plugin table
 
-/// Turns elements into the structs of scene.h. Every function reports what is wrong and goes on with something usable,
-/// so that one pass finds all problems; a result counts only if there were no errors.
+/// Turns elements into the structs of scene.h. Every function reports what is wrong and continues with something
+/// usable, so that one pass finds all problems; results are valid only if there were no errors.
 class SceneReader {
  public:
   SceneReader(ReadContext& context, const MeshLoader& load_mesh)
@@ -113,7 +114,7 @@ class SceneReader {
       fields_[{object.position().line, object.position().column, field}] = object.position_of(property);
   }
 
-  /// The object of a tag of which there is at most one; nothing if it is missing or unusable.
+  /// The only object of a tag; nothing if it is missing or unusable.
   std::optional<Object> read_only_child(const Object& parent, const char* tag) {
     const std::vector<const XmlElement*> children = parent.children(tag);
     if (children.empty()) return std::nullopt;
@@ -151,14 +152,14 @@ class SceneReader {
     return integrator;
   }
 
-  /// path, and what is path under another name.
+  /// `path`, and the types that are other names for it.
   Integrator read_path(const Object& object, const Object& scene, const std::string& type) {
     Integrator integrator;
     integrator.max_depth = to_uint32(object.get<std::int64_t>("maxDepth"));
     integrator.rr_depth = to_uint32(object.get<std::int64_t>("rrDepth"));
     integrator.hide_emitters = object.get<bool>("hideEmitters");
     if (type == "path") {
-      // The scene's nee counts only where the integrator is silent: the nearer word wins.
+      // The scene's nee counts only if the integrator has none.
       integrator.nee = object.given("nee") ? object.get<bool>("nee") : scene.get<bool>("nee");
       integrator.mis = object.get<bool>("mis");
       integrator.count_passes = object.get<bool>("countPasses");
@@ -285,7 +286,7 @@ class SceneReader {
       const auto key = Object::read(*element, context_);
       if (!key || sink_.error_count() > errors_before) continue;
       camera.path.keys.push_back({key->get<double>("time"), key->matrix("toWorld")});
-      // Each one is held against those before it, so that the place of what is wrong is known.
+      // Each one is compared with the previous ones, so that the position of an error is known.
       if (const std::string complaint = key_complaint(camera.path, camera.path.keys.size() - 1); !complaint.empty()) {
         sink_.error(key->position_of(complaint.find(" is at ") == std::string::npos ? "toWorld" : "time"), complaint);
         camera.path.keys.pop_back();
@@ -298,7 +299,7 @@ class SceneReader {
     camera.world_from_camera = pose_at(camera.path, 0.0);
   }
 
-  /// Of thinlens; and of perspective, to which courses give a lens in place of a camera of its own.
+  /// For thinlens, and for perspective, to which courses give a lens instead of using another camera.
   void read_lens(const Object& object, Camera& camera) {
     const auto radius = object.get<double>("apertureRadius");
     if (camera.type == Camera::Type::thin_lens) {
@@ -358,13 +359,14 @@ class SceneReader {
     camera.fov_axis = diagonal;
   }
 
-  /// A course calls the distance that is sharp focalLength: of a lens whose field of view is known it can be no other.
+  /// One course calls the focus distance focalLength; for a lens with a known field of view it cannot mean anything
+  /// else.
   static bool is_focus_distance(const Object& object) {
     return object.given("focalLength") && object.given("fov") && object.given("apertureRadius") &&
            !object.given("focusDistance");
   }
 
-  /// The part of the film that is rendered becomes the film, and remembers where it was.
+  /// The rendered part of the film becomes the film, and its position is kept.
   void read_crop(const Object& object, Camera& camera) {
     const auto offset_x = object.get<std::int64_t>("cropOffsetX"), offset_y = object.get<std::int64_t>("cropOffsetY");
     const auto size = [&](const char* name, std::int64_t offset, std::uint32_t whole) {
@@ -427,7 +429,7 @@ class SceneReader {
     return {Sampler::Type::sobol, count, static_cast<std::uint32_t>(std::bit_width(size)) - 1};
   }
 
-  /// Samplers that spread their points are all the same here.
+  /// All samplers with well-distributed points mean the same here.
   void note_other_sampler(const Object& scene) {
     const std::vector<const XmlElement*> children = scene.children("sampler");
     const XmlAttribute* type = children.empty() ? nullptr : children.front()->find("type");
@@ -454,7 +456,7 @@ class SceneReader {
     return given != nullptr && given->value == type;
   }
 
-  /// What stands directly in the scene: a shape, the definition of a group, or an instance of one.
+  /// A direct child of the scene: a shape, the definition of a group, or an instance of one.
   void read_placed(const XmlElement& element, Scene& scene) {
     if (is_of_type(element, "shapegroup")) {
       if (element.find("id") == nullptr)
@@ -472,7 +474,7 @@ class SceneReader {
       scene.instances.push_back(std::move(*instance));
   }
 
-  /// An instance of a group is one of each of its shapes.
+  /// An instance of a group means an instance of each of its shapes.
   void read_group_instance(const Object& object, Scene& scene) {
     const std::vector<const XmlElement*> children = object.children("mesh");
     if (children.empty()) {
@@ -526,7 +528,7 @@ class SceneReader {
           fmt::format("no instance shows the shape group {}; add <shape type=\"instance\"><ref id={}/></shape>, "
                       "or remove it",
                       text::quoted(id->value), text::quoted(id->value)));
-      read_group(*element, scene);  // for its mistakes
+      read_group(*element, scene);  // to report its errors
     }
   }
 
@@ -558,7 +560,7 @@ class SceneReader {
     return instance;
   }
 
-  /// The row of the scene's shapes: a new one, or that of a mesh file which was read before.
+  /// The row in the scene's shapes: a new one, or that of a mesh file read before.
   std::optional<std::uint32_t> read_shape(const Object& object, const MeshContent& content, std::string& name,
                                           Scene& scene) {
     const std::string file = mesh_file_key(object, content);
@@ -574,7 +576,8 @@ class SceneReader {
     return row;
   }
 
-  /// What tells whether two objects show the same mesh: the file and how it is read. "" for what is no mesh file.
+  /// A key that is equal if two objects show the same mesh: the file and how it is read. "" for anything but mesh
+  /// files.
   std::string mesh_file_key(const Object& object, const MeshContent& content) {
     const std::string_view type = object.plugin().type;
     if (find_mesh_format(type) == nullptr || !object.given("filename")) return "";
@@ -614,7 +617,7 @@ class SceneReader {
     return static_cast<std::uint32_t>(scene.materials.size() - 1);
   }
 
-  /// The row of a <bsdf>, which is read when it is asked for the first time. What stands in it comes before it.
+  /// The row of a <bsdf>, which is read when first needed. The materials inside it come before it.
   std::uint32_t material_row(const XmlElement& element, Scene& scene) {
     if (const auto known = materials_.find(&element); known != materials_.end()) return known->second;
     Material material{.bsdf = DiffuseBsdf{}, .name = "bsdf", .position = context_.document.position(element.offset)};
@@ -637,7 +640,7 @@ class SceneReader {
     return type != nullptr && context_.dialect.find(context_.dialect.canonical(element.name), type->value) == nullptr;
   }
 
-  /// What a material that there is not here says of its colour.
+  /// The colour of an unsupported material.
   glm::dvec3 substitute_color(const XmlElement& element) {
     glm::dvec3 color(0.5);
     for (const XmlElement& child : element.children) {
@@ -662,7 +665,7 @@ class SceneReader {
     return {.mirrored = map.get<bool>("flip_invalid_normals"), .shadowed = map.get<bool>("use_shadowing_function")};
   }
 
-  /// Nothing for a material of its own.
+  /// Nothing for supported materials.
   std::optional<Adapter> read_adapter(const Object& object, Scene& scene) {
     const std::string_view type = object.plugin().type;
     if (!is_adapter(type)) return std::nullopt;
@@ -699,7 +702,7 @@ class SceneReader {
     return type == "twosided" || type == "mask" || type == "blend" || type == "normalmap" || type == "bumpmap";
   }
 
-  /// A number, or the channel of a texture that stands for it.
+  /// A number, or the channel of a texture in its place.
   ScalarParameter read_scalar(const Object& object, const char* property, Scene* scene) {
     if (object.child_of(property) == nullptr) {
       remember_fields(object, {property});
@@ -716,7 +719,7 @@ class SceneReader {
     return {factor.x, *color.texture, textures_.channel_of(object, property)};
   }
 
-  /// What is defined and used nowhere is still read, for its mistakes.
+  /// Unused definitions are read as well, to report their errors.
   void check_unused_definitions(const Object& scene) {
     for (const ChildRule& rule : scene.plugin().children) {
       if (rule.use != ChildUse::definition) continue;
@@ -731,7 +734,7 @@ class SceneReader {
     }
   }
 
-  /// Whole libraries of models hold a file without a surface; a scene of nothing else is a mistake.
+  /// Libraries of models often contain a file without a surface; a scene of nothing else is an error.
   void report_empty_meshes(const Scene& scene) {
     for (const EmptyMesh& mesh : std::exchange(empty_meshes_, {})) {
       const std::string what = fmt::format("the mesh {} has no faces", text::quoted(mesh.name));
@@ -820,7 +823,7 @@ class SceneReader {
     auto bsdf = read_parameters<PrincipledBsdf>(object, scene);
     if (object.given("specular") && !object.given("eta"))
       bsdf.eta = 2.0 / (1.0 - std::sqrt(0.08 * object.get<double>("specular"))) - 1.0;
-    // An index of 1 bends nothing; at 1.0011 a third of a millionth is reflected along the normal.
+    // An index of 1 does not refract; at 1.0011, a third of a millionth is reflected at normal incidence.
     if (object.given("specular") && !object.given("eta"))
       bsdf.eta.value = std::max(bsdf.eta.value, 1.0 + 1.1 * kMinIndexContrast);
     return bsdf;
@@ -903,13 +906,13 @@ class SceneReader {
     return roughness;
   }
 
-  /// A colour, or the texture that stands for it.
+  /// A colour, or the texture in its place.
   ColorParameter read_factor(const Object& object, const char* property, Scene* scene) {
     if (object.child_of(property) != nullptr) return read_textured(object, property, scene);
     return object.get<glm::dvec3>(property);
   }
 
-  /// A colour that a texture stands for.
+  /// A colour given by a texture.
   ColorParameter read_textured(const Object& object, const char* property, Scene* scene) {
     remember_fields(object, {property});
     if (scene == nullptr) {
@@ -927,7 +930,7 @@ class SceneReader {
     return texture ? ColorParameter(textures_.factor(object, property), *texture) : ColorParameter(glm::dvec3(1.0));
   }
 
-  /// Courses put the picture of the sky on a large sphere, and look it up by direction.
+  /// Courses place the picture of the sky on a large sphere, and look it up by direction.
   std::optional<Instance> read_sky_mesh(const Object& emitter, Scene& scene) {
     sink_.warning(
         emitter.position(),
@@ -1073,8 +1076,8 @@ class SceneReader {
     return load_mesh(format, path.string(), content, position);
   }
 
-  /// Names are relative to the folder of the scene. Where no file has the name as it is written, its backslashes are
-  /// taken as those of a Windows path.
+  /// Names are relative to the folder of the scene. If there is no file with the name as written, backslashes are
+  /// treated as those of a Windows path.
   fs::path find_file(const std::string& filename, const SourcePosition& position) {
     const fs::path folder = fs::path(path_).parent_path();
     std::error_code unknown;
@@ -1095,7 +1098,7 @@ class SceneReader {
     std::optional<TriangleMesh> mesh;
     try {
       mesh = load_mesh_(format, path, content, sink_);
-    } catch (const Error& error) {  // the file cannot be opened or read: say who asked for it
+    } catch (const Error& error) {  // the file cannot be opened or read: say which object names it
       const bool missing = !fs::exists(path, unknown) && !unknown;
       const char* remedy = missing ? "; names are relative to the folder of the scene file" : "";
       sink_.error(position, fmt::format("mesh {}{}", error.what(), remedy), error.kind());
@@ -1118,7 +1121,7 @@ class SceneReader {
     return true;
   }
 
-  /// A scene from a stranger may name any file of the machine; reading it is allowed, but not in silence.
+  /// A scene from a stranger may name any file of the machine; reading it is allowed, but reported.
   void note_if_outside(const fs::path& path, const char* what, const SourcePosition& position) {
     std::error_code error;
     const fs::path folder = fs::weakly_canonical(fs::absolute(fs::path(path_), error).parent_path(), error);
@@ -1273,7 +1276,7 @@ std::optional<SceneFile> read_nori(const XmlDocument& document, const ReadOption
   const Dialect& dialect = nori_dialect();
   const std::size_t errors_before_references = diagnostics.error_count();
   const References references(document, dialect, diagnostics);
-  // Whoever followed wrong ones might not come back.
+  // Following wrong ones might not terminate.
   if (diagnostics.error_count() > errors_before_references) return std::nullopt;
   ReadContext context{
       dialect,           document,       references, diagnostics,
@@ -1282,7 +1285,7 @@ std::optional<SceneFile> read_nori(const XmlDocument& document, const ReadOption
   std::optional<SceneFile> result = SceneReader(context, load_mesh).read(*document.root());
   if (auto* scene = result ? std::get_if<Scene>(&*result) : nullptr) scene->approximations = context.approximations;
   report_lacking(context);
-  // After other errors an object may be missing that the override would have reached.
+  // After other errors, the object of the override may be missing.
   if (diagnostics.error_count() == errors_before) report_unmatched_overrides(context);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return result;

@@ -1,5 +1,5 @@
 #pragma once
-/// Nori's XML dialect and what Etendue adds to it, as docs/scene_format.md describes it: text in, plain structs out.
+/// Reads Nori's XML dialect, with Etendue's additions, as described in docs/scene_format.md, into plain structs.
 
 #include <functional>
 #include <optional>
@@ -20,7 +20,7 @@ using MeshLoader = std::function<std::optional<TriangleMesh>(const MeshFormat&, 
 /// Reads from memory: `file` names the text in messages and gives the folder that filenames are relative to.
 std::optional<SceneFile> parse_scene_file(std::string text, const std::string& file, const ReadOptions& options,
                                           const MeshLoader& load_mesh, Diagnostics& diagnostics);
-/// The same of a document; nothing where parsing it ended with a syntax error.
+/// The same for a document; nothing if parsing it ended with a syntax error.
 std::optional<SceneFile> read_nori(const XmlDocument& document, const ReadOptions& options, const MeshLoader& load_mesh,
                                    Diagnostics& diagnostics);
 

@@ -203,7 +203,7 @@ class NoriWriter : MaterialWriter {
     }
   }
 
-  /// A film that is a part of a larger one was made from whole numbers, which are found again.
+  /// A film that is a part of a larger one came from whole numbers of pixels, which are recovered.
   void write_film(const Camera& camera) {
     const FilmWindow& window = camera.window;
     const auto whole = [](std::uint32_t pixels, double share) {
@@ -257,8 +257,8 @@ class NoriWriter : MaterialWriter {
     xml_.close();
   }
 
-  /// The texture that stands for a property: at its first use with an id, later by that. A texture that is multiplied
-  /// by different colours is written for each of them.
+  /// The texture of a property: written with an id at its first use, and referred to by that later. A texture
+  /// multiplied by several colours is written once for each.
   void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor,
                      std::optional<TextureChannel> of_number) override {
     const TextureChannel channel = of_number.value_or(TextureChannel::luminance);

@@ -14,7 +14,7 @@
 namespace etendue {
 namespace {
 
-/// Of a transform the part that texture coordinates see.
+/// The part of a transform that affects texture coordinates.
 glm::dmat3 plane_transform(const glm::dmat4& m) {
   return {m[0][0], m[0][1], 0.0, m[1][0], m[1][1], 0.0, m[3][0], m[3][1], 1.0};
 }

@@ -12,8 +12,8 @@
 
 namespace etendue {
 
-/// Fills Scene::textures and Scene::bitmaps: an element that many refer to becomes one texture, a file that many name
-/// one picture.
+/// Fills Scene::textures and Scene::bitmaps: an element with many references becomes one texture, and a file named many
+/// times one picture.
 class TextureReader {
  public:
   /// Turns a name in the file into a path.
@@ -29,19 +29,18 @@ class TextureReader {
     bitmaps_.clear();
   }
 
-  /// The texture that stands for a property of the object; nothing where there is none or it is unusable, which is
-  /// reported.
+  /// The texture of a property of the object; nothing if there is none, or if it is unusable, which is reported.
   std::optional<std::uint32_t> read(const Object& owner, const char* property, Scene& scene);
-  /// What that texture is multiplied with, once it is read.
+  /// The factor of that texture, once it has been read.
   glm::dvec3 factor(const Object& owner, const char* property) const;
-  /// Which channel of a texture that was read stands for a number.
+  /// The channel of a texture to use as a number, once it has been read.
   TextureChannel channel_of(const Object& owner, const char* property) const {
     return channels_.at(owner.child_of(property));
   }
 
  private:
   std::optional<Texture> read_texture(const Object& object, Scene& scene);
-  /// The colour of a checkerboard's squares, and the texture that stands there.
+  /// The colour of a checkerboard's squares, and the texture in them.
   void read_square(const Object& board, const char* property, Scene& scene, glm::dvec3& color,
                    std::optional<std::uint32_t>& row);
   std::optional<Texture> read_bitmap_texture(const Object& object, Scene& scene);

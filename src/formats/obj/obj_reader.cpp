@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// Errors listed of one file; nobody reads more.
+/// Number of errors listed for one file; nobody reads more.
 constexpr std::size_t kMaxErrors = 20;
 
 struct ObjError {
@@ -44,9 +44,9 @@ class Tokens {
     while (at_ < line_.size() && !is_separator(line_[at_])) ++at_;
     return line_.substr(begin_, at_ - begin_);
   }
-  /// Where the token returned last begins.
+  /// The offset of the last token.
   std::size_t offset() const { return begin_; }
-  /// Where what follows it begins.
+  /// The offset of the text after it.
   std::size_t end() const { return at_; }
 
  private:
@@ -85,7 +85,7 @@ class BadElements {
   bool report_used(std::size_t index, const SourcePosition& face) {
     const auto found = kept_.find(index);
     if (found == kept_.end()) {
-      // The first time its line is not known any more; every face after the first would say the same.
+      // Reports it once if its line is no longer known, because every further face would give the same message.
       if (std::exchange(reported_unkept_, true) || count_ <= kMaxErrors) return false;
       diagnostics_.error(face, fmt::format("{} {} of this face could not be read", what_, index + 1));
       return true;
@@ -170,7 +170,7 @@ class ObjParser {
     if (++errors_ == kMaxErrors) throw EndOfReading{};
   }
 
-  /// Reads the element that was put at the end of `elements`; when that fails its place is marked and its line kept.
+  /// Reads the element that was put at the end of `elements`; if that fails, its place is marked and its line kept.
   template <typename Read>
   void read_element(std::vector<glm::dvec3>& elements, BadElements& bad, const Read& read) {
     try {
@@ -253,7 +253,7 @@ class ObjParser {
 
   void parse_position(Tokens& tokens) {
     check_capacity(mesh_.positions.size(), kMaxVertices, "vertices");
-    mesh_.positions.emplace_back(0.0);  // counts even when the line is wrong, or all faces after it would be, too
+    mesh_.positions.emplace_back(0.0);  // counts even if the line is wrong, or all later faces would be wrong, too
     read_element(mesh_.positions, bad_positions_, [&] {
       // Three coordinates, then perhaps a weight (for curves only) or a colour, as some exporters write, with alpha.
       std::array<double, 8> n{};
@@ -268,7 +268,7 @@ class ObjParser {
     });
   }
 
-  /// Of the vertex read last.
+  /// Sets the colour of the last vertex.
   void add_color(const glm::dvec3& color) {
     if (!content_.colors || bad_color_) return;
     if (!(std::min({color.x, color.y, color.z}) >= 0.0 && std::max({color.x, color.y, color.z}) <= 1.0)) {
@@ -310,7 +310,7 @@ class ObjParser {
     }
   }
 
-  /// Once a file: nothing is lost.
+  /// Reported once per file, because nothing is lost.
   void warn_texture(const ObjError& error) {
     if (std::exchange(bad_texture_, true)) return;
     diagnostics_.warning(lines_.position(error.offset),
@@ -361,23 +361,23 @@ class ObjParser {
     return corner;
   }
 
-  /// kNone where it cannot be used.
+  /// kNone if it cannot be used.
   std::uint32_t texture_index(std::string_view token, std::size_t offset) {
     if (bad_texture_) {
-      parse_index(token, offset);  // the sentence was said
+      parse_index(token, offset);  // already reported
       return kNone;
     }
     try {
       const std::uint32_t index = resolve(token, offset, textures_, "texture coordinate");
       return content_.uv ? index : kNone;
     } catch (const ObjError& error) {
-      parse_index(token, offset);  // what is no index at all stays an error
+      parse_index(token, offset);  // anything that is not an index remains an error
       warn_texture(error);
       return kNone;
     }
   }
 
-  /// False when the face has a vertex or normal that could not be read; then that was reported.
+  /// False if the face has a vertex or normal that could not be read, which has then been reported.
   bool has_good_elements() {
     bool good = true;
     const auto check = [&](BadElements& bad, const std::vector<glm::dvec3>& elements, std::uint32_t index) {
@@ -485,7 +485,8 @@ class ObjParser {
 /// bare numbers, a tenth of what a table of keys would take.
 class VertexTable {
  public:
-  /// The place of a vertex: its number, or kNone to be replaced by one. `is_wanted(n)` tells whether vertex n is it.
+  /// The slot of a vertex: it contains its number, or kNone, to be replaced by one. `is_wanted(n)` tests whether vertex
+  /// n is the right one.
   template <typename IsWanted, typename HashOf>
   std::uint32_t& find(std::size_t hash, const IsWanted& is_wanted, const HashOf& hash_of) {
     if (2 * (count_ + 1) > slots_.size()) grow(hash_of);
@@ -545,7 +546,7 @@ class VertexSplitter {
   }
 
  private:
-  /// What a vertex of the result is made of. `source` is an index into the normals, or kPlane plus the triangle whose
+  /// The parts of a vertex of the result. `source` is an index into the normals, or kPlane plus the triangle whose
   /// plane gives the normal.
   struct Vertex {
     std::uint32_t position;
@@ -577,7 +578,7 @@ class VertexSplitter {
 
   std::uint32_t uv_of(std::uint32_t vertex) const { return with_uv_ ? uv_indices_[vertex] : kNone; }
 
-  /// Mixed well: a file could otherwise make all vertices collide.
+  /// Mixed well, because otherwise a file could make all vertices collide.
   static std::size_t mix(const Vertex& v, std::uint32_t uv) {
     const auto stir = [](std::uint64_t x) {
       x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;

@@ -1,6 +1,6 @@
 #pragma once
-/// Wavefront OBJ files, read as a stream. tinyobjloader would be at hand, but it gives no positions for errors, takes
-/// indices that are out of range and has crashed on hostile files; a file here may be anything.
+/// Wavefront OBJ files, read as a stream. tinyobjloader is not used, because it reports errors without positions,
+/// accepts indices out of range and has crashed on hostile files.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,12 +17,12 @@
 namespace etendue {
 
 /// Bounds on a file beside those of scene/limits.h and mesh_content.h, so that memory stays within a few GiB whatever
-/// it holds.
+/// the file contains.
 struct ObjLimits {
   static constexpr std::size_t kMaxLine = std::size_t{4} << 20;  ///< bytes, continuations included
 };
 
-/// Which material each triangle of a file is said to have.
+/// The materials of a file, and the one of each triangle.
 struct ObjMaterials {
   std::vector<std::string> libraries;          ///< of `mtllib`, as the file names them
   std::vector<std::string> names;              ///< of `usemtl`; the first is "", of faces before any
