@@ -1,22 +1,28 @@
 """The pictures of README.md and docs/gallery.md."""
 
+LARGE = (1280, 720)
+# scene: (size, samples per pixel, further options), as docs/gallery.md tells its readers to make them
 PICTURES = {
-    # name: (size, samples per pixel), as docs/gallery.md tells its readers to make them
-    "materials": ((560, 245), 160),
-    "cbox-ajax": ((400, 300), 43),
-    "daylight": ((560, 315), 256),
-    "still-life": ((560, 420), 400),
-    "forest": ((640, 360), 256),
-    "material-gallery": ((640, 352), 128),
-    "bubble": ((480, 270), 288),
-    "cbox-sphere": ((640, 480), 400),
+    "gallery/window": (LARGE, 32, "--tonemap aces"),
+    "still-life": (LARGE, 48, "-D sampler.type=sobol --camera 0.55,1.9,2.75,0.05,0.3,0.1,36"),
+    "materials": ((560, 245), 160, ""),
+    "cbox-ajax": ((400, 300), 43, ""),
+    "daylight": ((560, 315), 256, ""),
+    "forest": ((640, 360), 256, ""),
+    "material-gallery": ((640, 352), 128, ""),
+    "bubble": ((480, 270), 288, ""),
+    "cbox-sphere": ((640, 480), 400, ""),
 }
 
 
 def run(studio):
     rows = []
-    for name, (size, spp) in PICTURES.items():
-        render = studio.render(name, name, spp=studio.pick(spp, 1), size=studio.pick(size, (size[0] // 16, size[1] // 16)))
-        studio.keep_picture(name, render.png())
-        rows.append({"name": name, "width": size[0], "height": size[1], "spp": spp})
+    for scene, (size, spp, options) in PICTURES.items():
+        name = scene.split("/")[-1]
+        render = studio.render(scene, name, spp=studio.pick(spp, 1), size=studio.pick(size, (size[0] // 16, size[1] // 16)),
+                               more=options.split())  # yapf: disable
+        keep = studio.keep_photo if size == LARGE else studio.keep_picture
+        file = keep(name, render.png())
+        more = f" {options}" if options else ""
+        rows.append({"picture": file.name, "command": f"etendue render scenes/{scene}.xml --size {size[0]}x{size[1]} --spp {spp}{more} -o {name}.png"})
     studio.keep_data("gallery", {"rows": rows})
