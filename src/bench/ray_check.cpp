@@ -43,7 +43,7 @@ std::vector<CastRay> rays_beside(const CastRay& ray, std::mt19937& engine) {
   return rays;
 }
 
-// Whether the answers to the rays beside contain `found`, or lie on both sides of it.
+// Whether the hits of the neighbouring rays include `found`, or lie on both sides of it.
 bool explains(std::span<const CastHit> beside, const CastHit& found, RayQuery query) {
   bool nearer = false, farther = false;
   for (const CastHit& b : beside) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What was measured, for people and for programs.
+/// The measurements, for people and for programs.
 
 #include <string>
 #include <vector>

@@ -72,7 +72,7 @@ class SceneBench {
   SceneReport report() const;
 
  private:
-  /// Things done in a second of wall clock, and in one of CPU time.
+  /// Rates per second of wall-clock time and per second of CPU time.
   struct Pace {
     double wall = 0, cpu = 0;
   };

@@ -1,5 +1,5 @@
 #pragma once
-/// What it takes until the first sample: the tree, the upload, the compilation of the kernel, and memory.
+/// The cost until the first sample: tree, upload, compilation of the kernel, and memory.
 
 #include <cstdint>
 #include <optional>

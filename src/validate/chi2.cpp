@@ -198,7 +198,7 @@ std::vector<double> expectations(BsdfProbe& probe, const dvec3& wo, const Histog
     total += lobe.prob;
   }
   if (!(total <= 1.0 + rounding)) result.fault = fmt::format("the density integrates to {:.6g}, more than 1", total);
-  // What is missing to 1 are samples without a direction; less than rounding is none.
+  // The rest up to 1 is the probability of no direction; a difference below rounding counts as 0.
   expected.push_back(total < 1.0 - rounding ? 1.0 - total : 0.0);
   for (double& share : expected) share *= samples;
   return expected;
@@ -253,7 +253,8 @@ std::string direction_text(const dvec3& d) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", d.x, d.y, d.z);
 }
 
-/// How far the density of a sample may be from that of its direction, which is rounded to single precision.
+/// The largest allowed deviation of a sample's density from that of its direction, which is rounded to single
+/// precision.
 double rounding_of(const Bsdf& bsdf, const std::optional<Roughness>& narrow) {
   double rounding = kRounding;
   if (narrow) rounding *= std::max(1.0, kSharp / std::min(narrow->alpha_u.value, narrow->alpha_v.value));

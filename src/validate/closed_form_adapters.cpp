@@ -127,7 +127,7 @@ double turned_irradiance(std::span<const dvec3> lamp, const dvec3& n, const dvec
   return sum / (kSteps * kSteps);
 }
 
-/// What a stack does to light on the mean, at the middle of a square with the tangents `s` and `t`, seen from `wo`.
+/// The mean effect of a stack on light, at the middle of a square with the tangents `s` and `t`, seen from `wo`.
 struct Mean {
   const Scene& scene;
   const dvec3 s, t, wo;

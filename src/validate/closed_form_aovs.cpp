@@ -1,4 +1,4 @@
-/// Scenes that ask what is rendered beside a picture.
+/// Scenes for AOVs.
 
 #include <fmt/format.h>
 
@@ -53,7 +53,7 @@ ClosedFormScene slanted_wall(Dice& dice) {
   return result;
 }
 
-/// The share of a pixel that a rectangle covers, through any filter.
+/// The fraction of a pixel covered by a rectangle, for any filter.
 ClosedFormScene alpha_of_rectangle(Dice& dice) {
   ClosedFormScene result = coverage_scene(dice);
   Scene& scene = result.scene;

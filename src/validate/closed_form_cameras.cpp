@@ -1,4 +1,4 @@
-/// Scenes that ask what a camera makes of an emitting rectangle.
+/// Scenes in which a camera sees an emitting rectangle.
 
 #include <algorithm>
 #include <array>
@@ -168,7 +168,7 @@ ClosedFormScene panorama_of_a_cap(Dice& dice) {
   return result;
 }
 
-/// What a meter of a tiny square measures under a polygon: Lambert's formula.
+/// The irradiance of a tiny square under a polygon, as measured by a meter: Lambert's formula.
 ClosedFormScene metered_polygon(Dice& dice) {
   ClosedFormScene result;
   Scene& scene = result.scene;

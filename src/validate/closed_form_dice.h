@@ -1,5 +1,6 @@
 #pragma once
-/// What the makers of closed-form scenes share: dice, shapes, cameras. Nothing of it is known to a renderer.
+/// Common code for generating closed-form scenes: random numbers, shapes, cameras. It shares nothing with the
+/// renderers.
 
 #include <cmath>
 #include <cstdint>
@@ -124,10 +125,10 @@ inline ReconstructionFilter random_filter(Dice& dice) {
   return filter;
 }
 
-/// Families with files of their own.
+/// Families defined in files of their own.
 ClosedFormScene camera_scene(Dice& dice);
 ClosedFormScene integrator_scene(Dice& dice, LightStrategy strategy);
-/// Of the family direct, for others to look at differently.
+/// Scenes of the family direct, for reuse by other families.
 ClosedFormScene direct_light_scene(Dice& dice, LightStrategy strategy);
 /// Of the families furnace and coverage, likewise.
 ClosedFormScene furnace_scene(Dice& dice, LightStrategy strategy);

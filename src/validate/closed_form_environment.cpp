@@ -21,7 +21,7 @@ struct Picture {
     const std::int64_t column = (x % width + width) % width, row = std::clamp<std::int64_t>(y, 0, height - 1);
     return radiance[static_cast<std::size_t>(row * width + column)];
   }
-  /// Of a direction of the sky's frame.
+  /// The radiance from a direction in the sky's frame.
   dvec3 at(const dvec3& d) const {
     const double u = std::atan2(d.x, -d.z) / (2.0 * kPi), v = std::acos(std::clamp(d.y, -1.0, 1.0)) / kPi;
     const double x = u * width - 0.5;
@@ -133,7 +133,7 @@ ClosedFormScene environment_scene(Dice& dice, LightStrategy strategy) {
   scene.integrator.rr_depth = 0;
   set_strategy(scene, strategy);
   scene.camera = look_along(0.01 * wo, -wo, kPointFov);
-  // So far everything stands in the sky's frame. The world may be its mirror image.
+  // So far everything is in the sky's frame. The world may be its mirror image.
   if (dice.chance(0.3)) {
     glm::dmat4 mirror(1.0);
     mirror[0][0] = -1.0;

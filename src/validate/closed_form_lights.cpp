@@ -93,7 +93,7 @@ dvec3 add_spot(Scene& scene, Dice& dice, const dvec3& place) {
   if (theta < radians(light.cutoff) && dice.chance(0.3)) {
     const double edge = std::tan(radians(light.cutoff));
     const Slide slide(dice, scene);
-    // +X lies to the right and +Y below, as in Mitsuba.
+    // +X is to the right and +Y down, as in Mitsuba.
     const auto texel = slide.at(0.5 + 0.5 * toward.x / toward.z / edge, 0.5 + 0.5 * toward.y / toward.z / edge);
     if (texel) {
       light.intensity.texture = static_cast<std::uint32_t>(scene.textures.size()) - 1;
@@ -157,7 +157,7 @@ dvec3 add_light(Scene& scene, Dice& dice, const dvec3& w) {
   return intensity / d2;
 }
 
-/// A body that hides the light toward `w` and nothing else: none of the others lies within its cone.
+/// A body that hides only the light toward `w`: none of the others is within its cone.
 void hide(Scene& scene, const dvec3& w) {
   add_shape(scene, Sphere{0.25 * w, 0.02}, DiffuseBsdf{dvec3(0.0)});
 }
@@ -172,7 +172,7 @@ ClosedFormScene delta_scene(Dice& dice, LightStrategy strategy) {
   ClosedFormScene result;
   Scene& scene = result.scene;
   const dvec3 n(0, 1, 0), albedo = dice.color(0.2, 0.9);
-  // What chance finds as well: a lamp, and a sky that it hides a part of.
+  // Emitters that material samples can also find: a lamp, and a sky that it partly hides.
   const dvec3 lamp_axis = dice.direction_around(n, 0.3);
   const bool has_lamp = dice.chance(0.5), has_sky = dice.chance(0.4);
   constexpr double kLampAngle = 0.3;

@@ -311,7 +311,7 @@ ClosedFormScene glass_scene(Dice& dice) {
   const dvec3 n = dice.direction();
   dvec3 wo = dice.direction_around(n, 0.2);
   while (near_critical_angle(glm::dot(wo, n), n_o, n_t)) wo = dice.direction_around(n, 0.2);
-  // The point looked at is the origin; the sphere lies on the far side of it, or around the camera.
+  // The camera looks at the origin; the sphere is on the far side of it, or around the camera.
   add_shape(scene, Sphere{inside ? n : -n, 1.0}, glass);
   scene.camera = look_along((inside ? 0.3 : 1.0) * wo, -wo, kPointFov);
   move_scene(scene, dice, true);
@@ -407,7 +407,7 @@ const char* light_strategy_name(LightStrategy strategy) {
 }
 
 ClosedFormScene make_closed_form(SceneFamily family, std::uint64_t seed, LightStrategy strategy) {
-  // The number of families that there were first: scenes keep their numbers.
+  // The number of the original families, so that their scenes keep their numbers.
   constexpr std::uint64_t kStreams = 7;
   const auto number = static_cast<std::uint64_t>(family);
   Dice dice(number < kStreams ? seed * kStreams + number : ~(seed * kStreams + number));

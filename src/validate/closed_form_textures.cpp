@@ -67,7 +67,7 @@ struct TexturePicture {
   }
 };
 
-/// A texture of the scene beside its closed form.
+/// A texture of the scene, with its closed form.
 struct Pattern {
   Texture texture;
   std::optional<TexturePicture> picture;

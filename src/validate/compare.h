@@ -13,7 +13,7 @@
 
 namespace etendue {
 
-/// What a comparison came to.
+/// The verdict of a comparison.
 enum class Verdict {
   identical,            ///< every value equal
   rounding_only,        ///< the same decisions, values apart by rounding (validate)

@@ -19,7 +19,7 @@ Roughness burley(double roughness, double anisotropic) {
   const double squared = roughness * roughness, aspect = std::sqrt(1.0 - 0.9 * anisotropic);
   return {Roughness::Distribution::ggx, std::max(1e-3, squared / aspect), std::max(1e-3, squared * aspect)};
 }
-/// Of two kinds of facets, cells that resolve the narrower resolve the other.
+/// For two kinds of facets, cells that resolve the narrower one also resolve the other.
 std::optional<Roughness> narrower(const Roughness& a, const Roughness& b) {
   const auto least = [](const Roughness& r) { return std::min(r.alpha_u.value, r.alpha_v.value); };
   return if_narrow(least(a) <= least(b) ? a : b);

@@ -33,7 +33,7 @@ const glm::dmat3 kXyzFromRgb{{0.4123907992659595, 0.2126390058715104, 0.01933081
 const glm::dmat3 kRgbFromXyz = glm::inverse(kXyzFromRgb);
 const glm::dvec3 kWhite = kXyzFromRgb * glm::dvec3(1.0);
 
-// The formulas in double for whoever checks them, in float for the pixels, where the powers are what takes the time.
+// The formulas in double for tests, and in float for pixels, where the powers take most of the time.
 
 template <typename T>
 glm::vec<3, T> rgb_of(const glm::vec<3, T>& ycxcz) {

@@ -38,7 +38,7 @@ Cell make_cell(const MeanDifference& difference, std::uint32_t x, std::uint32_t 
   return cell;
 }
 
-/// What a family of tests comes to, cell by cell; keeps no cell but the worst.
+/// Accumulates a family of tests, cell by cell; only the worst cell is kept.
 class FamilyTally {
  public:
   /// `most`: the largest number of tests there can be.

@@ -1,6 +1,6 @@
 #pragma once
-/// Do two pictures with standard errors show the same expectation? Three families of two-sided tests, each with its own
-/// family-wise false-alarm rate: every pixel, every 8×8 block, the whole image; red, green and blue apart.
+/// Tests whether two pictures with standard errors have the same expectation. Three families of two-sided tests, each
+/// with its own family-wise false-alarm rate: every pixel, every 8×8 block, the whole image; red, green and blue apart.
 
 #include <cstdint>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace etendue {
 
-/// Samples a pixel needs in both pictures to be tested on its own: with fewer its score is far from normal.
+/// Samples that a pixel needs in both pictures to be tested by itself; with fewer, its score is far from normal.
 inline constexpr std::uint32_t kMinPixelSamples = 16;
 inline constexpr std::uint32_t kBlockSize = 8;
 

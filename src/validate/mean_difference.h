@@ -55,7 +55,7 @@ class MeanDifference {
   std::uint64_t terms_ = 0;
 };
 
-/// Whether a pixel has enough samples and errors that can be errors.
+/// Whether a pixel has enough samples and valid standard errors.
 inline bool testable(const Image& image, std::size_t pixel, std::uint32_t min_samples) {
   const glm::vec3& e = image.standard_error[pixel];
   const auto usable = [](float error) { return std::isfinite(error) && error >= 0.0f; };

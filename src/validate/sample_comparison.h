@@ -23,7 +23,7 @@ struct SampleLimits {
   double paired_level = 1e-3;       ///< false-alarm rate of the paired test of the means
 };
 
-/// Where two traces of one sample part.
+/// The vertex where two traces of one sample diverge.
 struct Divergence {
   SampleId id;
   std::uint32_t bounce = 0;  ///< index of the first vertex that differs, 0 = first hit
@@ -64,7 +64,7 @@ struct SampleComparison {
   bool same_mean() const { return non_finite == 0 && paired.p_value >= limits.paired_level; }
 };
 
-/// What a renderer makes of single samples.
+/// The results of single samples.
 struct TracedSamples {
   std::vector<SampleId> ids;
   std::vector<SampleRecord> records;

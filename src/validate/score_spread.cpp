@@ -14,7 +14,7 @@ namespace {
 constexpr double kSecondMoment = 3.0;   // of a squared normal score, which no other has more of
 constexpr double kAllowedExcess = 2.0;  // variances up to so many times too large are nobody's fault
 
-/// Of the pixels of a tile.
+/// Sums over the pixels of a tile.
 struct TileSum {
   double squares = 0;
   std::uint64_t pixels = 0;

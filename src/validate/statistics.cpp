@@ -304,7 +304,7 @@ TailReport tail_report(std::span<const double> samples) {
   }
   const auto farthest = std::max_element(deviations.begin(), deviations.end());
   report.largest = samples[static_cast<std::size_t>(farthest - deviations.begin())];
-  // Rounding noise around a constant is no tail.
+  // Rounding noise around a constant does not count as a tail.
   const double scale = kNumericalTolerance * std::abs(report.mean);
   if (sum_squares > 0.0 && *farthest > scale) report.largest_share = *farthest * *farthest / sum_squares;
 

@@ -79,7 +79,7 @@ SceneTTest test_scene(const Scene& scene, double reference, std::uint32_t seed, 
   return result;
 }
 
-/// What a person reads in the last column.
+/// The text in the last column.
 std::string verdict_of(const SceneTTest& scene) {
   if (!scene.tested) return scene.passed ? "not tested, allowed" : "NOT TESTED";
   return scene.passed ? "passed" : "FAILED";

@@ -70,7 +70,7 @@ struct DevicesValidation {
   double significance = 0;        ///< of all pairs together
   std::vector<Entrant> entrants;  ///< the devices, then the reference
   std::vector<Validation> pairs;  ///< each device against the reference, then each against those before it
-  /// Of the worst pair: different, then untested, then the others.
+  /// The verdict of the worst pair: different first, then untested, then the others.
   Verdict verdict() const;
   bool passed() const;
 };
