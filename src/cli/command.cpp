@@ -135,7 +135,7 @@ void DeviceOption::add_to(Command& command, bool several) {
   command.add_option("--pass-samples", pass_samples, "samples of each lane per dispatch; for tests")->group("");
   command
       .add_option("--traversal", traversal,
-                  "how ray hits are found: tree, our own tree, on any device; query, the driver's acceleration "
+                  "how ray hits are found: tree, Etendue's own, on any device; query, the driver's acceleration "
                   "structures, on devices with VK_KHR_ray_query; auto is tree")
       ->type_name("HOW")
       ->check(one_of({"auto", "tree", "query"}))
