@@ -3,7 +3,7 @@
 LARGE = (1280, 720)
 # scene: (size, samples per pixel, further options), as docs/gallery.md tells its readers to make them
 PICTURES = {
-    "gallery/window": (LARGE, 64, "--tonemap aces"),
+    "gallery/window": (LARGE, 256, "--tonemap aces"),
     "still-life": (LARGE, 48, "-D sampler.type=sobol --camera 0.55,1.9,2.75,0.05,0.3,0.1,36"),
     "materials": ((560, 245), 160, ""),
     "cbox-ajax": ((400, 300), 43, ""),
