@@ -1,5 +1,6 @@
 #include "core/page_memory.h"
 
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -9,15 +10,25 @@
 
 namespace etendue {
 
+namespace {
+
+constexpr std::size_t kHugePage = std::size_t{2} << 20;
+
+}  // namespace
+
+void advise_huge_pages([[maybe_unused]] void* start, [[maybe_unused]] std::size_t bytes) {
+#ifdef __linux__
+  if (bytes < kLeastHugeBytes) return;
+  const std::uintptr_t skipped = -reinterpret_cast<std::uintptr_t>(start) % kHugePage;
+  madvise(static_cast<char*>(start) + skipped, (bytes - skipped) / kHugePage * kHugePage, MADV_HUGEPAGE);
+#endif
+}
+
 void* allocate_pages(std::size_t bytes) {
-  constexpr std::size_t kHugePage = std::size_t{2} << 20;
-  const bool large = bytes >= 2 * kHugePage;
-  const std::size_t step = large ? kHugePage : kPageBytes;
+  const std::size_t step = bytes < kLeastHugeBytes ? kPageBytes : kHugePage;
   void* const pages = std::aligned_alloc(step, (bytes + step - 1) / step * step);
   if (pages == nullptr) throw std::bad_alloc();
-#ifdef __linux__
-  if (large) madvise(pages, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);  // where it is refused nothing changes
-#endif
+  advise_huge_pages(pages, bytes);
   return pages;
 }
 

@@ -8,9 +8,14 @@ namespace etendue {
 
 constexpr std::size_t kPageBytes = 4096;
 
-/// At the beginning of a page, to the end of one: `bytes` rounded up to a multiple of kPageBytes at least. Under tables
-/// of megabytes that are read at random places huge pages are asked for: fewer address translations miss, which saves
-/// some 5 per cent of a walk through a tree. Throws std::bad_alloc.
+/// Requests huge pages for memory that is read at random: fewer address translations miss, which saves about 5 % on
+/// trees of tens of megabytes. This is only advice; if it is refused, or `bytes` are fewer than kLeastHugeBytes,
+/// nothing changes.
+constexpr std::size_t kLeastHugeBytes = std::size_t{4} << 20;
+void advise_huge_pages(void* start, std::size_t bytes);
+
+/// From the beginning of a page to the end of one: at least `bytes`, rounded up to a multiple of kPageBytes, with that
+/// advice. Throws std::bad_alloc.
 void* allocate_pages(std::size_t bytes);
 void free_pages(void* pages) noexcept;
 

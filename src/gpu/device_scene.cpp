@@ -408,8 +408,8 @@ std::shared_ptr<const DeviceScene::Entry> DeviceScene::upload(const TableGroup& 
 std::shared_ptr<const DeviceScene::Entry> DeviceScene::use_in_place(const TableGroup& group,
                                                                     const std::shared_ptr<const CompiledScene>& owner) {
   std::optional<vulkan::Buffer> buffer =
-      vulkan::Buffer::in_place(*device_->context, group.tables.front().bytes, table_usage(loads_), group.what);
-  return buffer ? finish({owner, std::move(*buffer), {}}) : upload(group);
+      vulkan::Buffer::in_place(*device_->context, owner, group.tables.front().bytes, table_usage(loads_), group.what);
+  return buffer ? finish({std::move(*buffer), {}}) : upload(group);
 }
 
 void DeviceScene::bind(std::uint32_t binding, std::shared_ptr<const Entry> entry) {

@@ -95,7 +95,6 @@ class DeviceScene {
 
  private:
   struct Entry {
-    std::shared_ptr<const CompiledScene> owner;  // of memory that is used in place
     vulkan::Buffer buffer;
     vulkan::TexelView view;  // none for storage buffers
   };

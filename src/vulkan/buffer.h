@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -43,10 +44,10 @@ class Buffer {
   /// buffer.
   Buffer(const Context& context, VkDeviceSize size, VkBufferUsageFlags usage, Memory memory, const char* what);
 
-  /// A buffer of the program's own memory, which kernels only read: `bytes` stay where they are while it lives, and the
-  /// whole last page belongs to them. Nothing where the device does not read them there.
-  static std::optional<Buffer> in_place(const Context& context, std::span<const std::byte> bytes,
-                                        VkBufferUsageFlags usage, const char* what);
+  /// A buffer of the program's own memory, which kernels only read: `bytes` of `owner`, to which the whole last page
+  /// belongs. Nothing where the device does not read them there.
+  static std::optional<Buffer> in_place(const Context& context, const std::shared_ptr<const void>& owner,
+                                        std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* what);
 
   VkBuffer get() const { return buffer_.get(); }
   VkDeviceSize size() const { return size_; }
@@ -55,6 +56,7 @@ class Buffer {
  private:
   VkDeviceSize size_ = 0;
   CountedBytes counted_;
+  std::shared_ptr<const void> lent_;  // memory that is not the device's own
   Handle<VkDeviceMemory, &vkFreeMemory> memory_;
   Handle<VkBuffer, &vkDestroyBuffer> buffer_;
   void* mapped_ = nullptr;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <mutex>
 #include <set>
+#include <vector>
 
 namespace etendue::vulkan {
 namespace {
@@ -27,6 +28,16 @@ bool is_abandoned(VkDevice device) {
 
 bool any_abandoned() {
   return g_any;
+}
+
+std::shared_ptr<const void> lend(VkDevice device, std::shared_ptr<const void> owner) {
+  const void* const lent = owner.get();
+  return {lent, [device, owner = std::move(owner)](const void*) {
+            if (!is_abandoned(device)) return;
+            static auto* const kept = new std::vector<std::shared_ptr<const void>>;  // survives even static objects
+            const std::lock_guard lock(g_mutex);
+            kept->push_back(owner);
+          }};
 }
 
 }  // namespace etendue::vulkan

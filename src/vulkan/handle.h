@@ -1,6 +1,7 @@
 #pragma once
 /// Owning wrapper of a device-level Vulkan handle.
 
+#include <memory>
 #include <utility>
 
 #include <volk.h>
@@ -14,6 +15,10 @@ void abandon(VkDevice device);
 bool is_abandoned(VkDevice device);
 /// True when the process has abandoned any device.
 bool any_abandoned();
+
+/// What keeps memory of the program alive while `device` may read it: `owner` goes with the last copy of this, and
+/// never once the device is abandoned, whose driver may go on reading.
+std::shared_ptr<const void> lend(VkDevice device, std::shared_ptr<const void> owner);
 
 /// Calls `*Destroy(device, handle, nullptr)` at the end of its lifetime, unless the device was abandoned. `Destroy`
 /// points at volk's function pointer, which is only filled at run time.

@@ -342,13 +342,15 @@ TEST_F(Lifetimes, TheTreeIsReadWhereItIs) {
 // Only whole pages are read in place.
 TEST_F(Lifetimes, MemoryWithinAPageIsNoBuffer) {
   const auto device = open_device(renderer_options());
-  PageVector<std::byte> bytes(3 * kPageBytes, std::byte{7});
+  const auto owner = std::make_shared<const PageVector<std::byte>>(3 * kPageBytes, std::byte{7});
+  const std::span<const std::byte> bytes(*owner);
   const auto in_place = [&](std::span<const std::byte> part) {
-    return vulkan::Buffer::in_place(*device->context, part, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "test").has_value();
+    return vulkan::Buffer::in_place(*device->context, owner, part, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "test")
+        .has_value();
   };
   EXPECT_EQ(in_place(bytes), device->context->host_memory_alignment() != 0);
-  EXPECT_FALSE(in_place(std::span(bytes).subspan(64)));
-  EXPECT_FALSE(in_place(std::span(bytes).first(0)));
+  EXPECT_FALSE(in_place(bytes.subspan(64)));
+  EXPECT_FALSE(in_place(bytes.first(0)));
 }
 
 TEST_F(Lifetimes, TheFilmStaysOnTheDevice) {
