@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
+import pathlib
 from typing import Any, Iterable, Optional, Union, cast
 
 import numpy as np
@@ -192,12 +194,23 @@ def denoise(picture: Union[Image, PathLike], *, library: PathLike = "") -> Image
 
     The AOVs "albedo" and "normal" guide it if the picture has them: ``et.render(scene, aovs=["albedo", "normal"])``. A
     denoised picture has neither standard error nor sample count; its metadata say that it was denoised, and compare()
-    reports distances without any test. ``library`` is the path of the library's file if it is not the system's; by
-    default, the environment variable ETENDUE_OIDN may name it. Raises FileError if the library is missing, saying how
-    to get it, and if the picture is denoised already.
+    reports distances without any test. ``library`` is the path of the library's file; by default it is the one that the
+    environment variable ETENDUE_OIDN names, that of the package pyoidn if this Python has it, or the system's. Raises
+    FileError if the library is missing, saying how to get it, and if the picture is denoised already.
     """
     noisy = picture._picture if isinstance(picture, Image) else _core.read_noisy_picture(os.fspath(picture))
-    return Image(_core.denoise(noisy, os.fspath(library)))
+    path = os.fspath(library) or os.environ.get("ETENDUE_OIDN") or _library_of_pyoidn()
+    return Image(_core.denoise(noisy, path))
+
+
+def _library_of_pyoidn() -> str:
+    """The file in the package pyoidn, which is not imported for it; "" if there is none."""
+    package = importlib.util.find_spec("pyoidn")
+    for folder in (package and package.submodule_search_locations) or []:
+        file = pathlib.Path(folder, "oidn", "lib", "libOpenImageDenoise.so.2")
+        if file.is_file():
+            return str(file)
+    return ""
 
 
 def _colors(values: npt.ArrayLike) -> FloatArray:
