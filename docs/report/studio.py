@@ -18,6 +18,7 @@ import exr
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = ROOT / "scenes"
+MADE = "etendue:"  # begins the names of files that the build makes for scenes
 LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
 
 
@@ -128,15 +129,16 @@ class Studio:
         if isinstance(scene, Path):
             return scene
         path = SCENES / f"{scene}.xml"
-        if self.quick and "meshes/generated/" in path.read_text(encoding="utf-8"):
+        if self.quick and MADE in path.read_text(encoding="utf-8"):
             return self.variant(path, f"{path.stem}-small", self.shrink_meshes)
         return path
 
     def shrink_meshes(self, root):
         for entry in root.iter("string"):
-            mesh = Path(entry.get("value"))
-            if mesh.parent.name == "generated":
-                small = self.scratch / mesh.name
+            value = entry.get("value")
+            if value.startswith(MADE):
+                mesh = Path(value.removeprefix(MADE))
+                small = self.scratch / mesh
                 if not small.exists():
                     self.run(self.sculptor, *self.small(mesh), "-o", small)
                 entry.set("value", str(small))
@@ -153,7 +155,7 @@ class Studio:
         source = self.scene(scene)
         tree = xml.parse(source)
         for entry in tree.iter("string"):
-            if entry.get("name") == "filename":
+            if entry.get("name") == "filename" and not entry.get("value").startswith(MADE):
                 entry.set("value", str((source.parent / entry.get("value")).resolve()))
         change(tree.getroot())
         path = self.scratch / f"{name}.xml"

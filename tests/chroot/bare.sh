@@ -104,7 +104,7 @@ if [ $# -gt 0 ]; then
 fi
 run ./run render scenes/cbox-sphere.xml --spp 64
 for file in cbox-sphere.exr cbox-sphere.png; do [ -s "$copy/root/etendue/$file" ] || die "no $file was written"; done
-[ ! -e "$copy/root/etendue/scenes/meshes/generated/bust.obj" ] || die 'a mesh was made that the scene does not name'
+[ ! -e "$copy/root/etendue/build/release/share/etendue/meshes/bust.obj" ] || die 'a mesh was made that the scene does not name'
 for package in googletest libgtest-dev libgmock-dev; do
   if [ "$state" != half-gtest ] && inside dpkg-query -W "$package" >/dev/null 2>&1; then die "$package was installed to render"; fi
 done

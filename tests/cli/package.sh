@@ -43,9 +43,10 @@ done
 other=$(find .. -mindepth 1 -not -path '../usr*')
 [ -z "$other" ] || fault "outside of /usr: $other"
 if file bin/etendue | grep -q 'not stripped'; then fault 'the program is not stripped'; fi
-# What the scenes name is there.
+# What the scenes name is there: beside them, or with "etendue:" among the files that the build makes.
 cd share/etendue/scenes
-named=$(find . -name '*.xml' -exec grep -oE 'value="[A-Za-z0-9_./-]+\.(obj|ply|png|hdr|exr|jpg)"' {} + | sed -E 's/^(.*)\/[^/]*:value="(.*)"$/\1\/\2/' | sort -u)
+named=$(find . -name '*.xml' -exec grep -oE 'value="[A-Za-z0-9_./:-]+\.(obj|ply|png|hdr|exr|jpg)"' {} + |
+  sed -E 's/^.*:value="etendue:(.*)"$/..\/meshes\/\1/; s/^(.*)\/[^/]*:value="(.*)"$/\1\/\2/' | sort -u)
 [ "$(echo "$named" | wc -l)" -ge 15 ] || fault "the scenes name few files: $named"
 for name in $named; do [ -s "$name" ] || fault "a scene names $name, which is not there"; done
 # Without lintian this is all.

@@ -57,6 +57,7 @@ TEST(GltfFiles, NothingOutsideTheFolderIsOpened) {
   refuses(folder.path("in/c.bin"), "absolute paths are not followed");
   refuses("file:c.bin", "only files next to the model");
   refuses("https://example.org/c.bin", "only files next to the model");
+  refuses("etendue:bust.obj", "only files next to the model");
   refuses("c%00.bin", "zero byte");
   refuses("none.bin", "cannot open the file");
   refuses("sub", "cannot open the file");

@@ -623,11 +623,13 @@ TEST(EveryShippedScene, ReadsWithoutAWarning) {
     const auto file = read_scene_file(entry.path().string(), {{}, true}, diagnostics);
     // Large meshes are made by the build's target `scenes`, which need not have run.
     const std::string messages = all_messages(diagnostics);
-    if (messages.find("meshes/generated/") != std::string::npos && messages.find("No such file") != std::string::npos)
-      continue;
+    if (messages.find("--target scenes") != std::string::npos) continue;
     ASSERT_TRUE(file.has_value()) << messages;
     check_scene_file(*file, diagnostics);
-    EXPECT_TRUE(diagnostics.list().empty()) << all_messages(diagnostics);
+    for (const Diagnostic& finding : diagnostics.list()) {
+      EXPECT_EQ(finding.severity, Severity::note) << to_string(finding);
+      EXPECT_NE(finding.message.find("\"etendue:"), std::string::npos) << to_string(finding);
+    }
     ++count;
   }
   EXPECT_GE(count, 3);

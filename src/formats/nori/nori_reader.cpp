@@ -20,6 +20,7 @@
 #include "formats/mesh/builtin_meshes.h"
 #include "formats/nori/daylight_reader.h"
 #include "formats/nori/delta_light_reader.h"
+#include "formats/nori/named_files.h"
 #include "formats/nori/plugins.h"
 #include "formats/nori/texture_reader.h"
 #include "formats/xml/xml_document.h"
@@ -54,11 +55,8 @@ class SceneReader {
         sink_(context.diagnostics),
         load_mesh_(load_mesh),
         path_(context.document.file()),
-        textures_(context, [this](const std::string& filename, const SourcePosition& position) {
-          const fs::path path = find_file(filename, position);
-          note_if_outside(path, "picture", position);
-          return path.string();
-        }) {}
+        files_(path_, sink_),
+        textures_(context, files_) {}
 
   std::optional<SceneFile> read(const XmlElement& root) {
     if (root.name != "scene" && root.name != "test") {
@@ -1019,8 +1017,8 @@ class SceneReader {
       sink_.error(position, "\"filename\" is empty; give the path of a picture");
       return std::nullopt;
     }
-    const fs::path path = find_file(filename, position);
-    note_if_outside(path, "picture", position);
+    const fs::path path = files_.find(filename, "picture", position);
+    if (path.empty()) return std::nullopt;
     try {
       Bitmap bitmap = read_bitmap(path.string());
       for (const std::string& note : bitmap.notes) sink_.note(position, note);
@@ -1030,7 +1028,7 @@ class SceneReader {
       }
       picture.bitmap = std::make_shared<const Bitmap>(std::move(bitmap));
     } catch (const Error& error) {
-      sink_.error(position, fmt::format("picture {}", error.what()), error.kind());
+      sink_.error(position, fmt::format("picture {}{}", error.what(), files_.remedy(filename, path)), error.kind());
       return std::nullopt;
     }
     return picture;
@@ -1069,27 +1067,14 @@ class SceneReader {
       sink_.error(position, fmt::format("\"filename\" is empty; give the path of an {} file", format.title));
       return std::nullopt;
     }
-    const fs::path path = find_file(filename, position);
+    const fs::path path = files_.find(filename, "mesh", position);
     name = path.filename().string();
-    note_if_outside(path, "mesh", position);
-    if (sink_.error_count() >= kMaxErrorsBeforeMeshes) return std::nullopt;
-    return load_mesh(format, path.string(), content, position);
+    if (path.empty() || sink_.error_count() >= kMaxErrorsBeforeMeshes) return std::nullopt;
+    return load_mesh(format, filename, path, content, position);
   }
 
-  /// Names are relative to the folder of the scene. If there is no file with the name as written, backslashes are
-  /// treated as those of a Windows path.
-  fs::path find_file(const std::string& filename, const SourcePosition& position) {
-    const fs::path folder = fs::path(path_).parent_path();
-    std::error_code unknown;
-    if (filename.find('\\') == std::string::npos || fs::exists(folder / filename, unknown)) return folder / filename;
-    std::string slashed = filename;
-    std::ranges::replace(slashed, '\\', '/');
-    sink_.note(position, fmt::format("{} is read as {}", text::quoted(filename), text::quoted(slashed)));
-    return folder / slashed;
-  }
-
-  std::optional<TriangleMesh> load_mesh(const MeshFormat& format, const std::string& path, const MeshContent& content,
-                                        const SourcePosition& position) {
+  std::optional<TriangleMesh> load_mesh(const MeshFormat& format, const std::string& filename, const fs::path& path,
+                                        const MeshContent& content, const SourcePosition& position) {
     if (too_many_meshes_) return std::nullopt;
     std::error_code unknown;
     const std::uintmax_t bytes = fs::file_size(path, unknown);
@@ -1097,11 +1082,9 @@ class SceneReader {
     if (exceeds(mesh_bytes_, kMaxMeshBytes, "bytes of mesh files", position)) return std::nullopt;
     std::optional<TriangleMesh> mesh;
     try {
-      mesh = load_mesh_(format, path, content, sink_);
+      mesh = load_mesh_(format, path.string(), content, sink_);
     } catch (const Error& error) {  // the file cannot be opened or read: say which object names it
-      const bool missing = !fs::exists(path, unknown) && !unknown;
-      const char* remedy = missing ? "; names are relative to the folder of the scene file" : "";
-      sink_.error(position, fmt::format("mesh {}{}", error.what(), remedy), error.kind());
+      sink_.error(position, fmt::format("mesh {}{}", error.what(), files_.remedy(filename, path)), error.kind());
     }
     if (!mesh) return std::nullopt;
     triangles_ += mesh->triangles.size();
@@ -1119,20 +1102,6 @@ class SceneReader {
                 fmt::format("with this mesh the scene has {} {}; at most {} are supported: use coarser meshes", sum,
                             what, limit));
     return true;
-  }
-
-  /// A scene from a stranger may name any file of the machine; reading it is allowed, but reported.
-  void note_if_outside(const fs::path& path, const char* what, const SourcePosition& position) {
-    std::error_code error;
-    const fs::path folder = fs::weakly_canonical(fs::absolute(fs::path(path_), error).parent_path(), error);
-    if (error) return;
-    const fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
-    if (error) return;
-    const fs::path relative = target.lexically_relative(folder);
-    const bool outside = relative.empty() || *relative.begin() == "..";
-    if (outside)
-      sink_.note(position,
-                 fmt::format("{} {} is outside the folder of the scene file", what, text::quoted(target.string())));
   }
 
   std::vector<TestBsdf> read_test_bsdfs(const Object& test) {
@@ -1237,6 +1206,7 @@ class SceneReader {
   std::map<const XmlElement*, std::vector<Instance>> groups_;  ///< of that scene, in their own space
   const MeshLoader& load_mesh_;
   std::string path_;
+  NamedFiles files_;
   TextureReader textures_;
   std::size_t triangles_ = 0, vertices_ = 0;
   std::uintmax_t mesh_bytes_ = 0;

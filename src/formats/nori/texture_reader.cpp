@@ -189,18 +189,19 @@ std::optional<std::uint32_t> TextureReader::read_picture(const Object& object, T
     context_.diagnostics.error(position, "\"filename\" is empty; give the path of a picture");
     return std::nullopt;
   }
-  const std::string path = find_file_(filename, position);
-  texture.name = std::filesystem::path(path).filename().string();
-  const auto [entry, is_new] = bitmaps_.try_emplace(path);
+  const std::filesystem::path path = files_.find(filename, "picture", position);
+  if (path.empty()) return std::nullopt;
+  texture.name = path.filename().string();
+  const auto [entry, is_new] = bitmaps_.try_emplace(path.string());
   if (!is_new) return entry->second;
   try {
-    auto bitmap = std::make_shared<Bitmap>(read_bitmap(path));
+    auto bitmap = std::make_shared<Bitmap>(read_bitmap(path.string()));
     for (const std::string& note : std::exchange(bitmap->notes, {})) context_.diagnostics.note(position, note);
     entry->second = static_cast<std::uint32_t>(scene.bitmaps.size());
     scene.bitmaps.push_back(std::move(bitmap));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::file) throw;
-    context_.diagnostics.error(position, error.what());
+    context_.diagnostics.error(position, error.what() + files_.remedy(filename, path));
   }
   return entry->second;
 }

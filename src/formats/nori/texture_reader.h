@@ -1,13 +1,13 @@
 #pragma once
 /// <texture> → tables of a scene.
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 
 #include "formats/dialect/object.h"
+#include "formats/nori/named_files.h"
 #include "scene/scene.h"
 
 namespace etendue {
@@ -16,10 +16,7 @@ namespace etendue {
 /// times one picture.
 class TextureReader {
  public:
-  /// Turns a name in the file into a path.
-  using FindFile = std::function<std::string(const std::string& filename, const SourcePosition& position)>;
-
-  TextureReader(ReadContext& context, FindFile find_file) : context_(context), find_file_(std::move(find_file)) {}
+  TextureReader(ReadContext& context, NamedFiles& files) : context_(context), files_(files) {}
 
   /// Forgets the textures of another scene.
   void begin_scene() {
@@ -50,7 +47,7 @@ class TextureReader {
   void set_filter(const Object& object, BitmapTexture& picture);
 
   ReadContext& context_;
-  FindFile find_file_;
+  NamedFiles& files_;
   std::map<const XmlElement*, std::optional<std::uint32_t>> textures_;
   std::set<const XmlElement*> open_;                 ///< being read
   std::map<const XmlElement*, glm::dvec3> factors_;  ///< other than 1

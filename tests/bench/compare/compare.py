@@ -72,7 +72,7 @@ def box_filtered(etendue, scene, folder):
             camera.remove(other)
         xml.etree.ElementTree.SubElement(camera, 'rfilter', type='box')
     for name in tree.iter('string'):
-        if name.get('name') == 'filename':
+        if name.get('name') == 'filename' and not name.get('value').startswith('etendue:'):
             name.set('value', os.path.join(os.path.dirname(os.path.abspath(scene)), name.get('value')))
     copy = os.path.join(folder, os.path.basename(scene))
     tree.write(copy, encoding='utf-8', xml_declaration=True)

@@ -321,13 +321,15 @@ class FilterTest(unittest.TestCase):
     def test_another_becomes_a_box_and_files_are_still_found(self):
         text, same = self.box(
             '<scene><camera><rfilter type="gaussian"><float name="stddev" value="1"/></rfilter></camera>'
-            '<mesh type="obj"><string name="filename" value="meshes/a.obj"/></mesh></scene>'
+            '<mesh type="obj"><string name="filename" value="meshes/a.obj"/></mesh>'
+            '<mesh type="obj"><string name="filename" value="etendue:b.obj"/></mesh></scene>'
         )
         self.assertFalse(same)
         root = xml.etree.ElementTree.fromstring(text)
         self.assertEqual(root.find('camera/rfilter').attrib, {'type': 'box'})
         self.assertEqual(len(root.find('camera/rfilter')), 0)
-        self.assertEqual(root.find('mesh/string').get('value'), 'FOLDER/meshes/a.obj')
+        files = [file.get('value') for file in root.iterfind('mesh/string')]
+        self.assertEqual(files, ['FOLDER/meshes/a.obj', 'etendue:b.obj'])
 
 
 class OtherTest(unittest.TestCase):
