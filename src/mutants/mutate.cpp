@@ -254,10 +254,10 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
-/// Samples looked at, one after the other, until a test is sure.
+/// Numbers of samples to try, in this order, until a test is sure.
 constexpr std::array<std::uint32_t, 4> kLooks{4096, 16384, 65536, 262144};
 
-/// A test of the suite: gives the p-value with a number of samples. Made afresh for each mutant.
+/// A test of the suite, which computes its p-value for a number of samples. Each mutant gets a new one.
 class Trial {
  public:
   virtual ~Trial() = default;
@@ -269,7 +269,7 @@ struct SuiteTest {
   std::function<std::unique_ptr<Trial>(const GpuOptions& gpu)> make;
 };
 
-/// The mean luminance of a closed-form scene; samples add up from look to look.
+/// Tests the mean luminance of a closed-form scene. Samples of earlier looks are kept.
 class SceneTrial final : public Trial {
  public:
   SceneTrial(const ClosedFormScene& scene, const GpuOptions& gpu)
@@ -294,7 +294,7 @@ class SceneTrial final : public Trial {
   std::uint32_t done_ = 0;
 };
 
-/// Sampling of one material against its density.
+/// Tests the samples of a material against its density.
 class MaterialTrial final : public Trial {
  public:
   MaterialTrial(const Bsdf& bsdf, const glm::dvec3& wo, const GpuOptions& gpu)
@@ -311,8 +311,8 @@ class MaterialTrial final : public Trial {
   std::unique_ptr<BsdfProbe> probe_;
 };
 
-/// What one material scatters of even light from all around but by delta lobes, device against quadrature of the
-/// reference's f cos.
+/// Compares how much uniform light a material scatters without its delta lobes: samples on the device against
+/// quadrature of the reference's f cos.
 class AlbedoTrial final : public Trial {
  public:
   AlbedoTrial(const Bsdf& bsdf, const glm::dvec3& wo, const GpuOptions& gpu)
@@ -345,7 +345,7 @@ class AlbedoTrial final : public Trial {
   std::unique_ptr<BsdfProbe> probe_;
 };
 
-/// A closed room with a mirror, a glass sphere and an open lamp: paths of every kind, no closed form.
+/// A closed room with a mirror, a glass sphere and an open lamp. It has paths of every kind, but no closed form.
 Scene room() {
   Scene scene;
   scene.name = scene.file = "room";
@@ -377,7 +377,7 @@ Scene room() {
   return scene;
 }
 
-/// A latitude-longitude ball of radius 1 with vertex normals.
+/// A ball of radius 1 with vertex normals, divided along latitude and longitude.
 TriangleMesh smooth_ball() {
   constexpr std::uint32_t kRows = 5, kColumns = 8;
   TriangleMesh mesh;
@@ -400,7 +400,7 @@ TriangleMesh smooth_ball() {
   return mesh;
 }
 
-/// The room with instances of one mesh in it: a lamp of three unequal axes, a mirrored and a sheared body.
+/// The room with instances of one mesh: a lamp scaled by three different factors, a mirrored body and a sheared one.
 Scene room_of_instances() {
   Scene scene = room();
   scene.name = scene.file = "room of instances";
@@ -421,12 +421,12 @@ Scene room_of_instances() {
   return scene;
 }
 
-/// The room with disks and open cylinders, as bodies and as lamps, under affine maps and similarities.
+/// The room with disks and open cylinders as bodies and lamps, placed by affine maps and similarities.
 Scene room_of_round_shapes() {
   Scene scene = room();
   scene.name = scene.file = "room of round shapes";
   scene.instances.resize(scene.instances.size() - 3);  // the lamp and the spheres
-  // Two halves of different colour: of the turn around a disk, of the height of a cylinder.
+  // Two colours, each for half of the turn around a disk or half of the height of a cylinder.
   Texture squares{.source = CheckerboardTexture{glm::dvec3(1.0, 0.9, 0.7), glm::dvec3(0.1, 0.3, 0.2)}};
   squares.uv_transform = glm::dmat3(0.4, 0.0, 0.0, 0.0, 1.0, 0.0, 0.05, 0.02, 1.0);
   scene.textures = {squares};
@@ -437,7 +437,7 @@ Scene room_of_round_shapes() {
     return instance;
   };
   const glm::dvec4 x(1, 0, 0, 0), y(0, 1, 0, 0), z(0, 0, 1, 0);
-  put(Disk{}, 0.4 * x, 0.2 * x + 0.2 * z, -0.3 * y, {-0.2, 0.9, 0.1, 1}).emitter = 0;  // it shines down
+  put(Disk{}, 0.4 * x, 0.2 * x + 0.2 * z, -0.3 * y, {-0.2, 0.9, 0.1, 1}).emitter = 0;  // shines down
   put(Cylinder{{0, 0, 0}, {0, 0, 0.8}, 0.15}, x, y, z, {0.55, 0.2, -0.3, 1}).emitter = 0;
   put(Disk{}, 0.5 * x, 0.3 * y - 0.2 * x, -z, {0.1, -0.3, 0.2, 1});
   put(Cylinder{{0, 0, 0}, {0, 1, 0}, 0.6}, -0.5 * x, 0.5 * y, 0.5 * z, {-0.5, -0.9, 0.0, 1});
@@ -446,8 +446,7 @@ Scene room_of_round_shapes() {
   return scene;
 }
 
-/// The room with a body and a lamp whose winding disagrees with their vertex normals, and with two bodies that
-/// coincide.
+/// The room with a body and a lamp whose winding contradicts their vertex normals, and two bodies that coincide.
 Scene room_of_twins() {
   Scene scene = room();
   scene.name = scene.file = "room of twins";
@@ -469,7 +468,7 @@ Scene room_of_twins() {
   return scene;
 }
 
-/// A picture of 8-bit codes in linear light.
+/// A picture of 8-bit codes that are linear light.
 std::shared_ptr<Bitmap> raw_picture(std::uint32_t width, std::uint32_t channels, std::initializer_list<int> codes) {
   auto picture = std::make_shared<Bitmap>();
   picture->width = width;
@@ -480,8 +479,7 @@ std::shared_ptr<Bitmap> raw_picture(std::uint32_t width, std::uint32_t channels,
   return picture;
 }
 
-/// The room with two boards in its middle, over a floor that is lit: the normals of one are tilted, the other is
-/// embossed.
+/// The room with two boards above the lit floor, one with a normal map and one with a bump map.
 Scene room_of_maps() {
   Scene scene = room();
   scene.name = scene.file = "room of maps";
@@ -509,8 +507,8 @@ Scene room_of_maps() {
   return scene;
 }
 
-/// Boards in the room's middle that show textures made of others: tinted by vertices, multiplied with alpha, and within
-/// a checkerboard.
+/// Boards in the middle of the room with derived textures: tinted by vertex colours, multiplied by alpha, and inside a
+/// checkerboard.
 Scene room_of_products() {
   Scene scene = room();
   scene.name = scene.file = "room of products";
@@ -539,8 +537,8 @@ Scene room_of_products() {
   return scene;
 }
 
-/// A lamp of two sides in the middle of the room, over a board whose coat has bumps of its own; before it a ball of
-/// dispersive glass.
+/// A two-sided lamp in the middle of the room, above a board whose coat has its own normal map, and a ball of
+/// dispersive glass in front.
 Scene room_of_gleams() {
   Scene scene = room();
   scene.name = scene.file = "room of gleams";
@@ -565,7 +563,7 @@ Scene room_of_gleams() {
   return scene;
 }
 
-/// The boards of maps, which here neither mirror turned normals nor shadow.
+/// The room of maps, with maps that neither mirror normals that face away nor compute shadowing.
 Scene room_of_loose_maps() {
   Scene scene = room_of_maps();
   scene.name = scene.file = "room of loose maps";
@@ -580,7 +578,7 @@ Scene room_of_loose_maps() {
   return scene;
 }
 
-/// The room with coloured solids of glTF's glass, smooth and rough, one within the other.
+/// The room with coloured solids of glTF's glass, smooth and rough, one of them around another body.
 Scene room_of_volumes() {
   Scene scene = room();
   scene.name = scene.file = "room of volumes";
@@ -600,7 +598,7 @@ Scene room_of_volumes() {
 const ConductorIndex kGold{{0.143036, 0.375307, 1.44205}, {3.983, 2.38556, 1.60336}};
 const RoughPlasticBsdf kRoughPlastic{.diffuse_reflectance = glm::dvec3(0.2, 0.5, 0.7), .alpha = 0.3};
 
-/// The room with walls that are half matt, half gleaming.
+/// The room with walls that are a mixture of matt and glossy.
 Scene room_of_mixtures() {
   Scene scene = room();
   scene.name = scene.file = "room of mixtures";
@@ -617,7 +615,7 @@ Scene room_of_mixtures() {
   return scene;
 }
 
-/// The room with a board and a ball in a coat that is rough in places.
+/// The room with a board and a ball whose coat has a textured roughness.
 Scene room_of_coats() {
   Scene scene = room();
   scene.name = scene.file = "room of coats";
@@ -634,7 +632,7 @@ Scene room_of_coats() {
   return scene;
 }
 
-/// The room with a point, a spot that fades over all of its cone and a projector in place of the lamp.
+/// The room with a point light, a spot that fades over its whole cone, and a projector instead of the lamp.
 Scene room_under_points() {
   Scene scene = room();
   scene.name = scene.file = "room under points";
@@ -662,7 +660,7 @@ Image render_room(Renderer& renderer, const Scene& scene, std::uint32_t spp) {
   return image_from_film(film, {});
 }
 
-/// Pictures of the room by device and reference, with independent random numbers.
+/// Compares pictures of a room by device and reference, with independent random numbers.
 class PictureTrial final : public Trial {
  public:
   PictureTrial(Scene scene, const GpuOptions& gpu)
@@ -680,7 +678,7 @@ class PictureTrial final : public Trial {
   }
 
  private:
-  /// Rendered once: it is the same for every mutant.
+  /// Rendered once, because it is the same for every mutant.
   static const Image& reference(const Scene& scene) {
     static std::map<std::string, Image> images;
     const auto [image, is_new] = images.try_emplace(scene.name);
@@ -695,7 +693,7 @@ class PictureTrial final : public Trial {
   std::unique_ptr<Renderer> renderer_;
 };
 
-/// The first scene of a family whose description holds `words`.
+/// A test of the first scene of a family whose description contains `words`.
 SuiteTest scene_test(SceneFamily family, LightStrategy strategy, std::string_view words) {
   for (std::uint64_t seed = 1; seed < 10000; ++seed) {
     ClosedFormScene scene = make_closed_form(family, seed, strategy);
@@ -753,59 +751,85 @@ const PrincipledBsdf kLacquer{.base_color = glm::dvec3(0.0), .clearcoat = 1.0};
 const glm::dvec3 kGrazing = glm::normalize(glm::dvec3(0.8, -0.3, 0.1));
 const glm::dvec3 kSlanted = glm::normalize(glm::dvec3(0.8, -0.3, 0.4));
 
-/// The suite: every test is one that users can run by themselves (ttest, chi2, validate, selftest).
-std::vector<SuiteTest> make_suite() {
-  using enum LightStrategy;
+using enum LightStrategy;
+
+/// Closed-form scenes: the first of a family whose description contains these words.
+constexpr struct {
+  SceneFamily family;
+  LightStrategy strategy;
+  std::string_view words;
+} kSceneTests[] = {
+    {SceneFamily::direct, nee, "1 polygon(s), 0 sphere(s), 0 turned away, 0 hidden"},
+    {SceneFamily::direct, nee, "0 polygon(s), 1 sphere(s), 0 turned away, 0 hidden"},
+    {SceneFamily::direct, mis, "1 polygon(s), 0 sphere(s), 0 turned away, 0 hidden"},
+    {SceneFamily::direct, nee, "3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden"},
+    {SceneFamily::direct, naive, "3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden"},
+    {SceneFamily::direct, mis, "3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden"},
+    {SceneFamily::crowd, nee, "sobol sets of 8"},
+    {SceneFamily::crowd, mis, "sobol sets of 4"},
+    {SceneFamily::furnace, naive, "depth 3, roulette 2"},
+    {SceneFamily::interior, mis, "mirror sphere"},
+    {SceneFamily::sheet, naive, "refracting sheet from outside"},
+    {SceneFamily::glass, naive, "refracting sphere from inside"},
+    {SceneFamily::sky, naive, "diffuse square"},
+    {SceneFamily::sky, naive, "mirroring square"},
+    {SceneFamily::environment, naive, "bands"},
+    {SceneFamily::environment, nee, "bands, with a lamp"},
+    {SceneFamily::environment, mis, "circles, with a lamp"},
+    {SceneFamily::coverage, naive, "box"},
+    {SceneFamily::coverage, naive, "mitchell"},
+    {SceneFamily::camera, naive, "far rectangle, gaussian"},
+    {SceneFamily::camera, naive, "circle of confusion, 0"},
+    {SceneFamily::camera, naive, "circle of confusion, 3"},
+    {SceneFamily::camera, naive, "panorama"},
+    {SceneFamily::integrator, mis, "as direct, 3 and 2"},
+    {SceneFamily::integrator, nee, "as whitted"},
+    {SceneFamily::integrator, mis, "floor lit by a point"},
+    {SceneFamily::integrator, mis, "ao under"},
+    {SceneFamily::integrator, mis, "av under"},
+    {SceneFamily::integrator, mis, "floor seen"},
+    {SceneFamily::texture, mis, "lamp bilinear repeat repeat sRGB"},
+    {SceneFamily::texture, nee, "lamp nearest mirror clamp"},
+    {SceneFamily::delta, mis, "points, 2 point(s), 0 spot(s), 0 projector(s), 0 directional, 0 hidden, a lamp"},
+    {SceneFamily::delta, nee, "points, 1 point(s), 0 spot(s), 0 projector(s), 1 directional, 0 hidden"},
+    {SceneFamily::adapter, nee, "floor t(dd) from behind"},
+    {SceneFamily::adapter, mis, "floor b(dd) from the front, veil m(d), deep"},
+    {SceneFamily::adapter, mis, "floor d from the front, ball m(d), deep,"},
+    {SceneFamily::adapter, nee, "floor o(d) from the front, veil n, deep"},
+    {SceneFamily::adapter, naive, "floor o(d) from the front"},
+    {SceneFamily::adapter, nee, "floor u(d) from the front, veil n, deep"},
+    {SceneFamily::adapter, nee, "floor m(d) from the front, veil m(d), shallow,"},
+    {SceneFamily::aov, naive, "aov alpha of a rectangle in a pixel, mitchell"},
+    {SceneFamily::aov, naive, "aov instance 3"},
+    {SceneFamily::aov, naive, "aov depth"},
+    {SceneFamily::aov, naive, "aov position"},
+    {SceneFamily::aov, naive, "aov albedo"},
+    {SceneFamily::aov, naive, "direct light of a furnace"},
+    {SceneFamily::aov, mis, "indirect light of a furnace"},
+    {SceneFamily::aov, naive, "hidden sky"},
+};
+
+/// Rooms that device and reference render with independent random numbers.
+constexpr struct {
+  std::string_view name;
+  Scene (*scene)();
+} kPictureTests[] = {
+    {"picture against the reference", room},
+    {"picture under points against the reference", room_under_points},
+    {"picture of instances against the reference", room_of_instances},
+    {"picture of round shapes against the reference", room_of_round_shapes},
+    {"picture of maps against the reference", room_of_maps},
+    {"picture of loose maps against the reference", room_of_loose_maps},
+    {"picture of products against the reference", room_of_products},
+    {"picture of gleams against the reference", room_of_gleams},
+    {"picture of mixtures against the reference", room_of_mixtures},
+    {"picture of coats against the reference", room_of_coats},
+    {"picture of volumes against the reference", room_of_volumes},
+    {"picture of twins against the reference", room_of_twins},
+};
+
+std::vector<SuiteTest> material_tests() {
   return {
-      scene_test(SceneFamily::direct, nee, "1 polygon(s), 0 sphere(s), 0 turned away, 0 hidden"),
-      scene_test(SceneFamily::direct, nee, "0 polygon(s), 1 sphere(s), 0 turned away, 0 hidden"),
-      scene_test(SceneFamily::direct, mis, "1 polygon(s), 0 sphere(s), 0 turned away, 0 hidden"),
-      scene_test(SceneFamily::direct, nee, "3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden"),
-      scene_test(SceneFamily::direct, naive, "3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden"),
-      scene_test(SceneFamily::direct, mis, "3 polygon(s), 2 sphere(s), 1 turned away, 2 hidden"),
-      scene_test(SceneFamily::crowd, nee, "sobol sets of 8"),
-      scene_test(SceneFamily::crowd, mis, "sobol sets of 4"),
-      scene_test(SceneFamily::furnace, naive, "depth 3, roulette 2"),
-      scene_test(SceneFamily::interior, mis, "mirror sphere"),
-      scene_test(SceneFamily::sheet, naive, "refracting sheet from outside"),
-      scene_test(SceneFamily::glass, naive, "refracting sphere from inside"),
-      scene_test(SceneFamily::sky, naive, "diffuse square"),
-      scene_test(SceneFamily::sky, naive, "mirroring square"),
-      scene_test(SceneFamily::environment, naive, "bands"),
-      scene_test(SceneFamily::environment, nee, "bands, with a lamp"),
-      scene_test(SceneFamily::environment, mis, "circles, with a lamp"),
-      scene_test(SceneFamily::coverage, naive, "box"),
-      scene_test(SceneFamily::coverage, naive, "mitchell"),
-      scene_test(SceneFamily::camera, naive, "far rectangle, gaussian"),
-      scene_test(SceneFamily::camera, naive, "circle of confusion, 0"),
-      scene_test(SceneFamily::camera, naive, "circle of confusion, 3"),
-      scene_test(SceneFamily::camera, naive, "panorama"),
-      scene_test(SceneFamily::integrator, mis, "as direct, 3 and 2"),
-      scene_test(SceneFamily::integrator, nee, "as whitted"),
-      scene_test(SceneFamily::integrator, mis, "floor lit by a point"),
-      scene_test(SceneFamily::integrator, mis, "ao under"),
-      scene_test(SceneFamily::integrator, mis, "av under"),
-      scene_test(SceneFamily::integrator, mis, "floor seen"),
-      scene_test(SceneFamily::texture, mis, "lamp bilinear repeat repeat sRGB"),
-      scene_test(SceneFamily::texture, nee, "lamp nearest mirror clamp"),
-      scene_test(SceneFamily::delta, mis,
-                 "points, 2 point(s), 0 spot(s), 0 projector(s), 0 directional, 0 hidden, a lamp"),
-      scene_test(SceneFamily::delta, nee, "points, 1 point(s), 0 spot(s), 0 projector(s), 1 directional, 0 hidden"),
-      scene_test(SceneFamily::adapter, nee, "floor t(dd) from behind"),
-      scene_test(SceneFamily::adapter, mis, "floor b(dd) from the front, veil m(d), deep"),
-      scene_test(SceneFamily::adapter, mis, "floor d from the front, ball m(d), deep,"),
-      scene_test(SceneFamily::adapter, nee, "floor o(d) from the front, veil n, deep"),
-      scene_test(SceneFamily::adapter, naive, "floor o(d) from the front"),
-      scene_test(SceneFamily::adapter, nee, "floor u(d) from the front, veil n, deep"),
-      scene_test(SceneFamily::adapter, nee, "floor m(d) from the front, veil m(d), shallow,"),
-      scene_test(SceneFamily::aov, naive, "aov alpha of a rectangle in a pixel, mitchell"),
-      scene_test(SceneFamily::aov, naive, "aov instance 3"),
-      scene_test(SceneFamily::aov, naive, "aov depth"),
-      scene_test(SceneFamily::aov, naive, "aov position"),
-      scene_test(SceneFamily::aov, naive, "aov albedo"),
-      scene_test(SceneFamily::aov, naive, "direct light of a furnace"),
-      scene_test(SceneFamily::aov, mis, "indirect light of a furnace"),
-      scene_test(SceneFamily::aov, naive, "hidden sky"),
       material_test("chi2, diffuse", DiffuseBsdf{{0.9, 0.5, 0.1}}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, mirror", MirrorBsdf{}, glm::normalize(glm::dvec3(0.3, -0.2, 0.6))),
       material_test("chi2, dielectric", DielectricBsdf{}, glm::normalize(glm::dvec3(-0.5, 0.2, -0.8))),
@@ -831,31 +855,19 @@ std::vector<SuiteTest> make_suite() {
       albedo_test("albedo, roughplastic", kRoughPlastic, kSlanted),
       albedo_test("albedo, roughconductor", kRoughGold, kSlanted),
       albedo_test("albedo, microfacet", kCoated, kSlanted),
-      {"picture against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room(), gpu); }},
-      {"picture under points against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_under_points(), gpu); }},
-      {"picture of instances against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_instances(), gpu); }},
-      {"picture of round shapes against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_round_shapes(), gpu); }},
-      {"picture of maps against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_maps(), gpu); }},
-      {"picture of loose maps against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_loose_maps(), gpu); }},
-      {"picture of products against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_products(), gpu); }},
-      {"picture of gleams against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_gleams(), gpu); }},
-      {"picture of mixtures against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_mixtures(), gpu); }},
-      {"picture of coats against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_coats(), gpu); }},
-      {"picture of volumes against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_volumes(), gpu); }},
-      {"picture of twins against the reference",
-       [](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(room_of_twins(), gpu); }},
   };
+}
+
+/// The suite. Users can run all these kinds of tests themselves (ttest, chi2, validate, selftest).
+std::vector<SuiteTest> make_suite() {
+  std::vector<SuiteTest> suite;
+  for (const auto& [family, strategy, words] : kSceneTests) suite.push_back(scene_test(family, strategy, words));
+  for (SuiteTest& test : material_tests()) suite.push_back(std::move(test));
+  for (const auto& [name, scene] : kPictureTests) {
+    suite.push_back({std::string(name),
+                     [scene = scene](const GpuOptions& gpu) { return std::make_unique<PictureTrial>(scene(), gpu); }});
+  }
+  return suite;
 }
 
 MutantFinding look(const SuiteTest& test, const GpuOptions& gpu, double level) {
@@ -875,7 +887,8 @@ MutantOutcome run_mutant(const Mutant& mutant, const std::vector<SuiteTest>& sui
   MutantOutcome outcome{.mutant = mutant, .findings = {}};
   GpuOptions gpu = options.gpu;
   gpu.kernels = std::make_shared<const KernelSet>(kernels_with(mutant.id));
-  // The test known to notice goes first: most mutants are done in a second then, and all others follow if it fails to.
+  // The test that is known to notice comes first, so most mutants take a second; the others follow if it fails to
+  // notice.
   std::vector<SuiteTest> order = suite;
   std::stable_partition(order.begin(), order.end(), [&](const SuiteTest& t) {
     return !mutant.try_first.empty() && t.name.starts_with(mutant.try_first);
@@ -908,7 +921,7 @@ std::span<const Mutant> mutants() {
 }
 
 KernelSet kernels_with(std::uint32_t mutant) {
-  KernelSet set = kernel_set(TableLoads::texel_buffer);  // errors are planted to be found in pictures, not in counts
+  KernelSet set = kernel_set(TableLoads::texel_buffer);  // errors are to be found in pictures, not in counts
   set.render = kernels::render_mutant;
   set.trace_samples = kernels::trace_samples_mutant;
   set.trace_path = kernels::trace_path_mutant;

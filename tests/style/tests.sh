@@ -1,6 +1,7 @@
 #!/bin/sh
 # Files of tests are named after what they test, without the word test. Exceptions: test_*.py, the names that pytest looks for, and
-# device_test.h, named after the fixture DeviceTest. Functions have at most 60 lines; longer tables are constants outside of them.
+# device_test.h, named after the fixture DeviceTest. All functions in C++ have at most 60 lines; longer tables are constants outside of
+# them.
 set -eu
 cd "$1"
 status=0
@@ -34,5 +35,5 @@ awk '
   start && !body && /\{$/ && !(member && /^(struct|class) /) { body = FNR }
   /^\}$/ || (member && /^  \}$/) { check(FNR) }
   END { exit bad }
-' $(find tests -name '*.cpp' -o -name '*.h' | sort) || status=1
+' $(find tests src include python examples -name '*.cpp' -o -name '*.h' | sort) || status=1
 exit $status

@@ -115,8 +115,9 @@ std::string_view Dialect::canonical(std::string_view tag) const {
 
 std::string_view Dialect::canonical_type(std::string_view tag, std::string_view type) const {
   const auto find_alias = [&](const auto& is_word) {
-    const auto found = std::ranges::find_if(
-        type_aliases, [&](const TypeAlias& alias) { return alias.tag == tag && is_word(alias.word); });
+    const auto found = std::ranges::find_if(type_aliases, [&](const TypeAliases& aliases) {
+      return aliases.tag == tag && std::ranges::any_of(aliases.words, is_word);
+    });
     return found == type_aliases.end() ? std::string_view() : found->type;
   };
   if (const std::string_view known = find_alias([&](std::string_view word) { return word == type; }); !known.empty())

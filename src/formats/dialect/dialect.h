@@ -59,9 +59,10 @@ struct TagAlias {
   std::string_view tag;
 };
 
-/// Another word for a type of a tag: the property's meaning and default are those of the row.
-struct TypeAlias {
-  std::string_view tag, word, type;
+/// Other words for a type of a tag: properties have the meaning and the defaults of that type.
+struct TypeAliases {
+  std::string_view tag, type;
+  std::vector<std::string_view> words;
 };
 
 /// Another word for a property, for every object that has it.
@@ -97,7 +98,7 @@ struct Dialect {
   std::vector<std::string> unsupported_tags;  ///< tags without a usable type: "medium"
   std::vector<TagAlias> aliases;
   MeshFacts mesh_facts;
-  std::vector<TypeAlias> type_aliases = {};
+  std::vector<TypeAliases> type_aliases = {};
   std::vector<ParameterAlias> parameter_aliases = {};
   /// Words of types and properties may differ in capitals, hyphens and underscores.
   bool any_spelling = false;

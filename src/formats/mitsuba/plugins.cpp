@@ -18,7 +18,7 @@ Parameter to_world() {
 Parameter color_or_texture(const char* name, const char* default_text, const char* doc) {
   return {name, color, default_text, at_least(0), doc, "texture"};
 }
-/// Begins like all properties that has_no_effect() knows.
+/// `doc` must begin with "has no effect", by which has_no_effect() recognises such properties.
 Parameter no_effect(const char* name, ParameterType type, const char* doc) {
   return {name, type, "", any(), doc};
 }
@@ -44,7 +44,7 @@ std::vector<Plugin> scene_rows() {
             {"rfilter", 0, kAnyNumber}}}};
 }
 
-/// With parameters of Mitsuba's integrators that concern scheduling, not light.
+/// Adds parameters of Mitsuba's integrators that affect scheduling but not light.
 std::vector<Parameter> scheduled(std::vector<Parameter> own) {
   own.insert(own.end(), {no_effect("samples_per_pass", integer, "has no effect: the device decides"),
                          no_effect("block_size", integer, "has no effect: the device decides"),
@@ -263,7 +263,12 @@ Parameter face_normals() {
   return {"face_normals", boolean, "false", any(), "flat triangles, even if the file has normals"};
 }
 
-std::vector<Plugin> shape_rows() {
+Parameter mesh_file() {
+  return {"filename", string, nullptr, any(),
+          "the file; searched for in the folders of <path>, then in that of the scene"};
+}
+
+std::vector<Plugin> mesh_file_rows() {
   std::vector<Plugin> rows;
   for (const MeshFormat& format : mesh_formats()) {
     const bool flips = std::string_view(format.word) == "obj";
@@ -271,8 +276,7 @@ std::vector<Plugin> shape_rows() {
         {"shape",
          format.word,
          format.doc,
-         {{"filename", string, nullptr, any(),
-           "the file; searched for in the folders of <path>, then in that of the scene"},
+         {mesh_file(),
           face_normals(),
           flip_normals(),
           {"flip_tex_coords", boolean, flips ? "true" : "false", any(), "whether v grows upward in the file"},
@@ -282,58 +286,55 @@ std::vector<Plugin> shape_rows() {
           to_world()},
          surface()});
   }
-  append(rows,
-         {
-             {"shape",
-              "serialized",
-              "Triangles from a file in Mitsuba's own format.",
-              {{"filename", string, nullptr, any(),
-                "the file; searched for in the folders of <path>, then in that of the scene"},
-               {"shape_index", integer, "0", between(0, 4294967295.0), "index of the mesh in the file"},
-               face_normals(),
-               flip_normals(),
-               no_effect("max_smooth_angle", real, "has no effect"),
-               to_world()},
-              surface()},
-             {"shape",
-              "sphere",
-              "An exact sphere.",
-              {{"center", point, "0 0 0", any(), "object space"},
-               {"radius", real, "1", above(0), "object space"},
-               flip_normals(),
-               to_world()},
-              surface()},
-             {"shape",
-              "rectangle",
-              "From -1 to 1 in x and y, at z = 0; the normal is +z.",
-              {flip_normals(), to_world()},
-              surface()},
-             {"shape", "cube", "From -1 to 1 in x, y and z.", {flip_normals(), to_world()}, surface()},
-             {"shape",
-              "disk",
-              "x² + y² ≤ 1 at z = 0; the normal is +z. Texture coordinates are the distance from the centre and the "
-              "angle.",
-              {flip_normals(), to_world()},
-              surface()},
-             {"shape",
-              "cylinder",
-              "The side of a cylinder, open at both ends. Texture coordinates are the angle and the position from p0 "
-              "to p1.",
-              {{"p0", point, "0 0 0", any(), "one end of the axis"},
-               {"p1", point, "0 0 1", any(), "the other end"},
-               {"radius", real, "1", above(0), "object space"},
-               flip_normals(),
-               to_world()},
-              surface()},
-             {"shape", "merge", "Its shapes, as if they were children of the scene.", {}, {{"shape", 0, kAnyNumber}}},
-             {"shape",
-              "shapegroup",
-              "Shapes that appear wherever an `instance` shows them.",
-              {},
-              {{"shape", 0, kAnyNumber}}},
-             {"shape", "instance", "A copy of a group of shapes.", {to_world()}, {{"shape", 1, 1}}},
-         });
+  rows.push_back({"shape",
+                  "serialized",
+                  "Triangles from a file in Mitsuba's own format.",
+                  {mesh_file(),
+                   {"shape_index", integer, "0", between(0, 4294967295.0), "index of the mesh in the file"},
+                   face_normals(),
+                   flip_normals(),
+                   no_effect("max_smooth_angle", real, "has no effect"),
+                   to_world()},
+                  surface()});
   return rows;
+}
+
+std::vector<Plugin> shape_rows() {
+  return {
+      {"shape",
+       "sphere",
+       "An exact sphere.",
+       {{"center", point, "0 0 0", any(), "object space"},
+        {"radius", real, "1", above(0), "object space"},
+        flip_normals(),
+        to_world()},
+       surface()},
+      {"shape",
+       "rectangle",
+       "From -1 to 1 in x and y, at z = 0; the normal is +z.",
+       {flip_normals(), to_world()},
+       surface()},
+      {"shape", "cube", "From -1 to 1 in x, y and z.", {flip_normals(), to_world()}, surface()},
+      {"shape",
+       "disk",
+       "x² + y² ≤ 1 at z = 0; the normal is +z. Texture coordinates are the distance from the centre and the "
+       "angle.",
+       {flip_normals(), to_world()},
+       surface()},
+      {"shape",
+       "cylinder",
+       "The side of a cylinder, open at both ends. Texture coordinates are the angle and the position from p0 "
+       "to p1.",
+       {{"p0", point, "0 0 0", any(), "one end of the axis"},
+        {"p1", point, "0 0 1", any(), "the other end"},
+        {"radius", real, "1", above(0), "object space"},
+        flip_normals(),
+        to_world()},
+       surface()},
+      {"shape", "merge", "Its shapes, as if they were children of the scene.", {}, {{"shape", 0, kAnyNumber}}},
+      {"shape", "shapegroup", "Shapes that appear wherever an `instance` shows them.", {}, {{"shape", 0, kAnyNumber}}},
+      {"shape", "instance", "A copy of a group of shapes.", {to_world()}, {{"shape", 1, 1}}},
+  };
 }
 
 std::vector<Parameter> metal_parameters() {
@@ -382,7 +383,7 @@ std::vector<Parameter> plastic() {
                   "whether light takes on the base's colour at each reflection under the coat"}});
 }
 
-// What principled and principledthin have in common.
+/// The parameters that principled and principledthin share.
 std::vector<Parameter> principled_base() {
   const auto share = [&](const char* name, const char* default_text, const char* doc) {
     return number_or_texture(name, default_text, between(0, 1), doc);
@@ -428,7 +429,7 @@ std::vector<Parameter> map_parameters(const Parameter& own) {
           {"use_shadowing_function", boolean, "true", any(), "turned normals shadow"}};
 }
 
-/// Materials that are not supported but have a substitute, and mixtures.
+/// Mixtures, and unsupported materials that have a substitute.
 std::vector<Plugin> other_bsdf_rows() {
   const std::vector<Parameter> lobe = {color_or_texture("specular_reflectance", "0.2 0.2 0.2", "weight of the lobe"),
                                        color_or_texture("diffuse_reflectance", "0.5 0.5 0.5", "albedo of the base")};
@@ -688,7 +689,7 @@ std::vector<Plugin> delta_light_rows() {
   };
 }
 
-/// The parameters of Mitsuba 0.6 and 3 together.
+/// Has the parameters of both Mitsuba 0.6 and 3.
 std::vector<Plugin> daylight_rows() {
   const std::vector<Parameter> parameters = {
       {"turbidity", real, "3", between(1, 10), "how hazy the air is"},
@@ -725,6 +726,7 @@ std::vector<Plugin> make_rows() {
   std::vector<Plugin> rows = scene_rows();
   append(rows, integrator_rows());
   append(rows, view_rows());
+  append(rows, mesh_file_rows());
   append(rows, shape_rows());
   for (Plugin& row : rows) {
     if (row.tag == std::string_view("shape") && row.find("to_world") != nullptr && row.find_child("bsdf") != nullptr)
@@ -772,7 +774,7 @@ std::string snake_case(std::string_view name) {
   std::string out;
   for (std::size_t i = 0; i < name.size(); ++i) {
     if (is_upper(name[i]) && i > 0 && name[i - 1] != '_' && !is_upper(name[i - 1])) out += '_';
-    const bool lower = is_upper(name[i]) && name.size() > 1;  // "A" of the filter stays
+    const bool lower = is_upper(name[i]) && name.size() > 1;  // keeps the filter's "A"
     out += lower ? static_cast<char>(name[i] - 'A' + 'a') : name[i];
   }
   return out;
