@@ -1,4 +1,5 @@
-/// `etendue-mutate`, a program of the build tree: plants errors in the kernels and demands that the tests notice each.
+/// `etendue-mutate`, a program that is built but not installed: it plants errors in the kernels and demands that the
+/// tests notice each of them.
 
 #include <cstdio>
 #include <memory>

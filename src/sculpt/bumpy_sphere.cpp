@@ -9,7 +9,8 @@ double noise(Vec3 p) {
   const Vec3 f = p - cell;
   const auto fade = [](double t) { return t * t * t * (t * (t * 6.0 - 15.0) + 10.0); };
   const auto word = [](double x) { return static_cast<std::uint32_t>(static_cast<std::int64_t>(x)); };
-  const auto at = [&](double i, double j, double k) {  // the slope of one lattice point, continued to p
+  const auto at = [&](double i, double j,
+                      double k) {  // the plane through a lattice point, with its slope, evaluated at p
     const std::uint32_t h = hash(word(cell.x + i), word(cell.y + j), word(cell.z + k));
     const Vec3 slope{signed_unit(h), signed_unit(h * 0x9e3779b9u), signed_unit(h * 0x85ebca6bu)};
     return dot(slope, f - Vec3{i, j, k});
@@ -21,8 +22,8 @@ double noise(Vec3 p) {
 
 namespace {
 
-// Three octaves: hills, bumps and a fine grain, so that neighbouring rays meet different slopes. The lattices are
-// turned against each other, so that none shows.
+// Three octaves, hills, bumps and fine grain, so that neighbouring rays meet different slopes. The lattices are rotated
+// relative to each other, so that none of them is visible.
 double value(Vec3 p) {
   const double r = length(p);
   if (r > 0.75 || r < 0.25) return r - 0.5;

@@ -6,18 +6,19 @@
 namespace etendue::sculpt {
 namespace {
 
-// All lengths are in half heads: the head reaches from the chin at y = -1 to the crown at y = 1, x is the sitter's
-// left, z is forward. Features that come in pairs are written once, for x >= 0, and mirrored by |x|.
+// Lengths are in half heads: the head reaches from the chin at y = -1 to the crown at y = 1; +x is the sitter's left,
+// +z is forward. Features that come in pairs are described once, for x >= 0, and mirrored through |x|.
 
-constexpr double kFloor = -3.62;           // underside of the socle
-constexpr double kHeight = 1.16 - kFloor;  // with the curls: becomes 1 in the file
+constexpr double kFloor = -3.62;           // underside of the pedestal
+constexpr double kHeight = 1.16 - kFloor;  // including the curls; scaled to 1 in the file
 
 struct Curl {
   Vec3 center, normal, t, b;
-  double radius, turn;  // turn: +1 or -1, the way it winds
+  double radius, turn;  // turn: +1 or -1, the direction of winding
 };
 
-// Snail curls all over the scalp, spread by the golden angle: rows without rows, as in a sunflower.
+// Spiral curls all over the scalp, placed by the golden angle like the seeds of a sunflower, so that no rows are
+// visible.
 std::vector<Curl> make_curls() {
   constexpr int kCount = 200;
   constexpr double kCos = -0.7373688780783197, kSin = 0.6754902942615238;  // golden angle, 137.508°
@@ -31,7 +32,7 @@ std::vector<Curl> make_curls() {
     const Vec3 n = normalize(d / radii);
     const Vec3 t = normalize(cross(n, Vec3{0.31, 0.95, 0.02}));
     const auto word = hash(static_cast<std::uint32_t>(i), 3u, 5u);
-    // The hairline: a slanted plane from the forehead past the ears to the nape, higher at the temples.
+    // The hairline is a slanted plane from the forehead past the ears to the nape, higher at the temples.
     const double above = 0.78 * (p.y - 0.60) - 0.625 * (p.z - 0.66);
     if (above > 0.03)
       curls.push_back({p, n, t, cross(n, t), 0.165 + 0.025 * signed_unit(word), word & 1u ? 1.0 : -1.0});
@@ -42,7 +43,7 @@ std::vector<Curl> make_curls() {
   return curls;
 }
 
-// One curl: a dome with a spiral groove. cos(k r − θ) needs no angle: cos θ and sin θ are x/r and y/r.
+// One curl is a dome with a spiral groove. cos(k r − θ) is computed without θ, since cos θ and sin θ are x/r and y/r.
 double curl(const Curl& curl, Vec3 p) {
   const Vec3 q = p - curl.center;
   const double x = dot(q, curl.t), y = curl.turn * dot(q, curl.b), z = dot(q, curl.normal);
@@ -72,7 +73,7 @@ double eyes(Vec3 p, double d) {
   d = carve(d, ellipsoid(p, {0.27, 0.03, 0.745}, {0.19, 0.115, 0.19}), 0.10);
   double ball = sphere(p, eye, 0.135);
   ball = carve(ball, ellipsoid(p, eye + Vec3{0.0, 0.008, 0.135}, {0.030, 0.034, 0.030}), 0.012);  // the drilled pupil
-  // The lids are a shell around the ball, open between two slanted planes that bend toward the corners.
+  // The lids are a shell around the eyeball, which is open between two slanted planes that bend toward the corners.
   const Vec3 q = p - eye;
   const double lids = length(q) - 0.155, bend = q.x * q.x;
   const double upper = intersect(lids, -(q.y - 0.44 * q.z + 2.0 * bend), 0.012);
@@ -103,7 +104,7 @@ double mouth(Vec3 p, double d) {
 
 double ear(Vec3 p) {
   const Vec3 center{0.71, -0.03, -0.10};
-  // Leans back and stands off the head a little.
+  // The ear is tilted back and stands out from the head a little.
   const Vec3 q0 = p - center;
   const Vec3 q{0.94 * q0.x + 0.34 * q0.z, 0.97 * q0.y - 0.24 * q0.z, -0.34 * q0.x + 0.24 * q0.y + 0.91 * q0.z};
   double d = ellipsoid(q, {0, 0, 0}, {0.055, 0.215, 0.135});
@@ -132,14 +133,14 @@ double body(Vec3 world) {
   const Vec3 p{std::abs(world.x), world.y, world.z};
   double d = capsule(p, {0.0, -0.45, -0.18}, {0.0, -1.75, -0.28}, 0.40, 0.44);
   d = join(d, capsule(p, {0.46, -0.42, -0.16}, {0.10, -1.70, 0.16}, 0.10, 0.085),
-           0.14);  // the strap muscle of the neck
+           0.14);  // the diagonal muscle of the neck
   d = join(d, capsule(p, {0.22, -1.05, -0.38}, {1.05, -1.78, -0.36}, 0.22, 0.24), 0.30);  // trapezius
   d = join(d, ellipsoid(p, {0.0, -2.30, -0.22}, {1.05, 0.85, 0.58}), 0.25);               // rib cage
   d = join(d, ellipsoid(p, {1.22, -2.08, -0.30}, {0.38, 0.46, 0.42}), 0.25);              // shoulder
   d = join(d, ellipsoid(p, {0.45, -2.32, 0.13}, {0.46, 0.34, 0.24}), 0.18);               // breast
   d = join(d, capsule(p, {0.13, -1.78, 0.155}, {0.95, -1.72, -0.10}, 0.05, 0.05), 0.22);  // collar bone
   d = carve(d, sphere(p, {0.0, -1.72, 0.37}, 0.07), 0.14);                                // pit of the throat
-  // The sculptor's cut: arms and chest end in one round sweep.
+  // Arms and chest are cut off by one ellipsoid, as sculptors do.
   return intersect(d, ellipsoid(p, {0.0, -1.55, -0.2}, {1.40, 1.30, 1.25}), 0.06);
 }
 
@@ -154,8 +155,8 @@ double socle(Vec3 p) {
   return join(d, disc(p, at(kFloor + 0.09), 0.66, 0.09, 0.025), 0.01);
 }
 
-// The head turns to its left and the neck follows: a rotation about the y axis that grows along the neck. The angle is
-// blended through its cosine and sine, normalised, so that no library function is needed.
+// The head is turned to its left, and the neck follows: a rotation about the y axis that increases along the neck. To
+// avoid library functions, cosine and sine are interpolated and normalised instead of the angle.
 Vec3 turned(Vec3 p) {
   constexpr double kCos = 0.951, kSin = -0.309;  // 18°
   const double t = smoothstep(-1.75, -0.75, p.y);

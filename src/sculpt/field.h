@@ -1,6 +1,7 @@
 #pragma once
-/// Solids as scalar fields: negative inside, zero on the surface, about the distance to it outside. The building blocks
-/// are exact or nearly exact distances, joined by smooth minima (Quílez 2013, "smooth minimum": the quadratic form).
+/// Solids as scalar fields: negative inside, zero on the surface, and outside approximately the distance to it. The
+/// building blocks are exact or nearly exact distances, joined by smooth minima (Quílez 2013, "smooth minimum": the
+/// quadratic form).
 
 #include <algorithm>
 #include <functional>
@@ -9,8 +10,8 @@
 
 namespace etendue::sculpt {
 
-/// A solid inside the box [lower, upper], which its surface does not touch. Two values differ by at most `lipschitz`
-/// times the distance of their points.
+/// A solid whose surface is strictly inside the box [lower, upper]. The values at two points differ by at most
+/// `lipschitz` times the distance between the points.
 struct Solid {
   std::function<double(Vec3)> value;
   Vec3 lower, upper;
@@ -29,7 +30,7 @@ inline double ellipsoid(Vec3 p, Vec3 center, Vec3 radii) {
   return k0 * (k0 - 1.0) / k1;
 }
 
-/// A capsule whose radius runs from `ra` at `a` to `rb` at `b`.
+/// A capsule whose radius changes from `ra` at `a` to `rb` at `b`.
 inline double capsule(Vec3 p, Vec3 a, Vec3 b, double ra, double rb) {
   const Vec3 ab = b - a;
   const double t = clamp01(dot(p - a, ab) / dot(ab, ab));
@@ -43,7 +44,7 @@ inline double torus(Vec3 p, Vec3 center, double radius, double tube) {
   return std::sqrt(r * r + q.y * q.y) - tube;
 }
 
-/// A disc around the y axis with edges rounded by `round`.
+/// A disc around the y axis whose edges are rounded with radius `round`.
 inline double disc(Vec3 p, Vec3 center, double radius, double half_height, double round) {
   const Vec3 q = p - center;
   const double dx = std::sqrt(q.x * q.x + q.z * q.z) - (radius - round), dy = std::abs(q.y) - (half_height - round);
@@ -63,12 +64,12 @@ inline double carve(double a, double b, double k) {
   return intersect(a, -b, k);
 }
 
-/// Gradient noise of wavelength about 1, within [-1, 1] and mostly far inside. The fade is the quintic of [Perlin2002].
+/// Gradient noise with a wavelength of about 1, in [-1, 1] but mostly near 0. The fade is the quintic of [Perlin2002].
 double noise(Vec3 p);
 
 /// The built-in solids, about one unit high, y up, facing +z.
-Solid bust();          ///< a head with curls on a socle, standing on y = 0
+Solid bust();          ///< a head with curls on a pedestal that stands on y = 0
 Solid bumpy_sphere();  ///< around the origin, radius about 0.5
-Solid fir();           ///< the crown of a tree above y = 0.1, its tip at y = 1.1
+Solid fir();           ///< the crown of a tree, from y = 0.1 up to its tip at y = 1.1
 
 }  // namespace etendue::sculpt

@@ -1,5 +1,5 @@
-// etendue-sculpt: makes the large meshes of the scenes and a sky, so that the repository need not carry them and no
-// scan has to be licensed. The same command writes the same bytes on every machine.
+// etendue-sculpt makes the large meshes and the pictures of the scenes, so that the repository need not contain them
+// and no scan has to be licensed. The same command writes the same bytes on every machine.
 
 #include <fmt/format.h>
 

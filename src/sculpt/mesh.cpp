@@ -99,7 +99,7 @@ Mesh soup(std::uint64_t triangles) {
 
 Mesh lamps(std::uint64_t triangles) {
   Mesh mesh;
-  // Multiples of these spread evenly over a square, whatever their number.
+  // Multiples of these numbers, modulo 1, are spread evenly over a square, whatever their number.
   constexpr double kStepX = 0.7548776662466927, kStepZ = 0.5698402909980532;
   const double side = 0.2 / std::sqrt(static_cast<double>(triangles));
   for (std::uint64_t i = 0; i < triangles; ++i) {
@@ -109,7 +109,7 @@ Mesh lamps(std::uint64_t triangles) {
                       2.0 * (n * kStepZ - std::floor(n * kStepZ)) - 1.0};
     const double size = side * (1.0 + 0.5 * random(1)), tilt_x = 0.6 * random(2), tilt_z = 0.6 * random(3);
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    // Clockwise from above: the normal points down, a little aside.
+    // Clockwise as seen from above, so that the normal points down, slightly tilted.
     for (const auto& [x, z] : {std::pair{-0.577, -1.0}, {1.155, 0.0}, {-0.577, 1.0}})
       mesh.positions.push_back(center + size * Vec3{x, tilt_x * x + tilt_z * z, z});
     mesh.triangles.push_back({first, first + 1, first + 2});

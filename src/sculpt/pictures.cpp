@@ -11,7 +11,7 @@ namespace {
 
 using glm::dvec3;
 
-/// [0,1), by the hash of [Jarzynski2020].
+/// A random number in [0,1) for a lattice point, with the hash of [Jarzynski2020].
 double lattice(std::int64_t x, std::int64_t y, std::uint32_t seed) {
   std::uint32_t v[3] = {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), seed};
   for (std::uint32_t& word : v) word = word * 1664525u + 1013904223u;
@@ -23,7 +23,7 @@ double lattice(std::int64_t x, std::int64_t y, std::uint32_t seed) {
   return static_cast<double>(v[0] >> 8) * 0x1p-24;
 }
 
-/// Smooth noise in [0,1] that repeats after `period_x` and `period_y` cells.
+/// Smooth noise in [0,1] that repeats every `period_x` and `period_y` cells.
 double noise(double x, double y, std::int64_t period_x, std::int64_t period_y, std::uint32_t seed) {
   const double cell_x = std::floor(x), cell_y = std::floor(y);
   const auto fade = [](double t) { return t * t * (3.0 - 2.0 * t); };
@@ -65,7 +65,7 @@ dvec3 wood(double u, double v) {
   return color * (0.25 + 0.75 * step(0.0, 0.02, std::min(across, 1.0 - across)));
 }
 
-/// Blue bands, and between them a wreath of petals eight times around.
+/// Blue bands, and between them a pattern of petals that repeats eight times around.
 dvec3 porcelain(double u, double v) {
   const dvec3 white(0.80, 0.82, 0.84), blue(0.015, 0.04, 0.22);
   const double pi2 = 2.0 * std::numbers::pi;
@@ -82,7 +82,7 @@ dvec3 porcelain(double u, double v) {
   return glm::mix(white, blue, ink * (0.7 + 0.3 * fractal(u, v, 64, 64, 2, 3u)));
 }
 
-/// Dimples, and a dry spot where the stem was.
+/// Peel with dimples, and a dry spot where the stem was.
 dvec3 orange(double u, double v) {
   const dvec3 peel(0.78, 0.26, 0.02), deep(0.55, 0.13, 0.005), stem(0.10, 0.13, 0.03);
   const double dimples = fractal(u, v, 96, 48, 2, 11u), blush = fractal(u, v, 4, 3, 3, 12u);
@@ -90,7 +90,7 @@ dvec3 orange(double u, double v) {
   return glm::mix(stem, color, step(0.012, 0.03, v + 0.006 * noise(12.0 * u, 0.0, 12, 1, 13u)));
 }
 
-/// Threads of two colours over and under each other.
+/// Woven threads of two colours.
 dvec3 cloth(double u, double v) {
   constexpr double kThreads = 96.0;
   const double x = u * kThreads, y = v * kThreads;
@@ -126,7 +126,7 @@ Image make_picture(const std::string& kind, std::uint32_t size) {
   image.pixels.reserve(std::size_t{size} * size);
   for (std::uint32_t row = 0; row < size; ++row) {
     for (std::uint32_t column = 0; column < size; ++column) {
-      // The vase's and the cloth's v counts from the bottom, the first row is on top.
+      // v = 0 is at the bottom of all pictures but the orange; the first row is at the top.
       const double v = kind == "orange" ? (row + 0.5) / size : 1.0 - (row + 0.5) / size;
       image.pixels.emplace_back(glm::clamp(paint((column + 0.5) / size, v), dvec3(0.0), dvec3(1.0)));
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// Pictures for textures, computed so that the repository need not carry them.
+/// Pictures for textures, which are computed so that the repository need not contain them.
 
 #include <cstdint>
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace etendue::sculpt {
 
-/// Their names: wood (boards, repeats), porcelain (blue on white, repeats in u), orange (peel for a sphere), cloth (a
-/// woven check, repeats).
+/// The names of the pictures: wood (boards; repeats), porcelain (blue on white; repeats in u), orange (peel for a
+/// sphere), cloth (woven threads; repeats).
 const std::vector<std::string>& picture_kinds();
-/// Square, `size` pixels a side; linear light.
+/// A square picture with sides of `size` pixels, in linear light.
 Image make_picture(const std::string& kind, std::uint32_t size);
 
 }  // namespace etendue::sculpt

@@ -11,10 +11,10 @@
 namespace etendue::sculpt {
 namespace {
 
-// The space is cut into the tetrahedra of a body-centred cubic lattice: corners and centres of a cubic grid. All of its
-// tetrahedra have one shape, close to regular, so that marching them gives no ambiguous case (the mesh is always closed
-// and manifold) and fewer slivers than cutting cubes into five or six. In units of half a cube edge corners have even
-// coordinates and centres odd ones.
+// Space is divided into the tetrahedra of a body-centred cubic lattice, whose points are the corners and centres of a
+// cubic grid. With tetrahedra there are no ambiguous cases, so the mesh is always closed and manifold; and because all
+// of them have the same, nearly regular shape, there are fewer slivers than with cubes cut into five or six tetrahedra.
+// In units of half a cube edge, corners have even coordinates and centres odd ones.
 struct Lattice {
   Vec3 origin;
   double step;  // half a cube edge
@@ -23,9 +23,9 @@ struct Lattice {
 
 using Point = std::array<int, 3>;
 
-constexpr int kBlock = 8;  // cubes along an edge of a block: the unit of culling and of work
+constexpr int kBlock = 8;  // cubes along an edge of a block; blocks are culled and processed as a whole
 
-// An edge of the lattice, by its lower end and one of seven directions, in one sortable word.
+// An edge of the lattice as one sortable word: its lower end and one of seven directions.
 using Edge = std::uint64_t;
 constexpr std::array<Point, 7> kDirections{
     {{0, 0, 2}, {0, 2, 0}, {2, 0, 0}, {1, 1, 1}, {1, 1, -1}, {1, -1, 1}, {1, -1, -1}}};
@@ -56,7 +56,7 @@ struct Vertex {
   double value;
 };
 
-// The part of the surface inside one tetrahedron: nothing, a triangle or a quad, facing the positive side.
+// Adds the part of the surface inside one tetrahedron: nothing, a triangle or a quad, facing the positive side.
 void march(std::array<Vertex, 4> v, std::vector<EdgeTriangle>& out) {
   std::stable_partition(v.begin(), v.end(), [](const Vertex& a) { return a.value < 0.0; });
   const auto inside = std::count_if(v.begin(), v.end(), [](const Vertex& a) { return a.value < 0.0; });
@@ -79,7 +79,7 @@ void march(std::array<Vertex, 4> v, std::vector<EdgeTriangle>& out) {
   }
 }
 
-// Field values on one block: corners 0…8 and centres 0…8 (the last row of centres belongs to the neighbours).
+// Field values of one block: corners 0…8 and centres 0…8 (the last row of centres belongs to the neighbours).
 struct BlockValues {
   static constexpr int n = kBlock + 1;
   std::array<double, std::size_t{n} * n * n> corner, center;
@@ -95,7 +95,7 @@ void march_block(const Lattice& lattice, Point first, const BlockValues& values,
     return Vertex{{2 * (first[0] + i) + 1, 2 * (first[1] + j) + 1, 2 * (first[2] + k) + 1},
                   values.center[BlockValues::index(i, j, k)]};
   };
-  // Two neighbouring centres and an edge of the face between them span a tetrahedron; each cube owns its upper faces.
+  // Two neighbouring centres and an edge of the face between them form a tetrahedron; each cube owns its upper faces.
   for (int i = 0; i < kBlock; ++i)
     for (int j = 0; j < kBlock; ++j)
       for (int k = 0; k < kBlock; ++k) {
@@ -113,7 +113,7 @@ void march_block(const Lattice& lattice, Point first, const BlockValues& values,
 }
 
 bool may_hold_surface(const Solid& solid, const Lattice& lattice, Point first) {
-  constexpr int half = kBlock + 1;  // the block reaches from the first corner to the centre beyond the last
+  constexpr int half = kBlock + 1;  // a block extends from its first corner to the centre beyond the last
   const Vec3 middle = position(lattice, {2 * first[0] + half, 2 * first[1] + half, 2 * first[2] + half});
   return std::abs(solid.value(middle)) <= solid.lipschitz * std::sqrt(3.0) * half * lattice.step;
 }
@@ -147,7 +147,7 @@ std::vector<EdgeTriangle> march_lattice(const Solid& solid, const Lattice& latti
 Lattice make_lattice(const Solid& solid, double cube) {
   const Vec3 size = solid.upper - solid.lower;
   const auto count = [cube](double extent) { return static_cast<int>(std::ceil(extent / cube)) + 3; };
-  const Vec3 margin{cube, cube, cube};  // tetrahedra reach half a cube beyond the cubes they belong to
+  const Vec3 margin{cube, cube, cube};  // tetrahedra extend half a cube beyond the cubes that own them
   return {solid.lower - margin, 0.5 * cube, {count(size.x), count(size.y), count(size.z)}};
 }
 
@@ -155,7 +155,8 @@ Vec3 crossing(const Solid& solid, const Lattice& lattice, Edge edge) {
   const auto [a, b] = ends(edge);
   const Vec3 pa = position(lattice, a), pb = position(lattice, b);
   const double fa = solid.value(pa), fb = solid.value(pb);
-  const double t = std::clamp(fa / (fa - fb), 0.05, 0.95);  // away from lattice points, where several edges meet
+  const double t =
+      std::clamp(fa / (fa - fb), 0.05, 0.95);  // keeps vertices away from lattice points, where several edges meet
   return pa + t * (pb - pa);
 }
 
@@ -168,7 +169,7 @@ std::vector<Vec3> neighbour_means(const Mesh& mesh) {
   std::vector<Vec3> sum(mesh.positions.size());
   std::vector<int> degree(mesh.positions.size());
   for (const auto& t : mesh.triangles)
-    for (int i = 0; i < 3; ++i) {  // every neighbour is met once: each directed edge belongs to one triangle
+    for (int i = 0; i < 3; ++i) {  // counts each neighbour once, because a directed edge belongs to one triangle
       sum[t[i]] = sum[t[i]] + mesh.positions[t[(i + 1) % 3]];
       ++degree[t[i]];
     }
@@ -176,7 +177,7 @@ std::vector<Vec3> neighbour_means(const Mesh& mesh) {
   return sum;
 }
 
-// Drops crumbs and hidden cavities: only the piece with the most triangles stays.
+// Keeps only the piece with the most triangles, which removes crumbs and hidden cavities.
 void keep_largest_piece(Mesh& mesh) {
   std::vector<std::uint32_t> parent(mesh.positions.size());
   std::iota(parent.begin(), parent.end(), 0u);
@@ -205,7 +206,7 @@ void keep_largest_piece(Mesh& mesh) {
   mesh.positions = std::move(kept);
 }
 
-// The mesh as the lattice cuts it: one vertex per lattice edge that crosses the surface.
+// The unsmoothed mesh, with one vertex for each lattice edge that crosses the surface.
 Mesh extract(const Solid& solid, const Lattice& lattice) {
   const std::vector<EdgeTriangle> faces = march_lattice(solid, lattice);
   std::vector<Edge> edges;
@@ -231,7 +232,7 @@ Mesh extract(const Solid& solid, const Lattice& lattice) {
   return mesh;
 }
 
-// Evens the triangles out: each vertex moves to the middle of its neighbours and back onto the surface.
+// Makes triangles more regular: moves each vertex toward the mean of its neighbours, and then back onto the surface.
 void relax(const Solid& solid, double cube, Mesh& mesh) {
   const std::vector<Vec3> middle = neighbour_means(mesh);
   parallel_for(mesh.positions.size(), 4096, [&](std::uint64_t begin, std::uint64_t end) {
@@ -246,8 +247,8 @@ void relax(const Solid& solid, double cube, Mesh& mesh) {
   });
 }
 
-// Normals from the triangles, weighted by area: unlike the field's gradient they rarely contradict the triangles in a
-// crease.
+// Vertex normals are the area-weighted means of the triangles' normals. In creases, the gradient of the field would
+// more often contradict the triangles.
 void set_normals(Mesh& mesh) {
   mesh.normals.assign(mesh.positions.size(), Vec3{});
   for (const auto& t : mesh.triangles) {
@@ -257,8 +258,8 @@ void set_normals(Mesh& mesh) {
   for (Vec3& n : mesh.normals) n = normalize(n);
 }
 
-// Creases sharper than the lattice leave a few folded triangles: there the vertices go to the middle of their
-// neighbours, until triangles and vertex normals agree or little is left to gain (check_closed has the last word).
+// Creases that are finer than the lattice leave a few folded triangles. Their vertices are moved to the mean of their
+// neighbours until triangles and vertex normals agree, at most eight times; check_closed makes the final check.
 void untangle(Mesh& mesh) {
   for (int pass = 0; pass < 8; ++pass) {
     set_normals(mesh);
@@ -282,8 +283,8 @@ Mesh polygonise(const Solid& solid, std::uint64_t triangles) {
   const Vec3 size = solid.upper - solid.lower;
   double cube = std::max({size.x, size.y, size.z}) / 48.0;
   Mesh mesh;
-  // The number of triangles grows with the inverse square of the cube, so that two or three guesses hit it; where the
-  // mesh is too coarse for that law, small steps find a number that is large enough.
+  // The number of triangles is inversely proportional to the square of the cube's size, so two or three guesses
+  // suffice. If the mesh is too coarse for this, small steps find a number that is large enough.
   for (int guess = 0;; ++guess) {
     mesh = extract(solid, make_lattice(solid, cube));
     const double ratio = static_cast<double>(mesh.triangles.size()) / static_cast<double>(triangles);

@@ -12,9 +12,9 @@ namespace etendue::sculpt {
 namespace {
 
 constexpr Vec3 kTowardSun{0.67, 0.574, -0.47};
-constexpr double kSunRim = 3.4e-4;  // 1 − cos of 1.5 degrees: larger than ours, so that its shadows have soft edges
+constexpr double kSunRim = 3.4e-4;  // 1 − cos of 1.5 degrees: larger than the real sun, for soft shadows
 
-/// Values of a lattice, smoothly in between.
+/// Smoothly interpolated values of a lattice.
 double noise(double x, double y) {
   const double x0 = std::floor(x), y0 = std::floor(y);
   const auto at = [&](int i, int j) {
@@ -25,7 +25,7 @@ double noise(double x, double y) {
   return mix(mix(at(0, 0), at(1, 0), a), mix(at(0, 1), at(1, 1), a), b);
 }
 
-/// 0 to 1: how much cloud is in direction d, on a layer high above.
+/// How much cloud, from 0 to 1, a high layer has in direction d.
 double clouds(const Vec3& d) {
   if (d.y < 0.02) return 0.0;
   double x = 1.3 * d.x / d.y, y = 0.8 * d.z / d.y, sum = 0.0, weight = 1.0;
@@ -51,7 +51,7 @@ Vec3 radiance(const Vec3& d) {
   return sky + (1.0 - smoothstep(0.85, 1.0, from_sun / kSunRim)) * Vec3{1750.0, 1540.0, 1240.0};
 }
 
-/// Three mantissas and their common exponent, 128 too large [Ward1991].
+/// Appends three mantissas and their common exponent plus 128 [Ward1991].
 void append(std::string& bytes, const Vec3& color) {
   const double largest = std::max({color.x, color.y, color.z});
   int exponent = 0;

@@ -7,13 +7,13 @@
 namespace etendue::sculpt {
 namespace {
 
-/// Radius and height of an outline at a place in [0,1].
+/// A point of an outline; its position along the outline is in [0,1].
 struct Outline {
   double radius = 0.0;
   double height = 0.0;
 };
 
-/// A cubic through the middle two of four values.
+/// A cubic through the middle two of four values (Catmull-Rom).
 double between(double a, double b, double c, double d, double t) {
   return b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
 }
@@ -30,12 +30,12 @@ Outline along(const std::vector<Outline>& knots, double place) {
   return {between(a.radius, b.radius, c.radius, d.radius, t), between(a.height, b.height, c.height, d.height, t)};
 }
 
-/// The outline turned around y. Along it v grows from 0 at the foot to 1 at the rim, and on.
+/// Rotates the outline about the y axis. v grows along it from 0 at the foot to 1 at the rim, and further.
 Mesh turn(const std::vector<Outline>& knots, double rim, std::uint64_t triangles) {
   const auto around = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(triangles) * 0.75)));
   const auto up = static_cast<std::uint32_t>(std::ceil(static_cast<double>(triangles) / (2.0 * around)));
   Mesh mesh;
-  std::vector<bool> on_axis;  // a row of corners that are all the same point
+  std::vector<bool> on_axis;  // rows whose corners are all the same point
   for (std::uint32_t j = 0; j <= up; ++j) {
     const double place = static_cast<double>(j) / up;
     const Outline p = along(knots, place);
@@ -46,7 +46,7 @@ Mesh turn(const std::vector<Outline>& knots, double rim, std::uint64_t triangles
     double out = after.height - before.height, rise = before.radius - after.radius;
     const double length = std::sqrt(out * out + rise * rise);
     out /= length, rise /= length;
-    for (std::uint32_t i = 0; i <= around; ++i) {  // the seam has both its coordinates
+    for (std::uint32_t i = 0; i <= around; ++i) {  // corners at the seam exist twice, with u = 0 and u = 1
       const double u = static_cast<double>(i) / around, angle = 2.0 * std::numbers::pi * (i == around ? 0.0 : u);
       const double c = std::cos(angle), s = std::sin(angle);
       mesh.positions.push_back({p.radius * c, p.height, -p.radius * s});
@@ -113,7 +113,7 @@ Mesh curtain(std::uint64_t triangles) {
   const auto up = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(triangles) / 8.0)));
   const std::uint32_t across = 4 * up;
   constexpr double kPi = std::numbers::pi;
-  // Depth of the folds: seven, uneven, pulled together at the rail and wider toward the hem.
+  // Depth of the seven uneven folds, which are narrow at the rail and wider toward the hem.
   const auto depth = [&](double u, double v) {
     const double phase = 14.0 * kPi * (u + 0.012 * std::sin(5.0 * kPi * u + 1.5 * v) + 0.02 * std::sin(3.0 * u + v));
     return (0.022 + 0.02 * (1.0 - v)) * (std::sin(phase) + 0.25 * std::sin(2.0 * phase + 1.0 + v)) +

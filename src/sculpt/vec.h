@@ -1,6 +1,6 @@
 #pragma once
-/// Vectors and elementary functions whose last bit is the same on every machine: only + − × ÷ and the square root,
-/// which IEEE 754 rounds exactly; no library function that may differ from one libm to the next.
+/// Vectors and elementary functions with the same bits on every machine. They use only + − × ÷ and the square root,
+/// which IEEE 754 rounds exactly, and no library functions, which may differ between implementations of libm.
 
 #include <algorithm>
 #include <cmath>
@@ -46,15 +46,15 @@ inline double clamp01(double x) {
 inline double mix(double a, double b, double t) {
   return a + t * (b - a);
 }
-/// 0 below `a`, 1 above `b`, a cubic in between.
+/// 0 below `a`, 1 above `b`, and a cubic in between.
 inline double smoothstep(double a, double b, double x) {
   const double t = clamp01((x - a) / (b - a));
   return t * t * (3.0 - 2.0 * t);
 }
 
-/// sin(2π x), absolute error below 2e-4: a parabola with one correction, enough for ornament.
+/// sin(2π x) with an absolute error below 2e-4, which is enough for ornaments: a parabola with one correction.
 inline double sin_turns(double x) {
-  const double t = 2.0 * (x - std::floor(x)) - 1.0;  // [-1, 1), half turns from π on
+  const double t = 2.0 * (x - std::floor(x)) - 1.0;  // half turns from π, in [-1, 1)
   const double y = -4.0 * t * (1.0 - std::abs(t));
   return 0.775 * y + 0.225 * y * std::abs(y);
 }
@@ -62,7 +62,7 @@ inline double cos_turns(double x) {
   return sin_turns(x + 0.25);
 }
 
-/// A well-mixed 32-bit word for a lattice point: integer arithmetic only [Jarzynski2020, pcg3d].
+/// A well-mixed 32-bit word for a lattice point, with integer arithmetic only [Jarzynski2020, pcg3d].
 inline std::uint32_t hash(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   x = x * 1664525u + 1013904223u;
   y = y * 1664525u + 1013904223u;
@@ -75,7 +75,7 @@ inline std::uint32_t hash(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   z ^= z >> 16;
   return x + y * z;
 }
-/// The word as a number in [-1, 1).
+/// Maps the word to a number in [-1, 1).
 inline double signed_unit(std::uint32_t word) {
   return static_cast<double>(word >> 8) * (1.0 / (1 << 23)) - 1.0;
 }

@@ -1,4 +1,4 @@
-/// Feeds arbitrary bytes to the reader of pictures of scenes, whatever their kind.
+/// Feeds arbitrary bytes to the reader of pictures in scenes, which recognises all formats.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// Feeds arbitrary bytes to the reader of film files; the checksum, which would stop every change, is left out.
+/// Feeds arbitrary bytes to the reader of film files. It does not check the checksum, which would reject every change.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
-/// Any scene that `check` accepts renders without a fault: on the reference, and on a Vulkan device when the
-/// environment variable ETENDUE_FUZZ_DEVICE names one (a kernel is compiled for each scene, which makes it slow).
+/// Any scene that `check` accepts must render without a fault: on the reference, and on a Vulkan device if the
+/// environment variable ETENDUE_FUZZ_DEVICE names one (which is slow, because a kernel is compiled for each scene).
 ///
-/// An input is a scene file; behind a line "%%%" may follow an OBJ file, which stands for every mesh the scene names.
-/// Sizes are clamped here, for time; whatever else the scene says is rendered. How many scenes were is told at the end.
+/// An input is a scene file, optionally followed by a line "%%%" and an OBJ file, which is used for every mesh that the
+/// scene names. Only sizes are clamped, to save time. The number of rendered scenes is printed at the end.
 
 #include <algorithm>
 #include <cstdint>
@@ -47,7 +47,7 @@ std::optional<etendue::TriangleMesh> load_from(std::string_view obj, const std::
   return etendue::read_obj(source, path, {}, sink);
 }
 
-/// The scene of an input, small enough; nothing when `check` would refuse it.
+/// The scene in an input, with a small film; nothing if `check` would refuse it.
 std::optional<etendue::Scene> read_input(std::string_view input) {
   const std::size_t end = std::min(input.find(kSeparator), input.size());
   const std::string_view obj = end < input.size() ? input.substr(end + kSeparator.size())
@@ -66,7 +66,7 @@ std::optional<etendue::Scene> read_input(std::string_view input) {
   return scene;
 }
 
-/// Every sample is either in the film or counted as rejected.
+/// Renders, and requires that every sample is either in the film or counted as rejected.
 void render(etendue::Renderer& renderer, const etendue::Scene& scene) {
   etendue::Film film(scene.camera.width, scene.camera.height, etendue::film_exponent(scene));
   std::vector<etendue::RejectedSample> rejected;
@@ -74,7 +74,7 @@ void render(etendue::Renderer& renderer, const etendue::Scene& scene) {
   for (const etendue::FilmPixel& pixel : film.pixels()) require(pixel.count + pixel.rejected == kSamples);
 }
 
-/// Where there is no device, nothing is left to do.
+/// Does nothing if there is no device.
 void render_on_device(const etendue::Scene& scene, const char* device) {
   etendue::GpuOptions options;
   options.device = device;
@@ -94,8 +94,8 @@ void render_on_device(const etendue::Scene& scene, const char* device) {
 #ifdef ETENDUE_FUZZ
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t capacity);
 
-// All but a few changes of a scene make one that is refused. Those are the business of fuzz_scene_xml and
-// fuzz_scene_obj, and would crowd out here what renders: change again, from the start.
+// Most changes of a scene make one that is refused. Such inputs are tested by fuzz_scene_xml and fuzz_scene_obj; here
+// they would crowd out scenes that render. So this tries again from the original, up to 30 times.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t capacity, unsigned) {
   constexpr int kTries = 30;
   const std::string original(reinterpret_cast<const char*>(data), size);

@@ -1,5 +1,5 @@
-/// A binary glTF asset that is put together of any JSON and, behind a line "%%%", any bytes of its buffer: so that
-/// changes of either need not keep the lengths of the container right.
+/// A binary glTF asset assembled from any JSON and, after a line "%%%", any bytes for its buffer. The lengths in the
+/// container are thus always right, whatever the fuzzer changes.
 
 #include <algorithm>
 #include <string>

@@ -1,4 +1,4 @@
-/// Any bytes as a glTF asset, text or binary: the reader ends with a scene or with an error, never with a fault.
+/// Any bytes as a glTF asset, text or binary: the reader must return a scene or an error, without a fault.
 
 #include "gltf_assets.h"
 

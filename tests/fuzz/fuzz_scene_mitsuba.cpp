@@ -1,5 +1,5 @@
-/// Any bytes as a scene for Mitsuba: the reader ends with a scene or with an error that has a place, never with a
-/// fault. Included files are the text itself and another one.
+/// Any bytes as a scene for Mitsuba: the reader must return a scene, or an error with its position, without a fault.
+/// Included files are the text itself and another one.
 
 #include <cstdint>
 #include <cstdlib>
@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   etendue::Diagnostics diagnostics;
   auto document = std::make_unique<etendue::XmlDocument>(text, "fuzz.xml", diagnostics);
   if (!document->root()) return 0;
-  // A triangle stands for every mesh file, so that the fuzzer never opens one.
+  // A triangle is used for every mesh file, so the fuzzer never opens one.
   etendue::TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.triangles = {{0, 1, 2}};

@@ -1,5 +1,5 @@
-/// Any bytes as a library of materials: the reader ends with materials in range and with warnings that have a place,
-/// never with a fault or an error.
+/// Any bytes as a material library: the reader must return materials in range and warnings with their positions,
+/// without a fault or an error.
 
 #include <cmath>
 
@@ -16,7 +16,7 @@ bool is_share(double v) {
 
 }  // namespace
 
-/// The first byte chooses the size of the reads.
+/// The first byte chooses the size of reads.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   etendue::Diagnostics diagnostics;

@@ -1,4 +1,4 @@
-/// Any bytes as a PLY file: the reader ends with a sound mesh or with an error, never with a fault.
+/// Any bytes as a PLY file: the reader must return a valid mesh or an error, without a fault.
 
 #include "formats/ply/ply_reader.h"
 #include "meshes.h"

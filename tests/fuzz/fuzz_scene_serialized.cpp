@@ -1,4 +1,4 @@
-/// Any bytes as a .serialized file: the reader ends with a mesh or with an error, never with a fault.
+/// Any bytes as a .serialized file: the reader must return a mesh or an error, without a fault.
 
 #include <cstdint>
 #include <cstdlib>

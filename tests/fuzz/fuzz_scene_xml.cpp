@@ -1,4 +1,4 @@
-/// Any bytes as a scene file: the reader ends with a scene or with an error that has a place, never with a fault.
+/// Any bytes as a scene file: the reader must return a scene, or an error with its position, without a fault.
 
 #include <cstdint>
 #include <cstdlib>
@@ -12,7 +12,7 @@
 
 namespace {
 
-/// Stands for every mesh file, so that the fuzzer never opens one.
+/// Used for every mesh file, so the fuzzer never opens one.
 std::optional<etendue::TriangleMesh> load_triangle(const etendue::MeshFormat&, const std::string& path,
                                                    const etendue::MeshContent&, etendue::Diagnostics& sink) {
   bool done = false;

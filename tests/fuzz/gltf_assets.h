@@ -1,5 +1,5 @@
 #pragma once
-/// Targets for glTF assets: any bytes end as a sound scene or as an error.
+/// For the targets that read glTF assets: any bytes must give a valid scene or an error.
 
 #include <memory>
 #include <optional>
@@ -16,10 +16,10 @@
 
 namespace etendue::fuzz {
 
-/// What URIs name is a file of a few bytes, or is not there.
+/// A URI names a file of a few bytes or one that does not exist.
 inline void read_any_asset(std::vector<std::byte> bytes) {
   const bool approximate = bytes.size() % 2 == 0;
-  // Of an asset that says it moves, at a time between some keyframes or behind them; without that word nothing would.
+  // An asset with animations is shown at a time between keyframes or after them.
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::optional<double> at;
   if (text.find("animations") != std::string_view::npos) at = 0.375 * static_cast<double>(bytes.size() % 7);

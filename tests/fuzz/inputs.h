@@ -1,5 +1,5 @@
 #pragma once
-/// What several fuzz targets make of their bytes.
+/// How several fuzz targets use their bytes.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,7 +14,7 @@ inline void require(bool condition) {
   if (!condition) std::abort();
 }
 
-/// The bytes after the first, read in pieces of a size that the first one chooses. `data` must outlive the source.
+/// A source of all bytes but the first, which chooses the size of the reads. `data` must outlive the source.
 inline ByteSource source_of(const std::uint8_t* data, std::size_t size) {
   const std::size_t chunk = (*data & 3) == 0 ? 1 : std::size_t{1} << (2 * (*data & 3));
   return [data, size, chunk, at = std::size_t{1}](char* buffer, std::size_t capacity) mutable {

@@ -1,5 +1,5 @@
 #pragma once
-/// Targets for readers of meshes: any bytes end as a sound mesh or as an error.
+/// For the targets that read meshes: any bytes must give a valid mesh or an error.
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ inline void require_sound(const TriangleMesh& mesh) {
   require(mesh.vertex_colors.empty() || mesh.vertex_colors.size() == mesh.positions.size());
 }
 
-/// A sound mesh stays one wherever it is placed.
+/// Requires that a mesh is valid, also where it is placed.
 inline void require_sound(const PlacedMesh& mesh) {
   for (std::uint32_t i = 0; i < mesh.mesh().positions.size(); ++i) {
     const glm::dvec3 p = mesh.position(i);
@@ -39,7 +39,8 @@ inline void require_sound(const PlacedMesh& mesh) {
   }
 }
 
-/// `read(source, diagnostics)` is the reader. The first byte chooses the size of the reads and the place of the mesh.
+/// `read(source, diagnostics)` is the reader. The first byte chooses the size of the reads and the transform of the
+/// mesh.
 template <typename Read>
 void read_any_mesh(const std::uint8_t* data, std::size_t size, const Read& read) {
   if (size == 0) return;

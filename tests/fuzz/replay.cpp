@@ -1,5 +1,5 @@
-/// Runs a fuzz target once on each file named, for builds without libFuzzer: the corpus is a regression test
-/// everywhere.
+/// Runs a fuzz target once on each of the given files. In builds without libFuzzer, the corpus is thus a regression
+/// test.
 
 #include <cstddef>
 #include <cstdint>

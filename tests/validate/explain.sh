@@ -1,13 +1,13 @@
 #!/bin/sh
-# `etendue explain`: device and reference tell the same path of the same sample, the lights it counts are all there are, and a
-# pixel outside the picture is refused.
+# `etendue explain`: device and reference report the same path for the same sample, all lights are counted, and a pixel outside
+# the picture is refused.
 set -eu
 etendue=$1
 scene=$2
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-# Decisions only: radiance agrees to rounding, the first line names the device.
+# The columns with decisions. Radiance agrees only up to rounding, and the first line names the device.
 decisions() { sed 1d "$1" | cut -c 1-74; }
 
 for pixel in 95,100 110,100 120,30; do
@@ -15,8 +15,8 @@ for pixel in 95,100 110,100 120,30; do
   "$etendue" explain "$scene" --size 240x135 --pixel "$pixel" --sample 3 --device auto > "$folder/device" || exit $?
   decisions "$folder/reference" > "$folder/a"
   decisions "$folder/device" > "$folder/b"
-  [ "$(wc -l < "$folder/a")" -gt 2 ] || { echo "pixel $pixel: a path of one segment tells nothing"; exit 1; }
-  diff "$folder/a" "$folder/b" || { echo "pixel $pixel: device and reference part"; exit 1; }
+  [ "$(wc -l < "$folder/a")" -gt 2 ] || { echo "pixel $pixel: a path of one segment proves nothing"; exit 1; }
+  diff "$folder/a" "$folder/b" || { echo "pixel $pixel: device and reference differ"; exit 1; }
 done
 
 "$etendue" explain "$scene" --size 240x135 --lights 5000 > "$folder/lights"

@@ -1,5 +1,5 @@
-// What somebody on the same machine, or a web page elsewhere, may try on a viewer: node attack.mjs ETENDUE_VIEW. Raw sockets,
-// no browser.
+// Attacks on a viewer by somebody on the same machine or by a web page elsewhere, through raw sockets, without a browser:
+// node attack.mjs ETENDUE_VIEW
 
 import { connect } from "node:net";
 import { networkInterfaces } from "node:os";
@@ -12,7 +12,7 @@ const [program] = process.argv.slice(2);
 const scene = makeScene({ samples: 2, width: 1024, height: 768 });
 let viewer;
 
-// Sends bytes and returns what comes back until the other side ends or `ms` are over.
+// Sends bytes and returns what comes back until the other side closes the connection or `ms` have passed.
 function exchange(bytes, { ms = 15000, half = false, host = "127.0.0.1", port = viewer.port } = {}) {
   return new Promise((resolve) => {
     const socket = connect(port, host), chunks = [];
@@ -32,7 +32,7 @@ const ownPath = (rest = "") => viewer.path + rest;
 const memory = () => +/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${viewer.process.pid}/status`, "utf8"))[1] / 1024;
 const threads = () => +/Threads:\s+(\d+)/.exec(readFileSync(`/proc/${viewer.process.pid}/status`, "utf8"))[1];
 
-// Answers come soon, whatever else is going on.
+// Requires a quick answer, whatever else is going on.
 async function answersSoon() {
   const start = Date.now();
   assert.equal(status(await ask("GET", ownPath("view.css"))), 200);
@@ -163,7 +163,7 @@ const tests = {
     await pause(1500);
     assert.ok(answers.includes(503), "there is an end of guests");
     assert.ok(answers.filter((s) => s === 200).length >= 30);
-    // Some of them leave, and a newcomer sees new pictures as if the others were not there.
+    // Some of them leave. A new page then gets pictures as if the others did not exist.
     for (const socket of sockets.splice(0, 40)) socket.destroy();
     await pause(300);
     for (let i = 0; i < 3; ++i) {
@@ -213,4 +213,4 @@ try {
   if (viewer) viewer.process.kill("SIGKILL");
   scene.remove();
 }
-process.exit();  // whatever sockets are still waiting
+process.exit();  // even if sockets are still waiting

@@ -1,5 +1,5 @@
 #!/bin/sh
-# `etendue view` becomes the viewer beside the program; without one it says what to do.
+# `etendue view` starts the viewer next to the program; if there is none, it says what to do.
 set -eu
 etendue=$1
 folder=$(mktemp -d)

@@ -1,5 +1,5 @@
-// What the page of `etendue view` shows of a scene's insides, in a real browser: materials, and a path drawn over the picture.
-// node inspect.mjs ETENDUE_VIEW [SCREENSHOT_FOLDER]. Exits 77 where node's browser is missing.
+// The inspectors of `etendue view` in a real browser: materials, and a path drawn over the picture.
+// node inspect.mjs ETENDUE_VIEW [SCREENSHOT_FOLDER]; exits with 77 if there is no browser.
 
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -10,7 +10,7 @@ import { Viewer, makeScene, sceneText } from "./viewer.mjs";
 
 const [program, shots] = process.argv.slice(2);
 const work = mkdtempSync(join(tmpdir(), "etendue-view-inspect-"));
-// A coat in the middle, a checkered sphere behind, a mirror on the left.
+// A coated sphere in the middle, a checkered one behind it, a mirror on the left.
 const ball = (center, radius, bsdf) => `<mesh type="sphere"><point name="center" value="${center}"/><float name="radius" value="${radius}"/>${bsdf}</mesh>`;
 const coat = (alpha) => `<bsdf type="roughplastic" id="coat"><float name="alpha" value="${alpha}"/><color name="diffuse_reflectance" value="0.6, 0.3, 0.1"/></bsdf>`;
 const checkered = '<bsdf type="diffuse" id="board"><texture name="albedo" type="checkerboard"/></bsdf>';
@@ -37,7 +37,7 @@ const place = async (x, y) => {
   return [box[0] + box[2] / 2 + (x + 0.5 - 80) * k, box[1] + box[3] / 2 + (y + 0.5 - 60) * k];
 };
 const click = async (x, y) => { const at = await place(x, y); await b.mouse(at, [at[0] + 1, at[1]]); };
-// A change of a material, and the picture with it.
+// Changes a material and waits for the picture with it.
 async function changed(act) {
   const before = await b.js("return state.materials");
   await act();
@@ -76,7 +76,7 @@ const tests = {
     assert.ok(strong > 3 * red, "the sphere is blue");
     assert.match(await b.js("return document.getElementById('material').selectedOptions[0].text"), /, changed$/);
     assert.equal(await loads(), read, "nothing was read again");
-    // The same bytes as from a file that says so.
+    // The same bytes as with these numbers in the file.
     await changed(() => b.click("#number-albedo-undo"));
     assert.equal(await value("number-albedo"), "0.8, 0.2, 0.1");
     assert.equal(await shown(), before);
@@ -153,7 +153,7 @@ const tests = {
     assert.equal(drawn.box, "0 0 160 120");
     assert.ok(drawn.device > 0 && drawn.device === drawn.reference, "both are drawn");
     assert.ok(drawn.badges.includes(1), "the first vertex is seen");
-    // The first vertex lies at the pixel that was clicked, in the drawing and in the table.
+    // The first vertex is at the pixel that was clicked, in the drawing and in the table.
     assert.ok(await b.js("return document.querySelector('#drawn [data-vertex=\"1\"].badge').classList.contains('both')"), "the two agree on the place");
     const at = await b.js("return document.querySelector('#drawn [data-vertex=\"1\"].badge').getAttribute('transform').match(/translate\\(([-\\d.]+) ([-\\d.]+)\\)/).slice(1).map(Number)");
     assert.ok(Math.abs(at[0] - 114.5) <= 0.51 && Math.abs(at[1] - 60.5) <= 0.51, `${at}`);
@@ -190,7 +190,7 @@ const tests = {
     assert.deepEqual(await line([5, 5, 0, 1], [25, 5, 0, 1]), [[5, 5], [10, 5]]);
     assert.equal(await line([-5, 5, 0, 1], [-25, 5, 0, 1]), null);
     assert.equal(await line([5, 5, 0, -1], [5, 5, 0, -2]), null);
-    const through = await line([2, 5, 0, 1], [-8, -5, 0, -1]);  // comes from behind the camera, and leaves on the left
+    const through = await line([2, 5, 0, 1], [-8, -5, 0, -1]);  // comes from behind the camera and leaves on the left
     assert.ok(Math.abs(through[1][0]) < 1e-9 && through[1][1] > 0, `${through}`);
     const sphere = { kind: "sphere", matrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], origin: [0, 0], pixels: [64, 32] };
     const lines = await b.js("return linesOf(arguments[0], { from: [-1, 0, -3], to: [1, 0, -3], met: true }, [0, 0, 64, 32])", sphere);

@@ -1,6 +1,6 @@
-// How soon `etendue view` shows something: node latency.mjs ETENDUE_VIEW SCENE [ROUNDS] [OPTION...]. Prints the medians of three times, in
-// milliseconds: from the command to the first picture that a page receives; from a camera that moves, as a drag sends it, to the first
-// picture of that camera; and from there to the first one of full size. docs/view.md has the numbers.
+// How soon `etendue view` shows something: node latency.mjs ETENDUE_VIEW SCENE [ROUNDS] [OPTION...]. Prints the medians of three times in
+// milliseconds: from the command to the first picture that a page receives; from a camera move, as a drag sends it, to the first picture
+// of that camera; and from there to the first picture of full size. docs/view.md has the numbers.
 
 import { performance } from "node:perf_hooks";
 import { Viewer } from "./viewer.mjs";

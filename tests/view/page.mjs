@@ -1,5 +1,5 @@
-// The page of `etendue view` in a real browser: node page.mjs ETENDUE_VIEW [SCREENSHOT_FOLDER]. Exits 77 where node's browser
-// is missing.
+// The page of `etendue view` in a real browser: node page.mjs ETENDUE_VIEW [SCREENSHOT_FOLDER]; exits with 77 if there is no
+// browser.
 
 import { mkdirSync, mkdtempSync, readdirSync, rmSync, unlinkSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -16,7 +16,7 @@ mkdirSync(downloads);
 let b, viewer;
 
 const camera = () => b.js("return structuredClone(camera)");
-// The picture is that of the camera as it stands on the page.
+// Whether the picture is complete and belongs to the camera on the page.
 const settled = () => b.until(`state && state.phase === 'done' && camera && !sending && !going && !unsent &&
   ["eye", "target", "up", "fov"].every((name) => String(state.camera[name]) === String(camera[name]))`);
 async function reset() {
@@ -62,7 +62,7 @@ const tests = {
     assert.ok(Math.abs(length(minus(after.eye, after.target)) / length(minus(before.eye, before.target)) - 1) < 1e-9, "as far away as before");
     assert.ok(length(minus(after.eye, before.eye)) > 0.5);
     assert.notEqual(await shown(), picture);
-    // What is nearer than the target goes with the mouse; the red sphere lies at the target's distance, so a look at a point before it.
+    // The server has the same camera and renders from there.
     const server = await viewer.until((s) => s.phase === "done");
     assert.deepEqual(server.camera.eye, after.eye);
     assert.ok(Math.abs(await red() - place) > 1, "the red sphere is elsewhere");
@@ -179,7 +179,7 @@ const tests = {
     await b.js("document.getElementById('pixel-x').value = 160");
     await b.click("#inspect button");
     await b.until("document.getElementById('told').textContent.includes('no pixel of 160x120')");
-    // The same click sets the focus, or what is orbited.
+    // The same click sets the focus or the point to orbit.
     await choose("click", "focus");
     await click(place(114, 60));
     await b.until("state.camera.focus > 4.5 && state.camera.focus < 6.5");
@@ -208,7 +208,7 @@ const tests = {
     for (const [i, n] of [100, 40, 40, 30].entries()) assert.ok(Math.abs(crop[i] - n) <= 1, `${crop}`);
     assert.equal(await b.js("return document.getElementById('drag').value"), "orbit");
     await b.shot("crop");
-    // What the crop shows is what the picture showed there: red and green keep their places.
+    // The crop shows what the picture showed there: red and green keep their places.
     const colors = await b.js("const i = 3 * (15 * shape.width + 20); return [numbers[mean[i]], numbers[mean[i + 1]]]");
     assert.ok(colors[0] > 2 * colors[1], "the red sphere");
     await b.mouse(await middle());
@@ -247,7 +247,7 @@ const tests = {
     await b.shot("problem");
     await settled();
     assert.equal(await shown(), blue, "the last good picture");
-    // The camera of the last good scene can be moved all the same.
+    // The camera of the last valid scene can still be moved.
     await focus();
     await b.keys("\uE012");
     await settled();

@@ -1,5 +1,5 @@
-/// The parts of the viewer without a browser: numbers on their way, poses, who may ask, files that change, and a render
-/// that is steered.
+/// The parts of the viewer that need no browser: encoding of numbers, poses, access control, changed files, and
+/// steering a render.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 TEST(ViewPicture, HalvesAreTheNearest) {
-  // Every half and the middles between them, with their neighbours.
+  // Every half-precision number, the midpoints between them, and their neighbours.
   for (std::uint32_t bits = 0; bits < 0x7c00u; ++bits) {
     const auto half = static_cast<std::uint16_t>(bits);
     const float value = glm::unpackHalf1x16(half), above = glm::unpackHalf1x16(static_cast<std::uint16_t>(bits + 1));
@@ -72,7 +72,7 @@ TEST(ViewPicture, MeanAndErrorLieInOrder) {
   EXPECT_TRUE(std::isinf(halves(error, 0)));
 }
 
-// Scaled, mirrored and rolled, as transforms of scene files may be.
+// Scaled, mirrored and rolled, as transforms in scene files may be.
 std::vector<glm::dmat4> placements() {
   const auto placed = [](glm::dvec3 x, glm::dvec3 y, glm::dvec3 z, glm::dvec3 eye) {
     return glm::dmat4(glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), glm::dvec4(eye, 1));
@@ -198,7 +198,7 @@ TEST(ViewPreview, ACameraThatMovesCompilesNothingAgain) {
   EXPECT_EQ(scene_compilations() - before, 1u);
 }
 
-// A sphere of radius 1 at 0, 0, 5 before a camera at the origin that is twice its size and looks along +Z.
+// A sphere of radius 1 at (0, 0, 5) in front of a camera at the origin that looks along +Z and is scaled by 2.
 Scene sphere_scene() {
   Scene scene;
   scene.name = "sphere";
@@ -339,7 +339,7 @@ TEST(ViewPreview, NumbersOutOfRangeAreRefusedAndChangeNothing) {
   EXPECT_EQ(preview.wait(0, {}, {}).materials, own.materials);
 }
 
-// A surface that is brushed has another table of directions: there the scene is compiled again, and the reference too.
+// A brushed surface needs a different table of directions, so the scene is compiled again, also for the reference.
 TEST(ViewPreview, ABrushedMaterialIsShownAsWell) {
   const auto read = [] {
     Scene scene = sphere_scene();
@@ -372,7 +372,7 @@ TEST(ViewPages, EveryLobeHasAName) {
   }
 }
 
-// A crop looks at what that part of the film looks at, and at nothing else.
+// A crop shows what that part of the film shows, and nothing else.
 TEST(ViewPreview, ACropIsAFilmOfThatPart) {
   Preview preview({.read_scene = small_scene, .device = {}});
   until(preview, [](const State& s) { return s.phase == Phase::done; });

@@ -1,11 +1,11 @@
-// A viewer that runs, and what it answers: for the tests of `etendue view`.
+// Starts a viewer and talks to it, for the tests of `etendue view`.
 
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-// A red and a green sphere above a floor, which is a mesh of its own.
+// A red and a green sphere above a floor, which is a mesh file.
 export function sceneText({ albedo = "0.8, 0.2, 0.1", fov = 40, extra = "", samples = 8, width = 160, height = 120 } = {}) {
   return `<scene>
   <integrator type="path"/>
@@ -27,7 +27,7 @@ export function sceneText({ albedo = "0.8, 0.2, 0.1", fov = 40, extra = "", samp
 }
 export const floorText = (size = 5) => `v ${-size} 0 ${-size}\nv ${size} 0 ${-size}\nv ${size} 0 ${size}\nv ${-size} 0 ${size}\nf 1 4 3\nf 1 3 2\n`;
 
-// A folder with that scene; `remove` takes it away.
+// A folder with that scene; `remove` deletes it.
 export function makeScene(options) {
   const folder = mkdtempSync(join(tmpdir(), "etendue-view-test-"));
   const file = join(folder, "two-spheres.xml"), mesh = join(folder, "floor.obj");
@@ -52,7 +52,7 @@ export class Viewer {
     return Object.assign(viewer, { hostname, port: +port, path: pathname });
   }
 
-  // The state, and the halves of its picture where it brings one.
+  // The state, and its picture as half-precision numbers if it has one.
   async next(version = 0, picture = 0, error = 0) {
     const buffer = await (await fetch(`${this.address}next?version=${version}&picture=${picture}&error=${error}`)).arrayBuffer();
     const length = new DataView(buffer).getUint32(0, true);
@@ -60,7 +60,7 @@ export class Viewer {
     return { ...state, bytes: Buffer.from(buffer, 4 + length) };
   }
 
-  // The first state that fulfils the condition.
+  // The first state that meets the condition.
   async until(condition, ms = 60000) {
     const end = Date.now() + ms;
     let version = 0;

@@ -18,12 +18,12 @@
 namespace etendue {
 namespace {
 
-/// How the numbers of an accessor lie in its view.
+/// How the numbers of an accessor are laid out in its view.
 struct Layout {
   std::uint32_t component_type = 0;
   std::uint32_t component_bytes = 0;
   std::uint32_t columns = 1, rows = 1;  ///< a vector is one column
-  std::uint32_t column_bytes = 0;       ///< of a matrix columns begin at multiples of four bytes
+  std::uint32_t column_bytes = 0;       ///< columns of matrices are padded to multiples of four bytes
   bool normalized = false;
 
   std::uint32_t components() const { return columns * rows; }
@@ -76,7 +76,7 @@ Layout layout_of(const JsonValue& accessor) {
   return layout;
 }
 
-/// Where the rows of an accessor begin in its view.
+/// Where the rows of an accessor are in its view.
 struct Rows {
   std::shared_ptr<const ByteStore> bytes;
   std::uint64_t offset = 0, stride = 0, count = 0;
@@ -97,7 +97,7 @@ void check_range(const Rows& rows, std::uint64_t element_bytes, const JsonValue&
             rows.count, element_bytes, rows.stride, rows.offset, size)};
 }
 
-/// Calls f(row number, its bytes), reading a piece at a time.
+/// Calls f(number of the row, its bytes) for each row. The file is read in pieces.
 template <typename F>
 void each_row(const Rows& rows, std::uint64_t element_bytes, F&& f) {
   constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
@@ -122,7 +122,7 @@ float to_float(T value, bool normalized) {
   }
 }
 
-/// Rows of numbers of type T.
+/// Reads rows of numbers of type T.
 template <typename T>
 void read_as(const Rows& rows, const Layout& layout, float* out) {
   each_row(rows, layout.element_bytes(), [&](std::uint64_t row, const std::byte* bytes) {
@@ -154,7 +154,7 @@ void read_floats(const Rows& rows, const Layout& layout, float* out) {
   }
 }
 
-/// Whole numbers that are not negative, of one component.
+/// Reads rows of one unsigned integer each.
 void read_integers(const Rows& rows, std::uint32_t component_type, const JsonValue& where, std::uint32_t* out) {
   const auto read = [&]<typename T>(T) {
     each_row(rows, sizeof(T), [&](std::uint64_t row, const std::byte* bytes) {
@@ -178,7 +178,7 @@ std::uint64_t count_of(const JsonValue& accessor, std::uint64_t most) {
   return *count;
 }
 
-/// Rows that lie one after the other in a view that `part` names.
+/// Rows without gaps between them, in the view that `part` names.
 Rows packed_rows(Accessors& accessors, const JsonValue& part, std::uint64_t count, std::uint64_t element_bytes) {
   const auto view = find_index(part, "bufferView");
   if (!view) throw GltfError{&part, "the sparse rows have no \"bufferView\""};
@@ -187,7 +187,7 @@ Rows packed_rows(Accessors& accessors, const JsonValue& part, std::uint64_t coun
   return rows;
 }
 
-/// The rows that an accessor has in place of those of its view.
+/// Rows of a sparse accessor, which replace those of its view.
 struct SparseRows {
   std::vector<std::uint32_t> places;
   Rows values;
@@ -214,7 +214,7 @@ std::optional<SparseRows> sparse_rows(Accessors& accessors, const JsonValue& acc
   return result;
 }
 
-/// The rows of the accessor's view; nothing where it has none, which stands for zeros.
+/// The rows of the accessor's view; nothing if it has no view, in which case all numbers are zero.
 std::optional<Rows> dense_rows(Accessors& accessors, const GltfDocument& document, const JsonValue& accessor,
                                const Layout& layout) {
   const auto view = find_index(accessor, "bufferView");
@@ -240,7 +240,7 @@ std::shared_ptr<const ByteStore> Accessors::view(std::uint32_t index, const Json
   if (const auto known = decompressed_.find(index); known != decompressed_.end()) return known->second;
   const std::shared_ptr<const ByteStore> packed = document_.part_of_buffer(*compression);
   auto store = memory_store(decode_meshopt(*compression, packed->read(0, packed->size())));
-  // What several accessors of a mesh share is kept for them, but not all of the asset.
+  // Accessors of a mesh often share a view, so a few views are kept, but not those of the whole asset.
   if (decompressed_bytes_ + store->size() > AccessorLimits::kMaxKeptBytes) {
     decompressed_.clear();
     decompressed_bytes_ = 0;

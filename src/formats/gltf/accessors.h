@@ -1,6 +1,6 @@
 #pragma once
-/// Numbers of a glTF asset: accessors over views of buffers. Every range is held against what its buffer has before a
-/// byte is read, and memory is spent only for what the file holds.
+/// Numbers of a glTF asset: accessors to views of buffers. Every range is checked against the size of its buffer before
+/// a byte is read, and memory is allocated only for what the file really contains.
 
 #include <cstdint>
 #include <initializer_list>
@@ -12,9 +12,9 @@
 
 namespace etendue {
 
-/// Rows of numbers, one after the other.
+/// Rows of numbers, without gaps between them.
 struct FloatTable {
-  std::uint32_t components = 0;  ///< of a row
+  std::uint32_t components = 0;  ///< numbers in a row
   std::vector<float> numbers;
 
   std::size_t rows() const { return components == 0 ? 0 : numbers.size() / components; }
@@ -25,11 +25,11 @@ class Accessors {
  public:
   explicit Accessors(GltfDocument& document) : document_(document) {}
 
-  // Each throws GltfError: at `where` if there is no such accessor, else at what is wrong in it. Normalised integers
-  // become numbers in [0,1] or [-1,1], others stay as they are.
+  // These throw GltfError, at `where` if there is no such accessor, otherwise at what is wrong in it. Normalised
+  // integers are mapped to [0,1] or [-1,1]; other integers keep their values.
   FloatTable floats(std::uint32_t index, const JsonValue& where, std::initializer_list<std::uint32_t> components);
   std::vector<std::uint32_t> integers(std::uint32_t index, const JsonValue& where);
-  /// Rows of an accessor, without reading them.
+  /// The number of rows of an accessor, without reading them.
   std::uint64_t count(std::uint32_t index, const JsonValue& where) const;
   /// The bytes of bufferViews[index], decompressed.
   std::shared_ptr<const ByteStore> view(std::uint32_t index, const JsonValue& where);
@@ -42,9 +42,9 @@ class Accessors {
 
 struct AccessorLimits {
   static constexpr std::uint64_t kMaxRows = std::uint64_t{1} << 27;
-  /// Of accessors that no view of a buffer fills: zeros, of which a few bytes could ask for gigabytes.
+  /// Rows of an accessor without a view. They are all zero, so a few bytes of JSON could ask for gigabytes of them.
   static constexpr std::uint64_t kMaxZeroRows = std::uint64_t{1} << 22;
-  /// Of decompressed views, which are forgotten beyond that.
+  /// Decompressed views are kept up to this size in total.
   static constexpr std::uint64_t kMaxKeptBytes = std::uint64_t{1} << 26;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Primitives compressed by KHR_draco_mesh_compression.
+/// Decodes primitives that are compressed with KHR_draco_mesh_compression.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace etendue {
 
 struct DracoMesh {
   std::vector<std::uint32_t> indices;
-  std::map<std::string, FloatTable> attributes;  ///< by the names of the primitive's attributes
+  std::map<std::string, FloatTable> attributes;  ///< by name of the attribute in the primitive
 };
 
-/// `extension` is that of the primitive. Throws GltfError, also where the stream is damaged.
+/// `extension` is the extension object of the primitive. Throws GltfError, also for a damaged stream.
 DracoMesh decode_draco(const JsonValue& extension, std::span<const std::byte> stream);
 
 }  // namespace etendue

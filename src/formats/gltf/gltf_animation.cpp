@@ -14,13 +14,13 @@ namespace {
 
 enum class Interpolation { step, linear, cubic };
 
-/// What a channel says at one time.
+/// The value of a channel at one time.
 using PropertyValue = std::vector<double>;
 
-/// A sampler between two of its keyframes, or at one of them.
+/// Evaluates the sampler of a channel, at or between its keyframes.
 class AnimationSampler {
  public:
-  /// `components` are those of a value. Throws GltfError.
+  /// `components`: of one value. Throws GltfError.
   AnimationSampler(Accessors& accessors, const JsonValue& json, std::uint32_t components)
       : json_(json), interpolation_(interpolation_of(json)), components_(components) {
     times_ = table(accessors, "input", {1}).numbers;
@@ -39,7 +39,7 @@ class AnimationSampler {
 
   double end() const { return static_cast<double>(times_.back()); }
 
-  /// `turns`: values are unit quaternions.
+  /// `turns`: whether the values are unit quaternions.
   PropertyValue at(double time, bool turns) const {
     const auto after = std::ranges::upper_bound(times_, time, {}, [](float t) { return static_cast<double>(t); });
     const auto next = static_cast<std::size_t>(after - times_.begin());
@@ -83,7 +83,7 @@ class AnimationSampler {
     }
   }
 
-  /// `part`: of a cubic the tangent that arrives, the value, and the tangent that leaves.
+  /// `part`: for cubic splines 0 is the in-tangent, 1 the value and 2 the out-tangent.
   PropertyValue row(std::size_t key, std::size_t part) const {
     const std::size_t rows = interpolation_ == Interpolation::cubic ? 3 : 1;
     const auto begin = values_.begin() + static_cast<std::ptrdiff_t>((key * rows + part) * components_);
@@ -101,7 +101,7 @@ class AnimationSampler {
     return out;
   }
 
-  // Along the shorter arc, as the standard wants.
+  // Along the shorter arc, as the standard demands.
   PropertyValue turned(const PropertyValue& a, const PropertyValue& b, double s) const {
     const glm::dquat from(a[3], a[0], a[1], a[2]), to(b[3], b[0], b[1], b[2]);
     if (!(glm::length(from) > 0.0) || !(glm::length(to) > 0.0))
@@ -139,7 +139,7 @@ class PoseReader {
     if (target == nullptr) throw GltfError{&channel, "a channel of an animation has no \"target\""};
     const std::string path = string_or(*target, "path", "");
     const auto node = find_index(*target, "node");
-    if (!node && path != "pointer") return;  // the standard lets such channels be
+    if (!node && path != "pointer") return;  // the standard says to ignore such channels
     if (path != "translation" && path != "rotation" && path != "scale" && path != "weights") {
       if (unknown_++ == 0)
         sink_.warning(document_.position(*target),
@@ -173,7 +173,7 @@ class PoseReader {
     return samplers[*index];
   }
 
-  /// Morph targets of a node's mesh.
+  /// The number of morph targets of a node's mesh.
   std::uint32_t weights_of(const JsonValue& node, const JsonValue& where) const {
     const auto mesh = find_index(node, "mesh");
     if (!mesh) throw GltfError{&where, "an animation moves the weights of a node without a mesh"};
@@ -207,7 +207,8 @@ class PoseReader {
   Accessors& accessors_;
   double time_;
   Diagnostics& sink_;
-  std::map<std::pair<std::uint32_t, std::string>, std::uint32_t> movers_;  ///< which animation moves what
+  std::map<std::pair<std::uint32_t, std::string>, std::uint32_t>
+      movers_;  ///< the animation that moves a property of a node
   std::size_t unknown_ = 0, conflicts_ = 0;
 };
 

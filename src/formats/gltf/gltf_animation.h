@@ -1,5 +1,5 @@
 #pragma once
-/// The animations of a glTF asset at one time: docs/gltf.md, "Animations".
+/// Evaluates the animations of a glTF asset at one time (docs/gltf.md, "Animations").
 
 #include <map>
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace etendue {
 
-/// What animations say of a node; what they leave out is as the node has it.
+/// The animated properties of a node; the others keep the node's own values.
 struct GltfNodePose {
   std::optional<glm::dvec3> translation, scale;
   std::optional<glm::dvec4> rotation;  ///< (x, y, z, w)
@@ -20,13 +20,13 @@ struct GltfNodePose {
 
 struct GltfPose {
   std::map<std::uint32_t, GltfNodePose> nodes;
-  double end = 0.0;  ///< seconds: behind it nothing moves
+  double end = 0.0;  ///< seconds; nothing moves after this time
 };
 
-/// All animations, or the one of that number, at a time in seconds; before its first and behind its last keyframe a
-/// channel stands still. Of two animations that move the same property of a node the first counts, with a warning.
-/// Throws GltfError for what is damaged: keyframes whose times are no numbers or do not increase, tables of the wrong
-/// length, values that are no numbers, nodes that there are not or that have a matrix.
+/// Evaluates all animations, or only that with the given number, at a time in seconds. Before its first and after its
+/// last keyframe a channel keeps its value. If two animations move the same property of a node, the first one counts,
+/// and there is a warning. Throws GltfError for damaged animations: keyframe times that are not finite or do not
+/// increase, tables of the wrong length, values that are not finite, nodes that do not exist or have a matrix.
 GltfPose gltf_pose(const GltfDocument& document, Accessors& accessors, double time,
                    std::optional<std::uint32_t> animation, Diagnostics& diagnostics);
 

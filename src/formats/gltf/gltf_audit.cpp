@@ -22,11 +22,11 @@ namespace etendue {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Component types, as the numbers that JSON has.
+// Component types; double, as all numbers of the JSON tree.
 constexpr double kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125,
                  kFloat = 5126;
 
-/// Between which numbers a member of a material lies, and what becomes of others.
+/// The allowed range of a member of a material, and what is done with values outside it.
 struct Range {
   const char* path;
   double least, most;
@@ -76,7 +76,7 @@ const JsonValue* follow(const JsonValue& object, std::string_view path) {
   return at;
 }
 
-/// Nothing where there is no array: what is of the wrong type was an error if it was needed.
+/// Empty if the member is missing or not an array; if it was needed, the reader has reported that as an error.
 const JsonValue::Array& list(const JsonValue& object, std::string_view name) {
   static const JsonValue::Array kNone;
   const JsonValue* value = object.find(name);
@@ -88,7 +88,7 @@ std::optional<double> number_in(const JsonValue& object, std::string_view name) 
   return value == nullptr || value->number() == nullptr ? std::nullopt : std::optional(*value->number());
 }
 
-/// An attribute's name without its number: "TEXCOORD_" of "TEXCOORD_1".
+/// The name of an attribute without its number: "TEXCOORD_" for "TEXCOORD_1".
 std::string_view kind_of_attribute(std::string_view name) {
   for (const std::string_view kind : {"TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"}) {
     if (name.starts_with(kind)) return kind;
@@ -101,7 +101,7 @@ bool is_known(std::string_view kind) {
   return std::ranges::find(kKinds, kind) != std::end(kKinds);
 }
 
-/// Whether the standard lets an attribute have that component type.
+/// Whether the standard allows this component type for the attribute.
 bool may_have_type(std::string_view kind, double type, bool normalized, bool quantized) {
   const bool is_unsigned = type == kUnsignedByte || type == kUnsignedShort;
   if (kind == "JOINTS_") return is_unsigned && !normalized;
@@ -173,7 +173,7 @@ class GltfAuditor {
     }
   }
 
-  /// Whether `object` refers to an element of an array of the root, if to anything.
+  /// Checks that the index `name` of `object`, if there is one, refers to an element of the root's array.
   void check_index(const JsonValue& object, std::string_view name, std::string_view array) {
     check_index(object, name, array, list(root_, array).size());
   }
@@ -201,7 +201,7 @@ class GltfAuditor {
     double square = 0.0;
     const JsonValue::Array& numbers = list(node, "rotation");
     for (const JsonValue& n : numbers) square += n.number() == nullptr ? 0.0 : *n.number() * *n.number();
-    constexpr double kTolerance = 0.01;  // as wide as rounding to bytes
+    constexpr double kTolerance = 0.01;  // allows for quaternions rounded to bytes
     const double length = std::sqrt(square);
     if (numbers.empty() || std::abs(length - 1.0) <= kTolerance) return;
     warn(node, length == 0.0
@@ -209,7 +209,7 @@ class GltfAuditor {
                    : fmt::format("the node's rotation has the length {:.3g} instead of 1; it is scaled to it", length));
   }
 
-  /// Of a node or of the mesh itself.
+  /// `owner`: the mesh itself, or a node that shows it.
   void check_weights(const JsonValue& owner, const JsonValue& mesh) {
     if (owner.find("weights") == nullptr) return;
     const std::size_t weights = list(owner, "weights").size();
@@ -242,7 +242,7 @@ class GltfAuditor {
                        text::quoted(name)));
   }
 
-  /// Looks names up in a set: hostile files have very many.
+  /// Uses a set of names, because a hostile file may have very many.
   void audit_attributes(const JsonValue& attributes) {
     std::set<std::string_view> names;
     for (const auto& [name, value] : *attributes.object()) names.insert(name);
@@ -305,7 +305,7 @@ class GltfAuditor {
       check_range(*value, range);
       if (value->array() == nullptr) continue;
       const auto beyond = [&](const JsonValue& v) { return check_range(v, range); };
-      (void)std::ranges::find_if(*value->array(), beyond);  // the first of them is enough
+      (void)std::ranges::find_if(*value->array(), beyond);  // one warning is enough
     }
     if (const JsonValue* ior = follow(material, "extensions/KHR_materials_ior/ior");
         ior != nullptr && ior->number() != nullptr && *ior->number() != 0.0 && !(*ior->number() >= 1.0))
@@ -377,7 +377,7 @@ class GltfAuditor {
     find_undeclared(root_, used);
   }
 
-  /// Depth is bounded by that of JSON.
+  /// The recursion ends because the depth of the JSON is limited.
   void find_undeclared(const JsonValue& value, std::set<std::string>& declared) {
     if (value.array() != nullptr) {
       for (const JsonValue& element : *value.array()) find_undeclared(element, declared);

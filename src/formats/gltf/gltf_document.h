@@ -1,5 +1,5 @@
 #pragma once
-/// A glTF asset, .gltf or .glb: its JSON, its buffers, and where in the file a thing stands.
+/// A glTF asset, .gltf or .glb: its JSON, its buffers, and the positions of things in the file.
 
 #include <cstdint>
 #include <functional>
@@ -16,26 +16,27 @@
 
 namespace etendue {
 
-/// Opens a file that a URI names, relative to the asset. Throws Error, and UriError for what is not followed.
+/// Opens a file that a URI names, relative to the asset. Throws Error, and UriError for URIs that are not followed.
 using GltfFileOpener = std::function<std::shared_ptr<const ByteStore>(const std::string& uri)>;
 
 class GltfDocument {
  public:
-  /// Throws Error(scene) with the place of what is no glTF 2.
+  /// Throws Error(scene), with the position, if this is not glTF 2.
   GltfDocument(std::string path, std::shared_ptr<const ByteStore> file, GltfFileOpener open);
 
   const JsonValue& root() const { return root_; }
   const std::string& path() const { return path_; }
-  /// Of a .glb the line and column within its JSON.
+  /// For a .glb, the line and column within its JSON.
   SourcePosition position(const JsonValue& value) const;
 
-  /// An element of one of the arrays of the root. Throws GltfError at `where` if there is none.
+  /// An element of one of the root's arrays. Throws GltfError at `where` if it does not exist.
   const JsonValue& element(std::string_view array, std::uint32_t index, const JsonValue& where) const;
   /// The bytes of buffers[index]. Throws GltfError at `where`.
   std::shared_ptr<const ByteStore> buffer(std::uint32_t index, const JsonValue& where);
-  /// What `uri` leads to: its own data, or a file. Throws GltfError at `where`.
+  /// The data that `uri` contains or the file that it names. Throws GltfError at `where`.
   std::shared_ptr<const ByteStore> resource(const std::string& uri, const JsonValue& where);
-  /// A part of a buffer, by the members buffer, byteOffset and byteLength of a bufferView or of an extension of one.
+  /// The part of a buffer that `view` describes with its members buffer, byteOffset and byteLength; `view` is a
+  /// bufferView or an extension of one.
   std::shared_ptr<const ByteStore> part_of_buffer(const JsonValue& view);
 
  private:
@@ -56,7 +57,7 @@ struct GltfLimits {
   static constexpr std::uint64_t kMaxJsonBytes = std::uint64_t{1} << 29;
 };
 
-/// Whether a path is that of a glTF asset: by its extension, .gltf or .glb.
+/// Whether a path has the extension of a glTF asset, .gltf or .glb.
 bool is_gltf(const std::string& path);
 
 }  // namespace etendue

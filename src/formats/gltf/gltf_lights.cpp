@@ -15,7 +15,8 @@ namespace {
 constexpr double kBlenderLumensPerWatt = 683.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-/// A right-handed frame at a node whose +Z is the node's −Z, in which glTF looks and shines. Scale is of no account.
+/// A right-handed frame at a node whose +Z is the node's −Z, the direction in which cameras look and lamps shine in
+/// glTF. The node's scale is ignored.
 glm::dmat4 looking_backward(const glm::dmat4& world_from_node, const JsonValue& where) {
   const glm::dvec3 back(world_from_node[2]), up(world_from_node[1]);
   const glm::dvec3 side = glm::cross(glm::length(up) > 0.0 ? glm::normalize(up) : up,
@@ -26,8 +27,7 @@ glm::dmat4 looking_backward(const glm::dmat4& world_from_node, const JsonValue& 
   return {glm::dvec4(-x, 0.0), glm::dvec4(glm::cross(z, x), 0.0), glm::dvec4(-z, 0.0), world_from_node[3]};
 }
 
-/// Blender writes an inner angle that is smaller than the outer one by the share `blend` of it, and fades over that
-/// share of 1 − cos.
+/// Blender fades a spot over the share `blend` of 1 − cos(outer), but writes the inner angle (1 − blend) · outer.
 double beam_of_blender(double inner, double outer) {
   const double edge = std::cos(outer), blend = 1.0 - inner / outer;
   return std::acos(std::min(edge + (1.0 - edge) * blend, 1.0));
@@ -35,7 +35,7 @@ double beam_of_blender(double inner, double outer) {
 
 void set_spot(const JsonValue& json, const LampRule& rule, DeltaLight& light) {
   light.type = DeltaLight::Type::spot;
-  // A cubic of the cosine, as in Blender; the standard leaves it open.
+  // A cubic function of the cosine, as in Blender; the standard does not prescribe one.
   light.falloff = DeltaLight::Falloff::smooth;
   const JsonValue* spot = find_object(json, "spot");
   const double inner = spot == nullptr ? 0.0 : number_or(*spot, "innerConeAngle", 0.0);
@@ -70,7 +70,7 @@ void set_orthographic(const JsonValue& json, Camera& camera) {
   const double x = std::abs(number_or(*o, "xmag", 0.0)), y = std::abs(number_or(*o, "ymag", 0.0));
   if (!(x > 0.0 && y > 0.0)) throw GltfError{o, fmt::format("the camera shows {} by {}; both must be above 0", x, y)};
   camera.type = Camera::Type::orthographic;
-  // The film is two camera units wide: the camera's axes are as long as the half width.
+  // In camera space the film is two units wide, so the camera's axes are scaled by half the width.
   for (int axis = 0; axis < 3; ++axis) camera.world_from_camera[axis] *= x;
   camera.near_clip = std::max(number_or(*o, "znear", 0.0), 0.0) / x;
   camera.far_clip = number_or(*o, "zfar", kMaxCoordinate) / x;

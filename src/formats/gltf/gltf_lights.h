@@ -1,5 +1,5 @@
 #pragma once
-/// KHR_lights_punctual, and the cameras of a glTF asset.
+/// The lamps (KHR_lights_punctual) and the cameras of a glTF asset.
 
 #include <optional>
 #include <string>
@@ -10,20 +10,20 @@
 
 namespace etendue {
 
-/// How the numbers of lamps are read. One candela or lux of the standard is 1 here, as one cd/m² of an emissive surface
-/// is. Blender multiplies the watts of its lamps by 683 when it writes them, but not the emission of surfaces: of its
-/// files, told by their generator, lamps are divided by that, and spots fade as they do there.
+/// How the numbers of lamps are read. One candela or lux in the file is 1 here, like one cd/m² of an emissive surface.
+/// Blender multiplies the watts of its lamps by 683 on export, but not the emission of surfaces. In files that name
+/// Blender as their generator, lamps are therefore divided by 683, and spots fade as in Blender.
 struct LampRule {
-  double unit = 1.0;  ///< what intensities are divided by
+  double unit = 1.0;  ///< intensities are divided by this
   bool blender = false;
 };
 LampRule lamp_rule(const JsonValue& root, GltfLamps lamps);
 
-/// The light of a node. Throws GltfError.
+/// The lamp that `reference` of a node names. Throws GltfError.
 DeltaLight gltf_light(const GltfDocument& document, const JsonValue& reference, const glm::dmat4& world_from_node,
                       const LampRule& rule);
 
-/// The camera of a node; film and filter as they are in `camera`. Throws GltfError.
+/// Sets `camera` to the camera of a node, but keeps its film and filter. Throws GltfError.
 void set_gltf_camera(const JsonValue& json, const glm::dmat4& world_from_node, Camera& camera);
 
 }  // namespace etendue

@@ -10,7 +10,7 @@
 namespace etendue {
 namespace {
 
-/// KHR_texture_transform: T R S, R turning against the clock as the picture is seen, with v downward.
+/// KHR_texture_transform: T R S, for coordinates with v downward. R turns counter-clockwise as the picture is seen.
 glm::dmat3 transform_of(const JsonValue& extension) {
   const glm::dvec2 offset = vec2_or(extension, "offset", glm::dvec2(0.0));
   const glm::dvec2 scale = vec2_or(extension, "scale", glm::dvec2(1.0));
@@ -33,7 +33,7 @@ MaybeTexture find_texture(const JsonValue& object, std::string_view name) {
   return texture;
 }
 
-/// A number that belongs into a range; what lies beyond is brought into it, as viewers do.
+/// A number clamped to its allowed range, as viewers do.
 double clamped(const JsonValue& object, std::string_view name, double otherwise, double least, double most) {
   const double value = number_or(object, name, otherwise);
   return value < least ? least : value > most ? most : value;
@@ -126,7 +126,7 @@ void read_layers(const JsonValue& json, GltfMaterial& m) {
 }
 
 void read_transmission(const JsonValue& json, GltfMaterial& m) {
-  // 0 stands for an infinite index, 1 … 10 covers what there is.
+  // 0 stands for an infinite index.
   if (const JsonValue* e = find_extension(json, "KHR_materials_ior")) m.ior = number_or(*e, "ior", 1.5);
   if (const JsonValue* e = find_extension(json, "KHR_materials_transmission")) {
     m.transmission = share(*e, "transmissionFactor", 0.0);

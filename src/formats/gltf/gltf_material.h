@@ -1,5 +1,6 @@
 #pragma once
-/// A material of a glTF asset as the document says it, defaults included; nothing here knows what becomes of it.
+/// A material as a glTF document describes it, with defaults filled in. How it is rendered is decided elsewhere
+/// (gltf_surfaces.h).
 
 #include <optional>
 #include <string>
@@ -13,7 +14,7 @@ namespace etendue {
 struct GltfTextureInfo {
   std::uint32_t index = 0;
   std::uint32_t uv_set = 0;
-  glm::dmat3 transform{1.0};  ///< KHR_texture_transform, of coordinates with v downward
+  glm::dmat3 transform{1.0};  ///< KHR_texture_transform, for coordinates with v downward
   const JsonValue* where = nullptr;
 };
 using MaybeTexture = std::optional<GltfTextureInfo>;
@@ -29,7 +30,7 @@ struct GltfMaterial {
   double alpha_cutoff = 0.5;
   bool double_sided = false;
 
-  glm::dvec4 base_color{1.0};  ///< of specular-glossiness the diffuse factor
+  glm::dvec4 base_color{1.0};  ///< for specular-glossiness the diffuse factor
   double metallic = 1.0, roughness = 1.0;
   MaybeTexture base_color_texture, metallic_roughness_texture;
   glm::dvec3 specular_factor{1.0};  ///< KHR_materials_pbrSpecularGlossiness
@@ -38,7 +39,7 @@ struct GltfMaterial {
 
   MaybeTexture normal_texture, occlusion_texture;
   double normal_scale = 1.0;
-  glm::dvec3 emission{0.0};  ///< factor times strength, cd/m²
+  glm::dvec3 emission{0.0};  ///< factor · strength, cd/m²
   MaybeTexture emission_texture;
 
   double clearcoat = 0.0, clearcoat_roughness = 0.0;
@@ -55,7 +56,7 @@ struct GltfMaterial {
   MaybeTexture transmission_texture;
   bool has_volume = false;
   double thickness = 0.0;
-  double attenuation_distance = 0.0;  ///< 0: infinite
+  double attenuation_distance = 0.0;  ///< 0 means infinite
   glm::dvec3 attenuation_color{1.0};
   MaybeTexture thickness_texture;
   double anisotropy = 0.0, anisotropy_rotation = 0.0;
@@ -68,13 +69,13 @@ struct GltfMaterial {
   MaybeTexture diffuse_transmission_texture, diffuse_transmission_color_texture;
   bool scatters = false;  ///< KHR_materials_volume_scatter
 
-  /// A solid that is filled, not a sheet.
+  /// Whether the surface bounds a solid; otherwise it is a thin sheet.
   bool is_volume() const { return has_volume && thickness > 0.0; }
 };
 
 /// Throws GltfError.
 GltfMaterial parse_gltf_material(const JsonValue& material);
-/// What a primitive without a material has.
+/// The material of primitives without one.
 GltfMaterial default_gltf_material();
 
 }  // namespace etendue

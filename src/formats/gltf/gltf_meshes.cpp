@@ -11,7 +11,7 @@
 namespace etendue {
 namespace {
 
-/// Names and numbers of an object's members, for comparing.
+/// The names and numbers of an object's members, as a key.
 std::string signature(const JsonValue* attributes) {
   std::string text;
   if (attributes == nullptr || attributes->object() == nullptr) return text;
@@ -20,7 +20,7 @@ std::string signature(const JsonValue* attributes) {
   return text;
 }
 
-/// Equal for primitives whose triangles are the same.
+/// A key that is equal for primitives with the same triangles.
 std::string signature(const JsonValue& primitive, const PrimitiveNeeds& needs, const PrimitivePose& pose) {
   std::string text = signature(primitive.find("attributes"));
   for (const char* name : {"indices", "mode"}) {

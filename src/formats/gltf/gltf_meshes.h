@@ -1,5 +1,5 @@
 #pragma once
-/// Meshes of a glTF asset as shapes of a scene: those that several nodes show are read once.
+/// Turns meshes of a glTF asset into shapes of a scene. A mesh that several nodes show is read once.
 
 #include <map>
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace etendue {
 
-/// A part of a mesh with one material.
+/// A part of a mesh that has one material.
 struct GltfPart {
   std::uint32_t shape = 0;
   GltfSurface surface;
@@ -20,7 +20,7 @@ struct GltfPart {
 
 class GltfMeshes {
  public:
-  /// `variant` is the number of a material variant.
+  /// `variant`: number of the material variant to use.
   GltfMeshes(GltfDocument& document, Accessors& accessors, const GltfNodes& nodes, GltfSurfaces& surfaces,
              std::optional<std::uint32_t> variant, Scene& scene, Diagnostics& diagnostics)
       : document_(document),
@@ -31,17 +31,17 @@ class GltfMeshes {
         scene_(scene),
         sink_(diagnostics) {}
 
-  /// The parts of a node's mesh. Those of one with a skin stand in the world already. Reports what is wrong.
-  /// `weights` of the morph targets in place of the node's own, unless null.
+  /// The parts of a node's mesh, in world space if the mesh has a skin. Reports what is wrong. If `weights` is not
+  /// null, it replaces the node's own weights of the morph targets.
   std::vector<GltfPart> parts_of(const JsonValue& node, const std::vector<double>* weights = nullptr);
   static bool has_skin(const JsonValue& node) { return node.find("skin") != nullptr; }
-  /// Primitives that are points or lines.
+  /// The number of primitives that were left out because they are points or lines.
   std::size_t left_out() const { return left_out_; }
 
  private:
   std::vector<GltfPart> read_parts(const JsonValue& mesh, const PrimitivePose& pose, bool shared);
   void add_parts(const JsonValue& primitive, const PrimitivePose& pose, bool shared, std::vector<GltfPart>& parts);
-  /// Rows of Scene::shapes: of the upright triangles and of the mirrored ones.
+  /// Rows of Scene::shapes, for triangles whose texture coordinates are upright and for those with mirrored ones.
   struct Shapes {
     std::optional<std::uint32_t> upright, mirrored;
   };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-/// Of a node that has a matrix.
+/// The transform of a node that has a matrix.
 glm::dmat4 matrix_of_node(const JsonValue& node) {
   const auto matrix = find_numbers(node, "matrix", 16);
   glm::dmat4 m(1.0);
@@ -75,7 +75,7 @@ GltfNodes::GltfNodes(const GltfDocument& document, GltfPose pose) : document_(do
   for (std::uint32_t node = 0; node < count; ++node) {
     if (parent[node] == kNone) roots_.push_back(node);
   }
-  // What no root leads to is a circle.
+  // A node that cannot be reached from any root is part of a cycle.
   constexpr double kUnplaced = std::numeric_limits<double>::quiet_NaN();
   world_from_node_.assign(count, glm::dmat4(kUnplaced));
   for (const std::uint32_t node : below(roots_, Hidden::shown)) {

@@ -31,10 +31,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A few bytes can ask for billions of instances.
+/// A limit, because a few bytes can ask for billions of instances.
 constexpr std::size_t kMaxInstances = std::size_t{1} << 22;
 
-/// Extensions that are read, or that say nothing about the picture.
+/// Extensions that are read or do not affect the picture.
 constexpr std::string_view kExtensions[] = {
     "EXT_instance_features",
     "EXT_mesh_features",
@@ -86,7 +86,7 @@ class GltfReader {
     scene_.position = {document_.path(), 0, 0};
   }
 
-  /// Nothing after an error.
+  /// Returns nothing after an error.
   std::optional<Scene> read() {
     try {
       return read_scene();
@@ -117,7 +117,7 @@ class GltfReader {
     return std::move(scene_);
   }
 
-  /// As the nodes say unless a time is asked for.
+  /// Without a requested time, the nodes keep their own transforms.
   GltfPose read_pose() {
     const JsonValue::Array& animations = array_of(document_.root(), "animations");
     std::optional<std::uint32_t> animation;
@@ -155,7 +155,7 @@ class GltfReader {
     }
   }
 
-  /// The number of the element of that name, or of the number that `choice` is. Throws Error(usage).
+  /// The number of the element that `choice` names or whose number it is. Throws Error(usage).
   static std::uint32_t chosen(const std::string& choice, const std::vector<std::string>& names, const char* option) {
     const auto named = std::ranges::find(names, choice);
     if (named != names.end()) return static_cast<std::uint32_t>(named - names.begin());
@@ -256,7 +256,7 @@ class GltfReader {
     }
   }
 
-  /// One row of an attribute for each instance; `fallback` where it is missing.
+  /// A table with a row for each instance; empty if the attribute is missing.
   FloatTable instance_table(const JsonValue& attributes, const char* name, std::uint32_t components) {
     const auto index = find_index(attributes, name);
     return index ? accessors_.floats(*index, attributes, {components}) : FloatTable{};
@@ -291,7 +291,7 @@ class GltfReader {
   }
 
   void choose_camera(const GltfNodes& nodes) {
-    const bool placed = is_camera_placement(options_.camera);  // by the caller, later
+    const bool placed = is_camera_placement(options_.camera);  // the caller does that later
     const bool chosen = !options_.camera.empty() && !placed;
     if (cameras_.empty() && !chosen) {
       frame_camera(scene_);
@@ -312,7 +312,7 @@ class GltfReader {
     set_gltf_camera(camera, nodes.world_from_node(node), scene_.camera);
   }
 
-  /// By the name of the node or of the camera itself, or by number.
+  /// The camera that was asked for, by the name of its node, its own name or its number.
   std::uint32_t chosen_camera(const GltfNodes& nodes, const std::vector<std::string>& names) {
     for (std::uint32_t i = 0; i < cameras_.size(); ++i) {
       const JsonValue& json = nodes.json(cameras_[i]);
@@ -323,7 +323,8 @@ class GltfReader {
     return chosen(options_.camera, names, "--camera");
   }
 
-  /// What glows on a model that has no camera either lights no room: it is shown as a model.
+  /// A glowing surface counts as lighting only if there is a camera, too: without one this is a model, not a room, and
+  /// is lit like other models.
   void add_light() {
     const bool lit = !scene_.delta_lights.empty() || (!scene_.emitters.empty() && !cameras_.empty());
     if (lit || !options_.environment.empty()) return;

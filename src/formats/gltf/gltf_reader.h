@@ -1,10 +1,9 @@
 #pragma once
-/// glTF 2.0 assets as scenes; docs/gltf.md says what of them is read.
+/// Reads glTF 2.0 assets as scenes; docs/gltf.md says which parts are supported.
 ///
-/// The JSON is parsed by JSON for Modern C++. Of the parsers that know glTF itself Debian 12 has tinygltf (2.7): it
-/// takes values of wrong types for missing ones, opens every buffer at once and copies it, leaves all ranges unchecked,
-/// and forgets where in the file a thing stands. A reader of files that come from strangers would have to do all of it
-/// again.
+/// JSON for Modern C++ parses the JSON. The glTF parser that Debian 12 has, tinygltf 2.7, treats values of the wrong
+/// type as missing, opens and copies all buffers at once, checks no ranges, and does not keep positions for messages. A
+/// reader of files from strangers would have to do all of this again.
 
 #include <memory>
 #include <optional>
@@ -17,9 +16,9 @@
 
 namespace etendue {
 
-/// Nothing after an error; says what it added and what it left out. Only files in the folder of the asset are opened.
+/// Returns nothing after an error. Reports what was added or left out. Only files in the asset's folder are opened.
 std::optional<Scene> read_gltf(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics);
-/// The same from bytes; `open` opens what its URIs name.
+/// The same for an asset in memory; `open` opens the files that its URIs name.
 std::optional<Scene> read_gltf(std::shared_ptr<const ByteStore> bytes, const std::string& path, GltfFileOpener open,
                                const ReadOptions& options, Diagnostics& diagnostics);
 

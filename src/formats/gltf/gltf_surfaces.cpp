@@ -14,17 +14,17 @@
 namespace etendue {
 namespace {
 
-/// Whether alpha decides what is seen.
+/// Whether alpha makes parts of the surface invisible.
 bool has_opacity(const GltfMaterial& m) {
   return m.alpha != GltfMaterial::Alpha::opaque;
 }
 
-/// From which alpha of its textures on a material is seen; beyond [0,1] all or none of them are.
+/// The texture's alpha from which the material is visible. Outside [0,1], all or nothing is visible.
 double cutoff_of_texture(const GltfMaterial& m) {
   return std::clamp(m.alpha_cutoff / m.base_color.a, -1.0, 2.0);
 }
 
-/// The textures that become parameters of the scene.
+/// The textures that become parameters of the scene's material.
 std::vector<const MaybeTexture*> textures_of(const GltfMaterial& m) {
   return {&m.base_color_texture,
           &m.metallic_roughness_texture,
@@ -76,7 +76,7 @@ PrimitiveNeeds GltfSurfaces::needs(std::optional<std::uint32_t> index, const Pri
     needs.uv_sets = std::max(needs.uv_sets, 1u);
     if (m.anisotropy_rotation != 0.0) needs.tangent_uv = 0;
   }
-  // Tangents of vertices are those of one set.
+  // A mesh has tangents for one set of texture coordinates only.
   for (const MaybeTexture* map : {&m.clearcoat_normal_texture, &m.normal_texture}) {
     if (*map && (*map)->uv_set < content.uv_sets)
       (content.normals ? needs.tangents : needs.tangent_uv) = (*map)->uv_set;
@@ -99,7 +99,7 @@ GltfSurface GltfSurfaces::make(const GltfMaterial& m, const Traits& traits) {
   const bool refracts = layered != nullptr && may_refract(*layered);
   std::uint32_t row = add({.bsdf = std::move(bsdf)}, m);
   row = with_normals(m, traits, row);
-  // Both sides are shown, whatever doubleSided says: a viewer culls the back, which light cannot do.
+  // Both sides are shown, even without doubleSided: viewers cull back faces, but light cannot.
   if (!refracts) row = add({.adapter = TwoSidedAdapter{row, row}}, m);
   row = with_opacity(m, traits, row);
   return {row, emitter_of(m, traits)};
@@ -124,8 +124,8 @@ Bsdf GltfSurfaces::bsdf_of(const GltfMaterial& m, const Traits& traits) {
   return b;
 }
 
-/// The specular colour is the reflectance along the normal, here a factor of that of the index 1.5; as in the
-/// extension, what it reflects at most is taken from the diffuse part.
+/// The extension's specular colour is the reflectance at normal incidence; here it becomes a factor on that of the
+/// index 1.5. As in the extension, the diffuse part is scaled by 1 minus its largest component.
 void GltfSurfaces::set_specular_glossiness(const GltfMaterial& m, const Traits& traits, GltfBsdf& b) {
   constexpr double kReflectanceOfIndex = 0.04;
   const TextureRecipe recipe = roughness_of_glossiness(m.glossiness);
@@ -146,13 +146,14 @@ void GltfSurfaces::set_layers(const GltfMaterial& m, const Traits& traits, GltfB
   assign(b.sheen_color, m.sheen_color, m.sheen_color_texture, traits);
   assign(b.sheen_roughness, m.sheen_roughness, m.sheen_roughness_texture, traits, TextureChannel::alpha);
   assign(b.anisotropy, m.anisotropy, m.anisotropy_texture, traits, TextureChannel::blue);
-  // Without a normal texture of its own the coat is smooth, whatever that of the base does.
+  // A coat without its own normal texture is smooth, even if the base has one.
   b.coat_keeps_normal = m.clearcoat > 0.0 && (m.normal_texture || m.clearcoat_normal_texture);
   if (b.coat_keeps_normal && m.clearcoat_normal_texture) {
     b.coat_normals.texture = normal_row(m.clearcoat_normal_texture, m.clearcoat_normal_scale, traits);
     b.coat_vertex_tangents = traits.normals;
   }
-  // Counted from the tangent toward the bitangent, which is turned where coordinates are mirrored.
+  // The angle is measured from the tangent toward the bitangent, which points the other way if coordinates are
+  // mirrored.
   b.anisotropy_rotation = traits.mirrored ? -m.anisotropy_rotation : m.anisotropy_rotation;
   assign(b.iridescence, m.iridescence, m.iridescence_texture, traits, TextureChannel::red);
   b.iridescence_ior = std::min(m.iridescence_ior, kMaxFilmIndex);
@@ -182,7 +183,8 @@ ColorParameter GltfSurfaces::base_color(const GltfMaterial& m, const Traits& tra
 }
 
 std::optional<std::uint32_t> GltfSurfaces::normal_row(const MaybeTexture& info, double scale, const Traits& traits) {
-  // Flat triangles lie by their own coordinates, others by tangents of vertices, which know whether those are mirrored.
+  // Flat triangles get their frame from their own texture coordinates, smooth ones from the tangents of their vertices,
+  // which already account for mirroring.
   const bool flip = traits.mirrored && !traits.normals;
   const TextureRecipe recipe = scaled_normals(scale, flip);
   return texture(info, traits, ColorSpace::linear, scale == 1.0 && !flip ? nullptr : &recipe);
@@ -222,7 +224,7 @@ std::optional<std::uint32_t> GltfSurfaces::emitter_of(const GltfMaterial& m, con
     const TextureRecipe recipe = premultiplied();
     const double alpha = m.base_color.a;
     if (has_opacity(m) && traits.colors && emitter.radiance.texture) {
-      // What is cut counts as it is, what is blended by its share.
+      // A masked texel emits fully or not at all, a blended one in proportion to its alpha.
       const bool cut = m.alpha == GltfMaterial::Alpha::mask && alpha > 0.0;
       emitter.radiance.texture =
           textures_.derived(*emitter.radiance.texture, cut ? std::optional(cutoff_of_texture(m)) : std::nullopt, true);

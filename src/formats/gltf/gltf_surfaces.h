@@ -1,5 +1,5 @@
 #pragma once
-/// Materials of a glTF asset as materials and emitters of a scene.
+/// Turns materials of a glTF asset into materials and emitters of a scene.
 
 #include <map>
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace etendue {
 
-/// Rows of the scene's tables.
+/// Rows in the scene's tables of materials and emitters.
 struct GltfSurface {
   std::uint32_t material = 0;
   std::optional<std::uint32_t> emitter;
@@ -24,9 +24,9 @@ class GltfSurfaces {
   GltfSurfaces(GltfDocument& document, GltfTextures& textures, Scene& scene, Diagnostics& diagnostics)
       : document_(document), textures_(textures), scene_(scene), sink_(diagnostics) {}
 
-  /// What a primitive with materials[index], or without one, has to bring along.
+  /// What a primitive must provide for materials[index], or for the default material.
   PrimitiveNeeds needs(std::optional<std::uint32_t> index, const PrimitiveContent& content, const JsonValue& where);
-  /// The material of a primitive that has that content; `mirrored`: of the triangles whose texture coordinates are.
+  /// The material for a primitive with this content; `mirrored`: for its triangles with mirrored texture coordinates.
   GltfSurface surface(std::optional<std::uint32_t> index, const PrimitiveContent& content, bool mirrored,
                       const JsonValue& where);
 
@@ -57,7 +57,7 @@ class GltfSurfaces {
   void assign(ColorParameter& parameter, const glm::dvec3& factor, const MaybeTexture& info, const Traits& traits);
   std::uint32_t add(Material row, const GltfMaterial& m);
   SourcePosition position(const GltfMaterial& m) const;
-  /// A warning for the material, once.
+  /// Reports a warning once for each material.
   void warn_once(const GltfMaterial& m, const std::string& sentence);
 
   GltfDocument& document_;

@@ -30,7 +30,7 @@ TextureWrap wrap_of(const JsonValue& sampler, std::string_view name) {
   }
 }
 
-/// Coordinates with v upward, as those of our meshes and textures are.
+/// The same transform for coordinates with v upward, as in scene.h.
 glm::dmat3 with_v_upward(const glm::dmat3& m) {
   const glm::dmat3 flip(glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(0.0, -1.0, 0.0), glm::dvec3(0.0, 1.0, 1.0));
   glm::dmat3 turned = flip * m * flip;
@@ -39,7 +39,7 @@ glm::dmat3 with_v_upward(const glm::dmat3& m) {
   return turned;
 }
 
-/// What a file of pictures that are not read is called.
+/// The name of an image format that is not supported.
 const char* foreign_kind(std::span<const std::byte> bytes) {
   const auto begins = [&](std::size_t at, std::string_view magic) {
     return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
@@ -65,7 +65,7 @@ double alpha_at(const Bitmap& bitmap, std::uint32_t x, std::uint32_t y) {
   return bitmap.has_alpha() ? static_cast<double>(bitmap.stored(x, y, bitmap.channels - 1)) : 1.0;
 }
 
-/// A grey picture of 8 bits.
+/// A grey picture with 8 bits per pixel.
 template <typename F>
 Bitmap grey(const Bitmap& from, const F& value) {
   Bitmap bitmap = empty_like(from, 1, BitmapFormat::u8);
@@ -94,7 +94,7 @@ std::optional<std::uint32_t> GltfTextures::row(const GltfTextureInfo& info, Colo
     known->second = make_row(info, color_space, recipe);
   } catch (const GltfError& error) {
     const SourcePosition position = document_.position(*error.where);
-    // Several textures may show the same picture.
+    // Several textures may use the same picture: one message is enough.
     if (!said_.insert(to_string(position) + error.message).second) return std::nullopt;
     if (approximate_) {
       const std::string sentence = fmt::format("{}; the material is shown without it", error.message);
@@ -163,7 +163,7 @@ std::uint32_t GltfTextures::image_of(const JsonValue& texture) const {
   for (const char* foreign : {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"}) {
     const JsonValue* extension = find_extension(texture, foreign);
     if (extension == nullptr) continue;
-    // The sentence of its bytes says what they are; one who has put a PNG there is served as well.
+    // If the image cannot be decoded, the message names its format; a PNG under this extension works, too.
     if (const auto image = find_index(*extension, "source")) return *image;
   }
   throw GltfError{&texture, "the texture has no \"source\""};
@@ -231,7 +231,7 @@ TextureRecipe film_thickness(double least, double most) {
 
 TextureRecipe scaled_normals(double scale, bool flip) {
   return {fmt::format("normals {} {}", scale, flip), [=](const Bitmap& from) {
-            // Halves of a code are kept where numbers are scaled: 8 bits would show as steps in reflections.
+            // Floats, because 8 bits after scaling would show as steps in reflections.
             Bitmap bitmap = empty_like(from, 3, BitmapFormat::f32);
             std::size_t at = 0;
             for (std::uint32_t y = 0; y < from.height; ++y) {

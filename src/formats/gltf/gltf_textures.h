@@ -1,5 +1,5 @@
 #pragma once
-/// Textures and images of a glTF asset as textures and bitmaps of a scene.
+/// Turns textures and images of a glTF asset into textures and bitmaps of a scene.
 
 #include <functional>
 #include <map>
@@ -15,7 +15,7 @@
 
 namespace etendue {
 
-/// A picture made of another texel by texel, where the scene has no words for what glTF does with it.
+/// How to make a new picture from a texture's picture, texel by texel, for what a scene cannot express otherwise.
 struct TextureRecipe {
   std::string key;  ///< equal for equal recipes
   std::function<Bitmap(const Bitmap&)> make;
@@ -26,12 +26,12 @@ class GltfTextures {
   GltfTextures(GltfDocument& document, Accessors& accessors, Scene& scene, Diagnostics& diagnostics, bool approximate)
       : document_(document), accessors_(accessors), scene_(scene), sink_(diagnostics), approximate_(approximate) {}
 
-  /// A row of Scene::textures. Nothing after reporting why there is none: an error, or with `approximate` a warning.
+  /// A row of Scene::textures, or nothing after reporting why: as an error, or with `approximate` as a warning.
   std::optional<std::uint32_t> row(const GltfTextureInfo& info, ColorSpace color_space,
                                    const TextureRecipe* recipe = nullptr);
-  /// That row, or without one white, times the colours of a mesh's vertices.
+  /// That row, or white if there is none, multiplied by the vertex colours of the mesh.
   std::uint32_t tinted(std::optional<std::uint32_t> row, const SourcePosition& position);
-  /// A row with these members set.
+  /// A copy of the row with these members set.
   std::uint32_t derived(std::uint32_t row, std::optional<double> alpha_cutoff, bool premultiplied);
 
  private:
@@ -48,20 +48,20 @@ class GltfTextures {
   bool approximate_;
   std::map<std::string, std::optional<std::uint32_t>> rows_;
   std::map<std::string, std::uint32_t> derived_;
-  std::map<std::string, std::uint32_t> bitmaps_;                  ///< by image and recipe
+  std::map<std::string, std::uint32_t> bitmaps_;                  ///< by image and recipe's key
   std::map<std::uint32_t, std::weak_ptr<const Bitmap>> decoded_;  ///< by image
-  std::set<std::string> said_;                                    ///< what was reported, with its place
+  std::set<std::string> said_;  ///< messages that have been reported, with their positions
 };
 
-/// 0 where alpha, times a factor, is below the cutoff, else 1; grey.
+/// Grey: 0 where alpha · factor is below the cutoff, otherwise 1.
 TextureRecipe alpha_cut(double factor, double cutoff);
-/// Tangent-space normals with x and y scaled; `flip` turns y around.
+/// Tangent-space normals with x and y scaled; `flip` also negates y.
 TextureRecipe scaled_normals(double scale, bool flip);
-/// The colours times alpha, sRGB.
+/// The colours multiplied by alpha, as sRGB.
 TextureRecipe premultiplied();
-/// From `least` where green is 0 to `most` where it is 1; grey.
+/// Grey: from `least` where green is 0 to `most` where it is 1.
 TextureRecipe film_thickness(double least, double most);
-/// Roughness of a glossiness in alpha, times a factor: 1 − factor · alpha; grey.
+/// Grey: the roughness 1 − factor · alpha, for a glossiness in alpha.
 TextureRecipe roughness_of_glossiness(double factor);
 
 }  // namespace etendue

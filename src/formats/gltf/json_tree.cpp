@@ -10,7 +10,7 @@
 namespace etendue {
 namespace {
 
-/// Hands out the characters of a text and says how far the parser is. The parser copies it.
+/// An iterator over a text that reports how far the parser has read. The parser copies it.
 class TrackedText {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -42,7 +42,7 @@ class TrackedText {
 
 }  // namespace
 
-/// Puts the tree together from the events of the parser.
+/// Builds the tree from the parser's events.
 class JsonTreeBuilder {
  public:
   using number_integer_t = std::int64_t;
@@ -107,7 +107,8 @@ class JsonTreeBuilder {
     return *target;
   }
 
-  /// What is open is the last element of what is open around it, so nothing moves it.
+  /// An open array or object is the last element of the one around it, which does not grow meanwhile: pointers stay
+  /// valid.
   bool open(decltype(JsonValue::value_) value) {
     if (open_.size() == JsonLimits::kMaxDepth)
       throw JsonError{offset(), fmt::format("arrays and objects are nested more than {} deep", JsonLimits::kMaxDepth)};
@@ -124,7 +125,7 @@ class JsonTreeBuilder {
 
   JsonValue root_;
   std::vector<JsonValue*> open_;
-  std::vector<std::string> names_;  ///< of the member that comes next, for each that is open
+  std::vector<std::string> names_;  ///< name of the next member, for each open array or object
   std::size_t values_ = 0;
   const char* begin_;
   const char* last_read_;

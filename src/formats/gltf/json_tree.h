@@ -1,6 +1,6 @@
 #pragma once
-/// JSON that a stranger wrote, as a tree whose values know where they stand. The library that reads it takes many
-/// seconds to compile wherever it is included, so only json_tree.cpp includes it.
+/// JSON from untrusted files, as a tree whose values know their position. The JSON library takes many seconds to
+/// compile wherever it is included, so only json_tree.cpp includes it.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace etendue {
 class JsonValue {
  public:
   using Array = std::vector<JsonValue>;
-  /// In the order of the file; of members of the same name the last counts.
+  /// In the order of the file. If members have the same name, the last one counts.
   using Object = std::vector<std::pair<std::string, JsonValue>>;
 
   JsonValue() = default;
@@ -25,11 +25,11 @@ class JsonValue {
   const std::string* string() const { return std::get_if<std::string>(&value_); }
   const Array* array() const { return std::get_if<Array>(&value_); }
   const Object* object() const { return std::get_if<Object>(&value_); }
-  /// The member of an object; nullptr where there is none, or this is no object.
+  /// A member of an object; nullptr if it does not exist or this is not an object.
   const JsonValue* find(std::string_view name) const;
-  /// Bytes from the start of the text: of objects and arrays to their bracket, of others to about their end.
+  /// Byte offset in the text: of the opening bracket for objects and arrays, near the end for other values.
   std::uint64_t offset() const { return offset_; }
-  /// "an object", "a number", for messages.
+  /// For messages: "an object", "a number".
   const char* kind() const;
 
  private:
@@ -39,12 +39,12 @@ class JsonValue {
 };
 
 struct JsonLimits {
-  static constexpr std::uint32_t kMaxDepth = 100;  ///< arrays and objects one in the other
+  static constexpr std::uint32_t kMaxDepth = 100;  ///< nesting of arrays and objects
   static constexpr std::size_t kMaxLines = std::size_t{1} << 24;
-  static constexpr std::size_t kMaxValues = std::size_t{1} << 24;  ///< of a text
+  static constexpr std::size_t kMaxValues = std::size_t{1} << 24;  ///< in a text
 };
 
-/// What is wrong with a text, and where.
+/// An error in a text, and its byte offset.
 struct JsonError {
   std::uint64_t offset = 0;
   std::string message;
@@ -56,9 +56,9 @@ JsonValue parse_json(std::string_view text);
 /// Where the lines of a text begin.
 class LineIndex {
  public:
-  /// Of at most kMaxLines; what follows counts as the last.
+  /// Indexes at most kMaxLines lines; everything after counts as the last line.
   explicit LineIndex(std::string_view text);
-  /// Line and column of an offset, from 1.
+  /// Line and column of an offset, starting at 1.
   std::pair<int, int> place(std::uint64_t offset) const;
 
  private:

@@ -20,8 +20,8 @@ Mode mode_of(const JsonValue& extension) {
   throw GltfError{&extension, fmt::format("the mode {} of the compression is unknown", text::quoted(mode))};
 }
 
-/// What the decoder asserts, and that a few bytes do not ask for gigabytes: at best 16 bytes, of as many elements, are
-/// packed into a quarter of a byte, and a triangle into one.
+/// Checks what the decoder only asserts, and that a few bytes do not ask for gigabytes: at best, the same byte of 16
+/// elements is packed into a quarter of a byte, and a triangle into one byte.
 void check_size(const JsonValue& extension, Mode mode, std::uint64_t count, std::uint64_t stride, std::size_t packed) {
   const bool stride_fits =
       mode == Mode::attributes ? stride >= 4 && stride <= 256 && stride % 4 == 0 : stride == 2 || stride == 4;

@@ -1,5 +1,5 @@
 #pragma once
-/// Views of buffers compressed by EXT_meshopt_compression.
+/// Decodes buffer views that are compressed with EXT_meshopt_compression.
 
 #include <cstddef>
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace etendue {
 
-/// Throws GltfError, also where the stream is damaged.
+/// Throws GltfError, also for a damaged stream.
 std::vector<std::byte> decode_meshopt(const JsonValue& extension, std::span<const std::byte> stream);
 
 }  // namespace etendue

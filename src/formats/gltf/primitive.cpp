@@ -23,7 +23,7 @@ const JsonValue& attributes_of(const JsonValue& primitive) {
   return *attributes;
 }
 
-/// Corners of triangles, three for each [glTF 2.0, 3.7.2.1].
+/// Turns corners into triangles, depending on the mode [glTF 2.0, 3.7.2.1].
 std::vector<glm::uvec3> triangles_of(const std::vector<std::uint32_t>& corners, std::uint64_t mode) {
   std::vector<glm::uvec3> triangles;
   if (corners.size() < 3) return triangles;
@@ -47,9 +47,9 @@ bool is_mirrored(const TriangleMesh& mesh, std::uint32_t uv_set, const glm::uvec
   return b.x * c.y - b.y * c.x < 0.0;
 }
 
-/// Tangents of vertices as MikkTSpace makes them [Mikkelsen2008]: at each the mean of the directions in which u grows
-/// on its triangles, within the plane of its normal, weighted by their angles. A vertex of triangles whose coordinates
-/// are mirrored and of others is split in two.
+/// Computes tangents of vertices as MikkTSpace does [Mikkelsen2008]: the directions in which u grows on the triangles
+/// of a vertex, projected into the plane of its normal and averaged with the triangles' angles as weights. A vertex
+/// that has triangles with mirrored coordinates and others without is split in two.
 class TangentMaker {
  public:
   TangentMaker(TriangleMesh& mesh, std::uint32_t uv_set) : mesh_(mesh), uv_set_(uv_set) {}
@@ -74,10 +74,10 @@ class TangentMaker {
   }
 
  private:
-  /// Gives the mirrored triangles vertices of their own where others have them, too.
+  /// Gives mirrored triangles their own copies of vertices that they share with others.
   void split() {
     std::vector<bool> upright(mesh_.positions.size(), false);
-    std::vector<std::uint32_t> copies(mesh_.positions.size(), 0);  // 0: none
+    std::vector<std::uint32_t> copies(mesh_.positions.size(), 0);  // 0: no copy
     for (const glm::uvec3& t : mesh_.triangles) {
       if (!is_mirrored(mesh_, uv_set_, t)) upright[t.x] = upright[t.y] = upright[t.z] = true;
     }
@@ -106,7 +106,7 @@ class TangentMaker {
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
 
-  /// 0 where coordinates have no area.
+  /// The direction in which u grows; 0 if the triangle has no area in uv.
   glm::dvec3 toward_u(const glm::uvec3& t) const {
     const std::vector<glm::vec2>& uvs = mesh_.uv_sets[uv_set_];
     const glm::dvec2 origin(uvs[t.x]), b = glm::dvec2(uvs[t.y]) - origin, c = glm::dvec2(uvs[t.z]) - origin;
@@ -118,7 +118,7 @@ class TangentMaker {
     return length > 0.0 && std::isfinite(length) ? along * ((det < 0.0 ? -1.0 : 1.0) / length) : glm::dvec3(0.0);
   }
 
-  /// A direction within the plane of the vertex's normal.
+  /// A direction projected into the plane of the vertex's normal.
   glm::dvec3 flat(const glm::dvec3& v, std::uint32_t vertex) const {
     if (mesh_.normals.empty()) return v;
     const glm::dvec3& n = mesh_.normals[vertex];
@@ -176,7 +176,7 @@ class PrimitiveReader {
     return (packed_ && packed_->attributes.contains(name)) || attributes_.find(name) != nullptr;
   }
 
-  /// An attribute, as long as the positions.
+  /// Reads an attribute; it must have as many rows as the positions.
   FloatTable attribute(const std::string& name, std::initializer_list<std::uint32_t> components) {
     FloatTable table = packed_attribute_or_accessor(name, components);
     if (!mesh_.positions.empty() && table.rows() != mesh_.positions.size())
@@ -241,7 +241,7 @@ class PrimitiveReader {
     const auto share = [&](float value) {
       if (value >= 0.0f && value <= 1.0f) return value;
       ++bad;
-      return value > 0.0f ? 1.0f : 0.0f;  // of NaN nothing, too
+      return value > 0.0f ? 1.0f : 0.0f;  // 0 for NaN, too
     };
     mesh_.vertex_colors.resize(table.rows());
     for (std::size_t i = 0; i < table.rows(); ++i) {
@@ -255,7 +255,7 @@ class PrimitiveReader {
             "numbers of vertex colours are not between 0 and 1; the nearest of these is used");
   }
 
-  /// Those of the file, unless some say nothing.
+  /// Takes the tangents of the file, unless some of them are unusable.
   void read_tangents() {
     if (!needs_.tangents || !has("TANGENT")) return;
     const FloatTable table = attribute("TANGENT", {4});
@@ -350,7 +350,7 @@ class PrimitiveReader {
   }
 
   void read_triangles() {
-    // Draco gives triangles, whatever the primitive was before.
+    // Draco decodes to triangles, whatever the primitive was before.
     const std::uint64_t mode = packed_ ? kTriangles : count_or(primitive_, "mode", kTriangles);
     mesh_.triangles = triangles_of(corners(), mode);
     if (mesh_.triangles.size() > kMaxTriangles)
@@ -391,7 +391,7 @@ class PrimitiveReader {
     mesh_.normals.clear();
   }
 
-  /// Triangles whose texture coordinates run the other way round: their bitangent is −(n × t).
+  /// Separates the triangles with mirrored texture coordinates, whose bitangent is −(n × t).
   PrimitiveMeshes split() {
     const std::uint32_t set = *needs_.tangent_uv;
     if (std::ranges::none_of(mesh_.triangles, [&](const glm::uvec3& t) { return is_mirrored(mesh_, set, t); }))
@@ -426,7 +426,7 @@ PrimitiveContent primitive_content(const GltfDocument& document, Accessors& acce
   const auto color = find_index(attributes, "COLOR_0");
   if (!color) return content;
   const auto is_one = [](float value) { return value == 1.0f; };
-  // Many exporters write white for every vertex.
+  // Many exporters write white for all vertices, which has no effect.
   content.colors = packed || !std::ranges::all_of(accessors.floats(*color, attributes, {3, 4}).numbers, is_one);
   content.colors_have_alpha =
       content.colors && string_or(document.element("accessors", *color, attributes), "type", "") == "VEC4";

@@ -1,5 +1,5 @@
 #pragma once
-/// A primitive of a glTF mesh as triangles: compressed or not, bent by its morph targets and its skin at rest.
+/// Reads a primitive of a glTF mesh as triangles, compressed or not, deformed by its morph targets and its skin.
 
 #include <optional>
 #include <vector>
@@ -10,28 +10,29 @@
 
 namespace etendue {
 
-/// What of a primitive is wanted beside its surface.
+/// What is needed of a primitive in addition to its surface.
 struct PrimitiveNeeds {
-  std::uint32_t uv_sets = 0;                ///< the first so many
+  std::uint32_t uv_sets = 0;                ///< the first so many sets
   bool colors = false;                      ///< COLOR_0
-  bool alphas = false;                      ///< and its alpha
-  std::optional<std::uint32_t> tangent_uv;  ///< the triangles whose coordinates in this set are mirrored stand apart
-  std::optional<std::uint32_t> tangents;    ///< TANGENT, or without it those that follow from this set
+  bool alphas = false;                      ///< the alpha of COLOR_0
+  std::optional<std::uint32_t> tangent_uv;  ///< triangles with mirrored coordinates in this set go into a separate mesh
+  std::optional<std::uint32_t> tangents;    ///< TANGENT, or if missing, tangents computed from this set
 };
 
-/// How a primitive is bent.
+/// How a primitive is deformed.
 struct PrimitivePose {
   std::vector<double> weights;     ///< of the morph targets
   std::vector<glm::dmat4> joints;  ///< world_from_bound of each; empty: no skin
 };
 
-/// The triangles of a primitive, in object space or, with a skin, in the world. Texture coordinates have v upward.
+/// The triangles of a primitive, in object space, or in world space if it has a skin. Texture coordinates have v
+/// upward.
 struct PrimitiveMeshes {
   TriangleMesh upright;
-  TriangleMesh mirrored;  ///< empty unless asked for
+  TriangleMesh mirrored;  ///< empty unless `tangent_uv` asks for it
 };
 
-/// What a primitive has beside its surface.
+/// What a primitive has in addition to its surface.
 struct PrimitiveContent {
   std::uint32_t uv_sets = 0;
   bool colors = false;  ///< other than white
@@ -40,10 +41,10 @@ struct PrimitiveContent {
 };
 
 PrimitiveContent primitive_content(const GltfDocument& document, Accessors& accessors, const JsonValue& primitive);
-/// False for points and lines. Throws GltfError for a mode that there is not.
+/// False for points and lines. Throws GltfError for an unknown mode.
 bool has_triangles(const JsonValue& primitive);
 
-/// Reads it. What is damaged here and there is left out with a warning. Throws GltfError.
+/// Reads a primitive. Damaged triangles or values are left out, with a warning. Throws GltfError.
 PrimitiveMeshes read_primitive(GltfDocument& document, Accessors& accessors, const JsonValue& primitive,
                                const PrimitiveNeeds& needs, const PrimitivePose& pose, Diagnostics& diagnostics);
 

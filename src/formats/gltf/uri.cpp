@@ -22,7 +22,7 @@ int hexadecimal(char c) {
   return -1;
 }
 
-/// "%20" becomes a blank; a percent sign that begins no code stands for itself, as some exporters write it.
+/// "%20" becomes a blank. A percent sign without a code stands for itself, because some exporters write it like that.
 std::string percent_decoded(std::string_view text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -38,7 +38,7 @@ int base64_digit(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;
   if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+' || c == '-') return 62;  // the second of each: the alphabet for URLs
+  if (c == '+' || c == '-') return 62;  // '-' and '_' are from the alphabet for URLs
   if (c == '/' || c == '_') return 63;
   return -1;
 }
@@ -62,7 +62,7 @@ std::vector<std::byte> base64_decoded(std::string_view text) {
   return bytes;
 }
 
-/// "https" of "https://…", nothing of a name.
+/// "https" for "https://…", empty for a file name.
 std::string_view scheme_of(std::string_view uri) {
   const std::size_t colon = uri.find(':');
   if (colon == std::string_view::npos || colon == 0) return {};
@@ -116,7 +116,7 @@ std::string path_of_uri(const std::string& folder, std::string_view uri) {
   std::error_code error;
   const fs::path real_base = fs::canonical(base, error);
   const fs::path real = error ? fs::path() : fs::canonical(path, error);
-  if (error) return path.string();  // there is no such file: opening it says so
+  if (error) return path.string();  // there is no such file, which the caller finds out when opening it
   if (begins_with_parent(real.lexically_relative(real_base))) throw outside;
   return real.string();
 }

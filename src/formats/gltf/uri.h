@@ -1,5 +1,5 @@
 #pragma once
-/// What the URIs of a glTF asset lead to: bytes written in the URI itself, or a file in the folder of the asset.
+/// Resolves the URIs of a glTF asset: they contain data themselves or name a file in the folder of the asset.
 
 #include <cstddef>
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace etendue {
 
-/// A URI that is not followed, and why, as the end of a sentence.
+/// Why a URI is not followed, as the end of a sentence.
 struct UriError {
   std::string message;
 };
@@ -20,12 +20,12 @@ struct DataUri {
   std::vector<std::byte> bytes;
 };
 
-/// Nothing where it is another kind of URI. Throws UriError.
+/// Returns nothing for other kinds of URI. Throws UriError.
 std::optional<DataUri> parse_data_uri(std::string_view uri);
 
-/// The path of the file that a relative URI names. Throws UriError for other schemes, for absolute paths and for those
-/// that lead out of the folder, through ".." or a symbolic link: a model often comes from strangers. A file that is not
-/// there has a path, too.
+/// The path of the file that a relative URI names; the file need not exist. Because models often come from strangers,
+/// this throws UriError for other schemes, absolute paths, and paths that lead out of the folder through ".." or a
+/// symbolic link.
 std::string path_of_uri(const std::string& folder, std::string_view uri);
 
 }  // namespace etendue

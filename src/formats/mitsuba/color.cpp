@@ -1,4 +1,4 @@
-/// Reading of colours: <rgb>, <srgb>, <spectrum> and plain numbers.
+/// Reads colours: <rgb>, <srgb>, <spectrum> and plain numbers.
 
 #include <algorithm>
 #include <charconv>
@@ -14,7 +14,7 @@
 namespace etendue {
 namespace {
 
-/// Error offsets are those of the document from here on.
+/// Calls `read` and turns offsets of its errors into offsets in the document.
 template <typename Read>
 auto at_attribute(const XmlAttribute& attribute, Read read) {
   try {
@@ -61,7 +61,7 @@ std::vector<SpectrumPoint> read_points(std::string_view text) {
   return points;
 }
 
-/// What a raw texture may hold in place of a colour: three numbers, or x, y and z.
+/// What a raw texture may have instead of a colour: three numbers, or x, y and z.
 glm::dvec3 read_vector(const XmlElement& element) {
   if (const XmlAttribute* value = element.find("value"))
     return at_attribute(*value, [&] { return parse_triple(value->value); });
@@ -75,7 +75,7 @@ glm::dvec3 read_vector(const XmlElement& element) {
   return vector;
 }
 
-/// A property of <spectrum type="…">; nullptr where it is not given.
+/// A property of <spectrum type="…">; nullptr if it is missing.
 const XmlElement* property_of(const XmlElement& spectrum, std::initializer_list<std::string_view> names) {
   for (const XmlElement& child : spectrum.children) {
     const XmlAttribute* name = child.find("name");
@@ -98,7 +98,7 @@ std::vector<ListedNumber> numbers_of(const XmlElement& spectrum, const char* nam
   return at_attribute(value, [&] { return parse_numbers(value.value); });
 }
 
-/// Values at wavelengths, which ascend.
+/// Pairs wavelengths, which must ascend, with values.
 std::vector<SpectrumPoint> make_points(const std::vector<double>& wavelengths, const std::vector<double>& values,
                                        std::size_t offset) {
   if (wavelengths.size() != values.size() || values.size() < 2)
@@ -136,7 +136,7 @@ std::vector<SpectrumPoint> read_sampled(const XmlElement& element, bool evenly) 
   return make_points(wavelengths, values, element.offset);
 }
 
-/// What a black body sends out, W·m⁻²·sr⁻¹·nm⁻¹ by Planck's law, with the constants of the SI.
+/// The colour of a black body: its radiance in W·m⁻²·sr⁻¹·nm⁻¹ by Planck's law, with the constants of the SI.
 glm::dvec3 blackbody(double kelvin, std::size_t offset, SpectrumUse use) {
   constexpr double kLeast = 100.0, kMost = 1e6;
   if (!(kelvin >= kLeast && kelvin <= kMost))
@@ -152,7 +152,7 @@ glm::dvec3 blackbody(double kelvin, std::size_t offset, SpectrumUse use) {
   return to_rec709(points, use);
 }
 
-/// Of 0.6: a temperature, perhaps with a K behind it, and a factor.
+/// The form of 0.6: a temperature, optionally followed by a K, and a factor.
 glm::dvec3 read_old_blackbody(const XmlElement& element, SpectrumUse use) {
   const auto number = [](const XmlAttribute& attribute) {
     return at_attribute(attribute, [&] {
@@ -166,7 +166,7 @@ glm::dvec3 read_old_blackbody(const XmlElement& element, SpectrumUse use) {
   return (scale == nullptr ? 1.0 : number(*scale)) * blackbody(kelvin, element.offset, use);
 }
 
-/// As in Mitsuba's variants with RGB, where D65 and what is uniform are grey.
+/// As in Mitsuba's RGB variants, in which D65 and uniform spectra are grey.
 glm::dvec3 read_typed(const XmlElement& element, std::string_view type, SpectrumUse use,
                       const MitsubaContext& context) {
   if (type == "uniform" || type == "rawconstant") return glm::dvec3(number_of(element, "value", 1.0));
@@ -180,7 +180,7 @@ glm::dvec3 read_typed(const XmlElement& element, std::string_view type, Spectrum
   return glm::dvec3(1.0);
 }
 
-/// A line for each wavelength, with its value; what follows # is a comment.
+/// Each line has a wavelength and its value; # begins a comment.
 glm::dvec3 read_spectrum_file(const XmlAttribute& file, SpectrumUse use, const MitsubaContext& context) {
   const std::string path = context.document.resolve(file.value);
   std::string text;
@@ -218,7 +218,7 @@ glm::dvec3 read_spectrum(const XmlElement& element, SpectrumUse use, const Mitsu
   const XmlAttribute& value = required(element, "value");
   return at_attribute(value, [&] {
     if (value.value.find(':') != std::string::npos) return to_rec709(read_points(value.value), use);
-    // In 0.6 a spectrum had three samples, those of linear RGB.
+    // In 0.6 three numbers are linear RGB.
     if (const std::vector<ListedNumber> list = parse_numbers(value.value); list.size() == 3) {
       if (context.document.version().starts_with("0.")) return glm::dvec3(list[0].value, list[1].value, list[2].value);
       throw ValueError{list[1].offset,

@@ -1,6 +1,5 @@
 #pragma once
-/// What a foreign scene asks for and Etendue does not have: collected over the whole file, so that one message names
-/// all of it.
+/// Collects everything that a foreign scene asks for and Etendue does not have, so that one message can name all of it.
 
 #include <map>
 #include <set>
@@ -15,22 +14,22 @@ class MissingFeatures {
  public:
   explicit MissingFeatures(bool approximate) : approximate_(approximate) {}
 
-  /// `what` as in "bsdf plastic"; `substitute` as in "a diffuse one of its colour".
+  /// `what`: for example "bsdf plastic"; `substitute`: for example "a diffuse one of its colour".
   void add(const std::string& what, const SourcePosition& position, const std::string& substitute);
 
-  /// Whether this is the first look at what an object holds that is not read itself.
+  /// True the first time that an object is passed: its content must be listed only once.
   bool looks_into(const void* object) { return seen_.insert(object).second; }
 
-  /// Where approximations are wanted a warning for each feature, else one error that lists them all.
+  /// Reports a warning for each feature if approximations are allowed, otherwise one error that lists them all.
   void report(const SourcePosition& scene, Diagnostics& diagnostics) const;
 
-  /// "bsdf hair: diffuse, grey", for the metadata of pictures.
+  /// For the metadata of pictures: "bsdf hair: diffuse, grey".
   std::vector<std::string> substitutes() const;
 
  private:
   struct Feature {
     std::string substitute;
-    std::vector<SourcePosition> places;  ///< the first of them
+    std::vector<SourcePosition> places;  ///< the first few
     std::size_t count = 0;
   };
   std::string places_of(const Feature& feature) const;

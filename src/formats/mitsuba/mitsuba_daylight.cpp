@@ -9,7 +9,7 @@
 namespace etendue {
 namespace {
 
-/// In Mitsuba 3 the sky's pole is +z, at the places of 0.6 it was +y; ours is +y.
+/// The sky's pole is +z in Mitsuba 3, +y in 0.6 and here.
 glm::dmat3 mitsuba_from_sky(bool old) {
   return old ? glm::dmat3(1.0) : glm::dmat3({1, 0, 0}, {0, 0, 1}, {0, -1, 0});
 }
@@ -19,7 +19,8 @@ int day_of_year(const MitsubaObject& object) {
   return kDaysBefore[object.integer("month") - 1] + static_cast<int>(object.integer("day"));
 }
 
-/// Toward the sun in our sky's frame. By place and time Mitsuba 3 has +x to the south and +y to the west.
+/// The direction toward the sun in the frame of our sky. If place and time are given, +x is south and +y is west in
+/// Mitsuba 3.
 glm::dvec3 sun_of(const MitsubaObject& object, bool old) {
   if (object.given("sun_direction")) return glm::transpose(mitsuba_from_sky(old)) * object.triple("sun_direction");
   const glm::dvec3 sun =
@@ -28,7 +29,7 @@ glm::dvec3 sun_of(const MitsubaObject& object, bool old) {
                      .timezone = object.real("timezone"),
                      .day_of_year = day_of_year(object),
                      .hour = object.real("hour") + object.real("minute") / 60.0 + object.real("second") / 3600.0});
-  // Ours has +x to the east and −z to the north.
+  // Here, +x is east and −z is north.
   return old ? sun : glm::transpose(mitsuba_from_sky(old)) * glm::dvec3(sun.z, -sun.x, sun.y);
 }
 

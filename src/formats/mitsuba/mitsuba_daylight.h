@@ -1,5 +1,6 @@
 #pragma once
-/// Mitsuba's skies. Its models live on tables of coefficients; Preetham's stands for them, which is said.
+/// Reads Mitsuba's skies. Its models need large tables of coefficients, so Preetham's model replaces them, which is
+/// reported.
 
 #include <optional>
 #include <string_view>
@@ -9,10 +10,10 @@
 
 namespace etendue {
 
-/// sky, sun, sunsky
+/// True for sky, sun and sunsky.
 bool is_mitsuba_daylight(std::string_view type);
 
-/// Adds what is missing to the context's list; nothing where the scene is refused for it.
+/// Adds the missing models to the context's list. Returns nothing if the scene is refused because of them.
 std::optional<Sky> read_mitsuba_daylight(const MitsubaObject& object, const MitsubaContext& context);
 
 }  // namespace etendue

@@ -8,14 +8,14 @@
 namespace etendue {
 namespace {
 
-/// What rays aim at: an area with these two half axes; a point has none.
+/// What the rays are aimed at. The half axes are 0 for a point.
 struct Target {
   enum class Shape { point, rectangle, disk };
   Shape shape = Shape::disk;
   glm::dvec3 center{0.0}, x{1, 0, 0}, y{0, 1, 0};
 };
 
-/// The scene's cross-section: that of the sphere around the box of all shapes.
+/// The cross-section of the sphere around the box of all shapes.
 Target whole_scene(const Bounds& bounds, const glm::dvec3& direction, double radius) {
   const glm::dvec3 helper = std::abs(direction.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
   const glm::dvec3 x = glm::normalize(glm::cross(helper, direction));
@@ -49,7 +49,7 @@ void set_distant_camera(const MitsubaObject& sensor, const Bounds& bounds, const
   direction = glm::normalize(direction);
   const double radius = bounds.empty() ? 1.0 : std::max(0.5 * glm::distance(bounds.min, bounds.max), 1e-6);
   const Target target = read_target(sensor, context).value_or(whole_scene(bounds, direction, radius));
-  // The axes of a camera that looks along the direction, with a square or a round window as large as the target.
+  // The axes of a camera that looks along the direction through a square or round window as large as the target.
   const double size =
       target.shape == Target::Shape::point ? 1.0 : std::max(glm::length(target.x), glm::length(target.y));
   const glm::dvec3 z = size * direction;
@@ -63,7 +63,7 @@ void set_distant_camera(const MitsubaObject& sensor, const Bounds& bounds, const
                               glm::dvec4(target.center - 2.0 * radius * direction, 1)};
   camera.near_clip = 0.0;
   camera.far_clip = 1e6 * std::max(1.0, radius / size);
-  camera.filter = {};  // places on the film mean nothing
+  camera.filter = {};  // positions on the film have no meaning
   switch (target.shape) {
     case Target::Shape::point:
       camera.type = Camera::Type::radiance_meter;
@@ -72,7 +72,7 @@ void set_distant_camera(const MitsubaObject& sensor, const Bounds& bounds, const
       camera.type = Camera::Type::orthographic;
       break;
     case Target::Shape::disk:
-      // Parallel rays through a disk are those of a lens that is focused on a point infinitely far away.
+      // A lens that is focused on a point at infinity has parallel rays through a disk.
       camera.type = Camera::Type::thin_lens;
       camera.aperture = {.radius = 1.0, .focus_distance = 1e9};
       camera.fov = 1e-7;

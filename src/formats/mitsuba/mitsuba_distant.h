@@ -1,5 +1,6 @@
 #pragma once
-/// Mitsuba's sensor `distant`: the mean radiance in one direction, at a point, a rectangle, a disk or the whole scene.
+/// Mitsuba's sensor `distant` measures the mean radiance in one direction, at a point, a rectangle, a disk or the whole
+/// scene.
 
 #include "formats/mitsuba/mitsuba_object.h"
 #include "scene/bounds.h"
@@ -7,7 +8,7 @@
 
 namespace etendue {
 
-/// Sets all of the camera but its film. `bounds` are those of the scene's shapes.
+/// Sets everything in `camera` except its film. `bounds`: box of the scene's shapes.
 void set_distant_camera(const MitsubaObject& sensor, const Bounds& bounds, const MitsubaContext& context,
                         Camera& camera);
 

@@ -20,7 +20,7 @@ bool is_identifier(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
-/// A folder or file on its own, for comparing.
+/// The canonical path of a folder or file, for comparisons.
 std::string canonical(const std::string& path) {
   std::error_code unknown;
   const fs::path whole = fs::weakly_canonical(path, unknown);
@@ -117,8 +117,8 @@ std::string MitsubaDocument::resolve(std::string filename) const {
   return (fs::path(folders_.back()) / slashed(filename)).string();
 }
 
-/// Directives vanish, included elements take their place, and parameters get their values; in the order of the text,
-/// which is what decides about a parameter that is given by several.
+/// Replaces directives by the elements that they include, and parameters by their values. This follows the order of the
+/// text, which decides if several places set a parameter.
 void MitsubaDocument::expand(XmlElement& element, Expansion& expansion) {
   std::vector<XmlElement> children = std::move(element.children);
   element.children.clear();
@@ -154,7 +154,7 @@ void MitsubaDocument::include(const XmlElement& element, std::vector<XmlElement>
   const SourcePosition where = value_position(filename);
   std::string path = resolve(filename.value);
   std::error_code unknown;
-  if (!fs::exists(path, unknown)) {  // beside the file that includes it
+  if (!fs::exists(path, unknown)) {  // next to the file that includes it
     const fs::path beside = fs::path(expansion.open.back()).parent_path() / slashed(filename.value);
     if (fs::exists(beside, unknown)) path = beside.string();
   }
@@ -198,7 +198,7 @@ void MitsubaDocument::add_default(const XmlElement& element) {
     return diagnostics_.error(value_position(name), fmt::format("{} cannot be the name of a parameter; use letters, "
                                                                 "digits and _",
                                                                 text::quoted(name.value)));
-  // What the command line says comes first, then what stands first in the text.
+  // The command line takes precedence, then the first place in the text.
   parameters_.emplace(name.value, element.find("value")->value);
   const auto given = given_.find(name.value);
   if (given != given_.end()) given->second = true;
@@ -254,14 +254,15 @@ std::string MitsubaDocument::substituted(const XmlAttribute& attribute) {
                          fmt::format("with its parameters this value has over {} bytes, or all such values together "
                                      "over {}; write less",
                                      MitsubaLimits::kMaxValue, MitsubaLimits::kMaxSubstituted));
-    substituted_bytes_ = MitsubaLimits::kMaxSubstituted + 1;  // no value grows any more
+    substituted_bytes_ = MitsubaLimits::kMaxSubstituted + 1;  // no further value is substituted
     return {};
   }
   substituted_bytes_ += out.size();
   return out;
 }
 
-/// The name is as long as it can be: with parameters `w` and `width`, $width is the second. Returns where to go on.
+/// The longest name that exists counts: with parameters `w` and `width`, $width is the latter. Returns the offset after
+/// the name.
 std::size_t MitsubaDocument::append_parameter(const XmlAttribute& attribute, std::size_t dollar, std::string& out) {
   const std::string& value = attribute.value;
   std::size_t end = dollar + 1;

@@ -1,6 +1,6 @@
 #pragma once
-/// A Mitsuba scene with everything that its text leaves to be filled in: included files stand where they are named,
-/// parameters have their values. What is left is objects, their properties and references between them.
+/// A Mitsuba scene after expansion: included files are in place, and parameters are replaced by their values. What
+/// remains is objects, their properties, and references between them.
 
 #include <cstddef>
 #include <functional>
@@ -20,40 +20,41 @@ namespace etendue {
 /// Reads a text file that a scene names. Throws Error.
 using TextLoader = std::function<std::string(const std::string& path)>;
 
-/// Bounds, so that small files cannot ask for large memory.
+/// Limits, so that small files cannot ask for much memory.
 struct MitsubaLimits {
-  static constexpr std::size_t kMaxIncludeDepth = 15;              ///< files within one another; Mitsuba's own bound
-  static constexpr std::size_t kMaxFiles = 1000;                   ///< included, one that is named twice counting twice
+  static constexpr std::size_t kMaxIncludeDepth = 15;  ///< nesting of files; Mitsuba has the same limit
+  static constexpr std::size_t kMaxFiles = 1000;       ///< included files; one that is named twice counts twice
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  ///< of all files together
   static constexpr std::size_t kMaxElements = 1'000'000;           ///< of all files together
-  static constexpr std::size_t kMaxValue = std::size_t{1} << 20;   ///< bytes of one value with its parameters
-  static constexpr std::size_t kMaxSubstituted = std::size_t{16} << 20;  ///< bytes of all values with parameters
+  static constexpr std::size_t kMaxValue = std::size_t{1} << 20;   ///< bytes of a value after substitution
+  static constexpr std::size_t kMaxSubstituted = std::size_t{16}
+                                                 << 20;  ///< bytes of all values that contain parameters
 };
 
-/// True for a scene that is written for Mitsuba rather than for Nori: by its sensor or camera; else by the version of
-/// the root or by elements that only Mitsuba has.
+/// True for a scene that is written for Mitsuba rather than Nori. This is told by its sensor or camera, otherwise by
+/// the version of the root or by elements that only Mitsuba has.
 bool is_mitsuba(const XmlElement& root);
 
 class MitsubaDocument {
  public:
-  /// Fills in everything. Problems are reported; after an error the result may lack something.
+  /// Expands the document. Problems are reported; after an error the result may be incomplete.
   MitsubaDocument(std::unique_ptr<XmlDocument> document, const ReadOptions& options, const TextLoader& load,
                   Diagnostics& diagnostics);
 
-  /// One <scene>; offsets are those of all files after one another, for `position`.
+  /// A single <scene>. Offsets run through all files, one after another; `position` converts them.
   const XmlElement& root() const { return root_; }
   const std::string& file() const { return sources_.front().document->file(); }
-  /// "3.0.0", or "" where the file does not say.
+  /// For example "3.0.0"; "" if the file does not say.
   const std::string& version() const { return version_; }
   SourcePosition position(std::size_t offset) const;
   SourcePosition position(const XmlElement& element) const { return position(element.offset); }
-  /// Position of a byte of an attribute's value.
+  /// The position of a byte in an attribute's value.
   SourcePosition value_position(const XmlAttribute& attribute, std::size_t offset = 0) const;
-  /// The object with an id, also by its other names (<alias>); nullptr if there is none.
+  /// The object with an id or with an <alias> of it; nullptr if there is none.
   const XmlElement* find(std::string_view id) const;
   std::vector<std::string> ids() const;
-  /// A file's name as the scene gives it, with the folders of <path> and of the scene before it; where there is no such
-  /// file, in the folder of the scene.
+  /// The path of a file that the scene names: searched for in the folders of <path>, then in that of the scene. If it
+  /// does not exist, the path in the scene's folder.
   std::string resolve(std::string filename) const;
 
  private:
@@ -62,7 +63,7 @@ class MitsubaDocument {
     std::unique_ptr<XmlDocument> document;
   };
   struct Expansion {
-    std::vector<std::string> open;  ///< files that are being read, outermost first
+    std::vector<std::string> open;  ///< files being read, outermost first
     const TextLoader& load;
   };
 
@@ -77,7 +78,7 @@ class MitsubaDocument {
   void substitute(XmlElement& element);
   std::string substituted(const XmlAttribute& attribute);
   std::size_t append_parameter(const XmlAttribute& attribute, std::size_t dollar, std::string& out);
-  /// The attributes of a directive; reports what is missing and what is too much.
+  /// Checks the attributes of a directive; reports missing and unknown ones.
   bool has_only(const XmlElement& element, std::initializer_list<const char*> names);
   void report_unused_overrides(const ReadOptions& options);
 
@@ -87,8 +88,8 @@ class MitsubaDocument {
   XmlElement root_;
   std::string version_;
   std::map<std::string, std::string, std::less<>> parameters_;
-  std::map<std::string, bool, std::less<>> given_;  ///< of -D: whether some $name used it
-  std::vector<std::string> folders_;                ///< to look for files in, first things first
+  std::map<std::string, bool, std::less<>> given_;  ///< names given with -D: whether some $name uses it
+  std::vector<std::string> folders_;                ///< folders to search for files, in this order
   std::map<std::string, const XmlElement*, std::less<>> by_id_;
   std::vector<std::pair<std::string, std::string>> aliases_;  ///< other name, id
 };

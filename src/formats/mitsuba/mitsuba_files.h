@@ -1,5 +1,5 @@
 #pragma once
-/// How the files are read that a Mitsuba scene names; tests have them in memory.
+/// How files that a Mitsuba scene names are read. Tests have them in memory.
 
 #include <functional>
 #include <optional>
@@ -14,12 +14,12 @@ namespace etendue {
 
 struct MitsubaFiles {
   MeshLoader mesh;
-  TextLoader text;  ///< what is included
+  TextLoader text;  ///< for included files
   std::function<std::optional<SerializedMesh>(const std::string& path, std::int64_t index, Diagnostics&)> serialized;
   std::function<Bitmap(const std::string& path)> picture = [](const std::string& path) { return read_bitmap(path); };
 };
 
-/// Those of the file system.
+/// Readers of the file system.
 MitsubaFiles mitsuba_files();
 
 }  // namespace etendue

@@ -11,7 +11,7 @@
 namespace etendue {
 namespace {
 
-/// A frame whose +Z is along `z`, which is not 0.
+/// Sets the axes to a frame whose +Z is along `z`, which must not be 0.
 void point_along(const glm::dvec3& z, glm::dmat4& world_from_light) {
   const glm::dvec3 forward = glm::normalize(z);
   const glm::dvec3 helper = std::abs(forward.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
@@ -36,7 +36,7 @@ void read_direction(const MitsubaObject& object, DeltaLight& light, const Mitsub
   context.sink.error(object.position_of("direction"), "the direction of the light is 0 0 0; give one");
 }
 
-/// A picture keeps its shape; without one the light is a square.
+/// A picture keeps its aspect ratio; without one the light is square.
 double picture_aspect(const Scene& scene, const DeltaLight& light) {
   if (!light.intensity.texture) return 1.0;
   const auto* bitmap = std::get_if<BitmapTexture>(&scene.textures[*light.intensity.texture].source);
@@ -89,7 +89,7 @@ DeltaLight read_mitsuba_delta_light(const MitsubaObject& object, MitsubaTextures
     if (const XmlElement* picture = object.texture("texture")) add_picture(*picture, textures, light);
   } else if (type == "projector") {
     light.type = DeltaLight::Type::projector;
-    // What Mitsuba calls its irradiance is the radiance of a white surface that is lit so.
+    // Mitsuba's "irradiance" is really the radiance of a white surface lit by the projector.
     light.intensity.value *= std::numbers::pi * object.real("scale");
     read_slope(object, scene, light, context);
   } else {

@@ -1,5 +1,5 @@
 #pragma once
-/// Mitsuba's lights without extent: point, spot, projector, directional.
+/// Reads Mitsuba's lights without extent: point, spot, projector, directional.
 
 #include "formats/mitsuba/mitsuba_textures.h"
 

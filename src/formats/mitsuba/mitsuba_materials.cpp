@@ -73,7 +73,8 @@ std::uint32_t MitsubaMaterials::add(Material material, const MitsubaObject& obje
   return static_cast<std::uint32_t>(scene_.materials.size() - 1);
 }
 
-/// A diffuse base and a rough mirror, chosen by how much they reflect, so that what each reflects is as it is written.
+/// A mixture of a diffuse base and a rough mirror. Their weights are in proportion to what they reflect, and their
+/// colours are scaled so that each reflects as much as in the file.
 Adapter MitsubaMaterials::read_lobe(const MitsubaObject& object) {
   const bool phong = object.type() == "phong";
   context_.missing.add(fmt::format("bsdf {}", object.type()), object.position(),
@@ -88,7 +89,7 @@ Adapter MitsubaMaterials::read_lobe(const MitsubaObject& object) {
   };
   mirror.roughness = {.alpha_u = roughness("alpha_u"), .alpha_v = roughness("alpha_v")};
   const auto mean = [](const ColorParameter& c) {
-    return (c.value.x + c.value.y + c.value.z) / (c.texture ? 6.0 : 3.0);  // a picture is half as bright, perhaps
+    return (c.value.x + c.value.y + c.value.z) / (c.texture ? 6.0 : 3.0);  // assumes that a picture has a mean of 1/2
   };
   const double light = mean(base.albedo) + mean(mirror.specular_reflectance);
   const double weight = light > 0.0 ? std::clamp(mean(mirror.specular_reflectance) / light, 0.05, 0.95) : 0.5;
@@ -119,7 +120,7 @@ Adapter MitsubaMaterials::read_mixture(const MitsubaObject& object) {
     weights.push_back(1.0 - sum);
     rows.push_back(default_row(true, object.position()));
   }
-  // Two at a time: of what has been mixed so far, and the next.
+  // Materials are mixed in pairs: the mixture so far, and the next one.
   std::uint32_t mixed = rows.front();
   double total = weights.front();
   for (std::size_t i = 1; i < rows.size(); ++i) {
@@ -137,7 +138,7 @@ Adapter MitsubaMaterials::read_map(const MitsubaObject& object, std::uint32_t in
   const Adapter none = MaskAdapter{1.0, inner};
   if (object.type() == "normalmap") {
     const XmlElement* map = object.texture("normalmap");
-    const std::vector<const XmlElement*> unnamed = object.children("texture");  // as in 0.6
+    const std::vector<const XmlElement*> unnamed = object.children("texture");  // allowed in 0.6
     if (map == nullptr && !unnamed.empty()) map = unnamed.front();
     if (map == nullptr) {
       context_.sink.error(object.position(), "normalmap needs a texture");
@@ -147,11 +148,11 @@ Adapter MitsubaMaterials::read_map(const MitsubaObject& object, std::uint32_t in
     if (!normals.texture) normals = {glm::dvec3(1.0), textures_.add_constant(normals.value, object.position())};
     return NormalMapAdapter{normals, inner, false, turned};
   }
-  const std::vector<const XmlElement*> maps = object.children("texture");  // whatever its name is
+  const std::vector<const XmlElement*> maps = object.children("texture");  // may have any name
   if (maps.empty()) return none;                                           // has been reported
   ScalarParameter height = textures_.scalar(*maps.front());
   height.value *= object.real("scale");
-  if (!height.texture) return none;  // what is equally high everywhere is flat
+  if (!height.texture) return none;  // a constant height has no bumps
   if (!std::holds_alternative<BitmapTexture>(scene_.textures[*height.texture].source)) {
     context_.missing.add("bumps of another texture than a bitmap", context_.document.position(*maps.front()),
                          "without bumps");
@@ -201,7 +202,8 @@ Bsdf MitsubaMaterials::read_principled(const MitsubaObject& object) {
   } else if (object.given("eta")) {
     bsdf.eta = object.ior("eta");
   } else if constexpr (std::is_same_v<Principled, PrincipledBsdf>) {
-    // By the reflectance along the normal; without any it is the least that bends, which reflects next to nothing.
+    // From the reflectance at normal incidence. If that is 0, the smallest index that still refracts, which reflects
+    // almost nothing.
     bsdf.eta = std::max(2.0 / (1.0 - std::sqrt(0.08 * object.real("specular"))) - 1.0, 1.0 + 1.1 * kMinIndexContrast);
   }
   return bsdf;
@@ -269,7 +271,7 @@ void MitsubaMaterials::read_metal(const MitsubaObject& object, ConductorIndex& i
     assign(index.eta, object, "eta", SpectrumUse::index);
     assign(index.k, object, "k", SpectrumUse::index);
   } else {
-    const bool copper = is_old() && !object.given("material");  // 0.6 has another default
+    const bool copper = is_old() && !object.given("material");  // 0.6 has a different default
     const std::string name = copper ? "Cu" : object.text("material");
     const auto known = metal_index(name);
     if (known) index = *known;

@@ -1,5 +1,5 @@
 #pragma once
-/// Bsdfs of a Mitsuba scene as rows of a Scene's table.
+/// Turns bsdfs of a Mitsuba scene into rows of a Scene's table of materials.
 
 #include <cstdint>
 #include <map>
@@ -16,28 +16,28 @@ class MitsubaMaterials {
   MitsubaMaterials(const MitsubaContext& context, MitsubaTextures& textures, Scene& scene)
       : context_(context), textures_(textures), scene_(scene) {}
 
-  /// The row of a <bsdf>, which is read when it is asked for the first time.
+  /// The row of a <bsdf>, which is read at the first request.
   std::uint32_t row_of(const XmlElement& bsdf);
-  /// The row of what a shape has that names none: grey, or black where it emits.
+  /// The row for a shape without a material: grey, or black if it emits.
   std::uint32_t default_row(bool emits, const SourcePosition& shape);
 
  private:
   Bsdf read(const MitsubaObject& object);
-  /// Nothing for a material of its own; the rows of what it chooses from are read first.
+  /// Returns nothing if this is not an adapter. The materials that the adapter refers to are read first.
   std::optional<Adapter> read_adapter(const MitsubaObject& object);
-  /// What stands for a diffuse base with Phong's or Ward's lobe.
+  /// The substitute for a diffuse base with Phong's or Ward's lobe.
   Adapter read_lobe(const MitsubaObject& object);
-  /// Materials by weights.
+  /// A mixture of materials with weights.
   Adapter read_mixture(const MitsubaObject& object);
-  /// The row of a material that the object needs beside its own.
+  /// Adds a material that the object needs in addition to its own, and returns its row.
   std::uint32_t add(Material material, const MitsubaObject& object);
   /// A normal or bump map.
   Adapter read_map(const MitsubaObject& object, std::uint32_t inner);
-  /// A probability, or the texture that stands for it.
+  /// A probability, which may be a texture.
   ScalarParameter share_of(const MitsubaObject& object, const char* name);
   template <typename Principled>
   Bsdf read_principled(const MitsubaObject& object);
-  /// What stands for a material that there is not.
+  /// The substitute for an unsupported material.
   Bsdf read_substitute(const MitsubaObject& object);
   Bsdf read_diffuse(const MitsubaObject& object);
   template <typename Glass>
@@ -51,7 +51,8 @@ class MitsubaMaterials {
   Roughness::Distribution read_distribution(const MitsubaObject& object);
   void read_roughness(const MitsubaObject& object, Roughness& roughness);
 
-  // A property as what the material has for it: a texture where that can have one, else grey and a note of it.
+  // Assign a property to a field of the material. If the field cannot be a texture but the property is one, grey is
+  // assigned and noted.
   void assign(ColorParameter& field, const MitsubaObject& object, const char* name, SpectrumUse use);
   void assign(glm::dvec3& field, const MitsubaObject& object, const char* name, SpectrumUse use);
   void assign_alpha(ScalarParameter& field, const MitsubaObject& object, const char* name);
@@ -62,7 +63,7 @@ class MitsubaMaterials {
   MitsubaTextures& textures_;
   Scene& scene_;
   std::map<const XmlElement*, std::uint32_t> rows_;
-  std::set<const XmlElement*> open_;  ///< that are being read, or have been
+  std::set<const XmlElement*> open_;  ///< elements that are being read or have been read
   std::optional<std::uint32_t> grey_, black_;
 };
 

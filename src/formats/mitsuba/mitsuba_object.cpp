@@ -18,11 +18,11 @@ constexpr std::string_view kPropertyTags[] = {"boolean", "integer",  "float", "s
                                               "rgb",     "spectrum", "srgb",  "color",  "blackbody", "transform"};
 
 bool is_property_tag(const XmlElement& element) {
-  // <spectrum type="…"> is an object, but for its value it stands where a property does.
+  // <spectrum type="…"> has the form of an object, but stands where a property does.
   return std::ranges::find(kPropertyTags, element.name) != std::end(kPropertyTags);
 }
 
-/// The row for an element's type; reports an unknown one.
+/// The table's row for an element's type; reports an unknown type.
 const Plugin* find_row(const XmlElement& element, const MitsubaContext& context, const std::string& substitute) {
   const Dialect& dialect = context.dialect;
   const std::string_view tag = dialect.canonical(element.name);
@@ -36,7 +36,7 @@ const Plugin* find_row(const XmlElement& element, const MitsubaContext& context,
   }
   if (const Plugin* plugin = dialect.find(tag, type->value)) return plugin;
   const std::vector<std::string> types = dialect.types_of(tag);
-  // What is like nothing known is of a renderer of somebody's own, and no slip of the pen.
+  // A type that resembles no known one is probably from a third-party plugin, not a misspelling.
   if (dialect.is_known_but_unsupported(tag, type->value) || text::did_you_mean(type->value, types).empty()) {
     context.missing.add(fmt::format("{} {}", tag, text::printable(type->value, 60)), context.document.position(element),
                         substitute);
@@ -48,7 +48,7 @@ const Plugin* find_row(const XmlElement& element, const MitsubaContext& context,
   return nullptr;
 }
 
-/// What an object that is left out holds is missing as well: one message names all of it.
+/// Also lists unsupported things within an object that is left out, so that one message names everything.
 void list_missing_within(const XmlElement& element, const MitsubaContext& context, int depth = 0) {
   constexpr int kMaxDepth = 32;  // references may form chains
   if (depth == kMaxDepth || !context.missing.looks_into(&element)) return;
@@ -66,7 +66,7 @@ void list_missing_within(const XmlElement& element, const MitsubaContext& contex
   }
 }
 
-/// In an animation the transform of its earliest time.
+/// The transform of an animation's earliest time.
 const XmlElement* first_transform(const XmlElement& animation) {
   const XmlElement* first = nullptr;
   double earliest = 0.0;
@@ -163,7 +163,7 @@ void MitsubaObject::add_object(const XmlElement& child, const XmlElement& object
   }
   if (tag == "texture" || is_property_tag(object)) {
     const bool unnamed = name == nullptr || plugin_->find(snake_case(name->value)) == nullptr;
-    if (tag == "texture" && unnamed && plugin_->find_child(tag) != nullptr)  // whatever its name is
+    if (tag == "texture" && unnamed && plugin_->find_child(tag) != nullptr)  // may have any name
       return children_.emplace_back("texture", &object), void();
     if (name == nullptr) return;
     return add_property(child, object);

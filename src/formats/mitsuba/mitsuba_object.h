@@ -1,5 +1,5 @@
 #pragma once
-/// One object of a Mitsuba scene, held against its row of the table. Values are read when they are asked for.
+/// An object of a Mitsuba scene, checked against its row of the table. Values are parsed on request.
 
 #include <map>
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace etendue {
 
-/// What the reading of one scene shares.
+/// What everything that reads one scene shares.
 struct MitsubaContext {
   const MitsubaDocument& document;
   const Dialect& dialect;
@@ -21,10 +21,10 @@ struct MitsubaContext {
   MissingFeatures& missing;
   const TextLoader& load_text;
   bool strict = false;
-  bool camera_given = false;  ///< by the caller, so that the file need not have one
+  bool camera_given = false;  ///< the caller places a camera, so the file need not have one
 };
 
-/// A colour, or the texture that gives it: then `value` is unused.
+/// A colour, or a texture; then `value` is unused.
 struct MitsubaColor {
   glm::dvec3 value{0.0};
   const XmlElement* texture = nullptr;
@@ -32,25 +32,25 @@ struct MitsubaColor {
 
 class MitsubaObject {
  public:
-  /// Problems are reported; nothing for a type that there is not here, which is noted with its substitute.
+  /// Reports problems. Returns nothing for an unsupported type, which is noted together with its substitute.
   static std::optional<MitsubaObject> read(const XmlElement& element, const MitsubaContext& context,
                                            const std::string& substitute);
-  /// An object that the file leaves out.
+  /// The default for an object that is missing in the file.
   static MitsubaObject defaulted(const char* tag, const char* type, const SourcePosition& parent,
                                  const MitsubaContext& context);
 
   const Plugin& plugin() const { return *plugin_; }
   std::string_view type() const { return plugin_->type; }
   const SourcePosition& position() const { return position_; }
-  /// Objects within that are no property's value, in file order, by their tags as the table writes them; a reference
-  /// counts as what it refers to.
+  /// Child objects with this tag (as in the table) that are not values of properties, in file order. A reference counts
+  /// as the object that it refers to.
   std::vector<const XmlElement*> children(std::string_view tag) const;
 
   bool given(const char* name) const { return properties_.contains(name); }
   SourcePosition position_of(const char* name) const;
 
-  // Values of properties, or the table's defaults where they are not given or wrong. Asking for one that the table
-  // does not have is a bug (std::logic_error).
+  // Values of properties; the table's defaults if they are missing or wrong. Asking for a property that is not in the
+  // table is a bug (std::logic_error).
   double real(const char* name) const;
   std::int64_t integer(const char* name) const;
   bool boolean(const char* name) const;
@@ -58,18 +58,18 @@ class MitsubaObject {
   std::string text(const char* name) const;
   glm::dvec3 triple(const char* name) const;
   MitsubaColor color(const char* name, SpectrumUse use) const;
-  /// The texture that stands for a value; nullptr where there is none.
+  /// The texture that is the value of a property; nullptr if it is not a texture.
   const XmlElement* texture(const char* name) const;
-  /// Identity by default.
+  /// A transform; by default the identity.
   glm::dmat4 matrix(const char* name) const;
-  /// The same in the plane of textures.
+  /// The same for texture coordinates.
   glm::dmat3 uv_matrix(const char* name) const;
-  /// An index of refraction, a number or a name.
+  /// An index of refraction, given as a number or by name.
   double ior(const char* name) const;
 
  private:
   struct Property {
-    const XmlElement* element;  ///< of a reference, what it refers to
+    const XmlElement* element;  ///< for a reference, the object that it refers to
     SourcePosition position;
   };
 
@@ -82,7 +82,7 @@ class MitsubaObject {
   std::string heading() const;
   const Parameter& row_of(const char* name) const;
   const Property* find(const char* name) const;
-  /// The value of an attribute, parsed; nothing after a report.
+  /// Parses the value of an attribute; returns nothing after reporting an error.
   std::optional<Value> parse(const Parameter& row, ParameterType type, const XmlElement& element,
                              const char* attribute) const;
   Value default_of(const Parameter& row, ParameterType type) const;
@@ -97,16 +97,16 @@ class MitsubaObject {
   std::vector<std::pair<std::string_view, const XmlElement*>> children_;
 };
 
-/// Throws ValueError where it is not there.
+/// An attribute that must exist; otherwise throws ValueError.
 const XmlAttribute& required(const XmlElement& element, const char* attribute);
 
 /// The colour of <rgb>, <srgb>, <spectrum> or a number. Throws ValueError with an offset in the document.
 glm::dvec3 read_color(const XmlElement& element, SpectrumUse use, const MitsubaContext& context);
 
-/// The product of a <transform>'s operations, the last listed leftmost. Problems are reported; identity stands for what
-/// cannot be read.
+/// The product of the operations in a <transform>, the last one on the left. Problems are reported; an operation that
+/// cannot be read counts as the identity.
 glm::dmat4 read_mitsuba_transform(const XmlElement& element, const MitsubaContext& context);
-/// The same in the plane of textures.
+/// The same for texture coordinates.
 glm::dmat3 read_mitsuba_uv_transform(const XmlElement& element, const MitsubaContext& context);
 
 }  // namespace etendue

@@ -27,9 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Paths in a set of the sampler that stands for all of Mitsuba's well-spread ones: 2^4.
+/// The sampler that replaces all of Mitsuba's stratified ones has sets of 2^4 paths.
 constexpr std::uint32_t kSetBits = 4;
-/// Meters of Mitsuba see everything; on a surface a ray must not meet the surface itself. In units of the camera.
+/// Meters see everything, but a ray that starts on a surface must not hit that surface. In camera units.
 constexpr double kMeterNearClip = 1e-5, kMeterFarClip = 1e10;
 
 std::optional<Aov> mitsuba_aov(std::string_view word) {
@@ -41,7 +41,7 @@ std::optional<Aov> mitsuba_aov(std::string_view word) {
   return std::nullopt;
 }
 
-/// Turns the objects of a document into a Scene. Every function reports what is wrong and goes on with something
+/// Turns the objects of a document into a Scene. Every function reports what is wrong and continues with something
 /// usable, so that one pass finds all problems.
 class MitsubaReader {
  public:
@@ -69,7 +69,7 @@ class MitsubaReader {
   }
 
  private:
-  /// The object of a tag of which one counts; nothing if it is missing or unusable.
+  /// The only child with a tag; nothing if it is missing or unusable.
   std::optional<MitsubaObject> only_child(const MitsubaObject& parent, const char* tag, const char* substitute) {
     const std::vector<const XmlElement*> children = parent.children(tag);
     if (children.empty()) return std::nullopt;
@@ -78,7 +78,7 @@ class MitsubaReader {
 
   void read_integrator(const MitsubaObject& root) {
     std::optional<MitsubaObject> object = only_child(root, "integrator", "path");
-    // What wraps another one, at most a few deep: a reference may lead back to where it stands.
+    // Integrators that wrap another one. The depth is limited, because references may be circular.
     for (int depth = 0; object && (object->type() == "moment" || object->type() == "aov"); ++depth) {
       constexpr int kMaxWrappers = 8;
       if (depth == kMaxWrappers) {
@@ -100,7 +100,7 @@ class MitsubaReader {
     scene_.integrator.hide_emitters = object->boolean("hide_emitters");
   }
 
-  /// "a name:what it is,…"; names of channels are our own.
+  /// Reads "name:kind,…". The names are ignored, because channels have fixed names here.
   void read_aovs(const MitsubaObject& object) {
     const std::string list = object.text("aovs");
     for (std::size_t start = 0; start < list.size();) {
@@ -140,7 +140,7 @@ class MitsubaReader {
       context_.sink.error(object.position(), "the integrator samples neither lights nor materials; let it do one");
   }
 
-  /// The length is known once the shapes are.
+  /// The length may have to wait until the shapes are known.
   void read_occlusion(const MitsubaObject& object) {
     scene_.integrator.type = Integrator::Type::ambient_occlusion;
     const double length = object.real("ray_length");
@@ -148,7 +148,7 @@ class MitsubaReader {
     automatic_length_ = !(length > 0.0);
   }
 
-  /// Half the radius of the sphere around the box of all shapes, as in Mitsuba 0.6.
+  /// As in Mitsuba 0.6, half the radius of the sphere around the box of all shapes.
   void set_automatic_length() {
     if (!automatic_length_ || scene_.instances.empty() || context_.sink.has_errors()) return;
     const Bounds bounds = bounds_of(scene_);
@@ -163,7 +163,7 @@ class MitsubaReader {
                          fmt::format("the scene has {} sensors; the first one is rendered", sensors.size()));
     std::optional<MitsubaObject> sensor = MitsubaObject::read(*sensors.front(), context_, "perspective, 40 degrees");
     if (!sensor) return;
-    const MitsubaObject held = *sensor;  // what has the film
+    const MitsubaObject held = *sensor;  // has the film
     if (sensor->type() == "batch") sensor = first_of_batch(held);
     if (!sensor) return;
     if (sensor->given("srf"))
@@ -189,7 +189,7 @@ class MitsubaReader {
     read_sampler(held);
   }
 
-  /// Sensors that share a film, side by side.
+  /// The first of several sensors that share a film side by side.
   std::optional<MitsubaObject> first_of_batch(const MitsubaObject& batch) {
     const std::vector<const XmlElement*> sensors = batch.children("sensor");
     if (sensors.empty()) return std::nullopt;  // has been reported
@@ -200,7 +200,7 @@ class MitsubaReader {
     return std::nullopt;
   }
 
-  /// Where it stands is known once the shapes are.
+  /// The sensor's position has to wait until the shapes are known.
   void read_distant(const MitsubaObject& sensor) {
     const Camera& camera = scene_.camera;
     if (camera.width != 1 || camera.height != 1)
@@ -211,7 +211,7 @@ class MitsubaReader {
     read_sampler(sensor);
   }
 
-  /// What measures the light that a shape receives stands in the shape.
+  /// An irradiance meter is a child of the shape whose light it measures.
   void read_meter_of_shape(const MitsubaObject& root) {
     for (const XmlElement* element : root.children("shape")) {
       const auto is_sensor = [&](const XmlElement& child) {
@@ -264,7 +264,7 @@ class MitsubaReader {
     camera.aperture = {};
   }
 
-  /// Its place and direction may be given without a transform.
+  /// A meter's position and direction may be given without a transform.
   void read_meter(const MitsubaObject& sensor, Camera& camera) {
     if (!sensor.given("near_clip")) camera.near_clip = kMeterNearClip;
     if (!sensor.given("far_clip")) camera.far_clip = kMeterFarClip;
@@ -278,7 +278,7 @@ class MitsubaReader {
                                 glm::dvec4(sensor.triple("origin"), 1)};
   }
 
-  /// The part of the film that is rendered becomes the film, and remembers where it was.
+  /// The crop window becomes the film, which remembers its place in the whole picture.
   void read_film(const MitsubaObject& sensor, Camera& camera) {
     std::optional<MitsubaObject> film = only_child(sensor, "film", "hdrfilm");
     if (!film) film = MitsubaObject::defaulted("film", "hdrfilm", sensor.position(), context_);
@@ -313,7 +313,7 @@ class MitsubaReader {
       return {.type = Type::lanczos, .lobes = static_cast<std::uint32_t>(object->integer("lobes"))};
     if (type == "catmullrom") return {.type = Type::mitchell, .radius = 2.0, .b = 0.0, .c = 0.5};
     if (type == "mitchell") {
-      const bool by_letter = object->given("C");  // B and C of the paper; else A and B of Mitsuba
+      const bool by_letter = object->given("C");  // B and C as in the paper, otherwise Mitsuba's A and B
       return {.type = Type::mitchell,
               .radius = 2.0,
               .b = object->real(by_letter ? "B" : "A"),
@@ -323,7 +323,7 @@ class MitsubaReader {
     return {.type = Type::gaussian, .radius = 4.0 * stddev, .stddev = stddev};
   }
 
-  /// A focal length is that of a lens in front of a 35 mm film, whose diagonal counts.
+  /// A focal length refers to 35 mm film, and to the diagonal.
   void read_field_of_view(const MitsubaObject& sensor, Camera& camera) {
     camera.window.principal_offset = {sensor.real("principal_point_offset_x"), sensor.real("principal_point_offset_y")};
     camera.fov_axis = fov_axis(sensor);
@@ -352,7 +352,7 @@ class MitsubaReader {
     return x;
   }
 
-  /// Millimetres.
+  /// In millimetres.
   double focal_length(const MitsubaObject& sensor) {
     std::string word = sensor.text("focal_length");
     if (word.ends_with("mm")) word.resize(word.size() - 2);
@@ -375,7 +375,7 @@ class MitsubaReader {
   }
 
   void read_emitter(const XmlElement& element) {
-    // An area light beside the shapes is there to be referred to.
+    // An area light outside of shapes is there to be referred to.
     const XmlAttribute* type = element.find("type");
     if (type != nullptr && type->value == "area" && element.find("id") != nullptr) return;
     const auto emitter = MitsubaObject::read(element, context_, "left out");
@@ -403,7 +403,7 @@ class MitsubaReader {
     scene_.sky.top = scene_.sky.horizon = radiance;
   }
 
-  /// Its picture, by its own name or by that of a bitmap within.
+  /// The emitter's picture, named by itself or by a bitmap in it.
   std::shared_ptr<const Bitmap> picture_of(const MitsubaObject& emitter) {
     const std::vector<const XmlElement*> within = emitter.children("texture");
     if (within.empty() == !emitter.given("filename")) {
@@ -466,7 +466,7 @@ std::optional<Scene> parse_mitsuba_scene(std::unique_ptr<XmlDocument> document, 
   const MitsubaDocument mitsuba(std::move(document), options, files.text, diagnostics);
   MissingFeatures missing(options.approximate);
   Scene scene;
-  // After other errors a file may be missing that defines what the rest refers to.
+  // After an error, an included file may be missing that defines what the rest refers to.
   if (diagnostics.error_count() == errors_before) {
     const MitsubaContext context{mitsuba,
                                  mitsuba_dialect(),

@@ -1,5 +1,5 @@
 #pragma once
-/// Scenes that are written for Mitsuba 0.6, 2 or 3, as docs/mitsuba.md describes it: text in, plain structs out.
+/// Reads scenes for Mitsuba 0.6, 2 and 3 (docs/mitsuba.md): text in, plain structs out.
 
 #include <memory>
 #include <optional>
@@ -10,7 +10,8 @@
 
 namespace etendue {
 
-/// The scene of a document for which is_mitsuba() holds; nothing after an error. `files` reads what it names.
+/// The scene in a document for which is_mitsuba() is true; nothing after an error. `files` reads the files that it
+/// names.
 std::optional<Scene> parse_mitsuba_scene(std::unique_ptr<XmlDocument> document, const ReadOptions& options,
                                          const MitsubaFiles& files, Diagnostics& diagnostics);
 

@@ -20,14 +20,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Errors after which meshes are no longer opened.
+/// After this many errors, no more meshes are opened.
 constexpr std::size_t kMaxErrorsBeforeMeshes = 100;
-/// Bytes of all mesh files together.
+/// Limit on the bytes of all mesh files together.
 constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{1} << 34;
-/// Shapes that groups show, each of their places counting.
+/// Limit on the shapes that instances of groups show.
 constexpr std::size_t kMaxInstances = std::size_t{1} << 20;
 
-/// In Mitsuba v counts from a picture's first row.
+/// In Mitsuba, v = 0 is at the first row of a picture.
 void turn_over(TriangleMesh& mesh) {
   for (std::vector<glm::vec2>& set : mesh.uv_sets) {
     for (glm::vec2& uv : set) uv.y = 1.0f - uv.y;
@@ -46,7 +46,7 @@ void MitsubaShapes::add(const XmlElement& element) {
   if (std::optional<Instance> instance = read(*object)) add(std::move(*instance));
 }
 
-/// Its parts, which a circle of references may make endless.
+/// Adds the parts of a `merge`. The depth is limited, because references may be circular.
 void MitsubaShapes::add_all(const MitsubaObject& object) {
   constexpr int kMaxMerges = 8;
   if (merges_ == kMaxMerges)
@@ -143,7 +143,7 @@ std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_cylinder(const Mitsub
     context_.sink.error(object.position_of("p1"), "p0 and p1 of the cylinder are the same point; move one of them");
     return std::nullopt;
   }
-  // Its own space: z along the axis, x and y as [Duff2017] makes them of it, which is where angles begin.
+  // Object space: z is along the axis; x, where angles begin, and y follow from it as in [Duff2017].
   const glm::dvec3 n = (p1 - p0) / height;
   const double sign = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (sign + n.z), b = n.x * n.y * a;
   const glm::dmat3 axes = {{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
@@ -196,7 +196,7 @@ std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_mesh(const MitsubaObj
     context_.sink.warning(position, fmt::format("the mesh {} has no faces; it is left out", text::quoted(name)));
     return std::nullopt;
   }
-  // Smooth where the file has no normals, unless the scene wants its triangles flat.
+  // Meshes without normals are smooth, unless the scene asks for flat triangles.
   if (key.face_normals) mesh->normals.clear();
   const bool by_winding = mesh->normals.empty();
   if (!key.face_normals && by_winding) make_smooth_normals(*mesh);
@@ -205,7 +205,7 @@ std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_mesh(const MitsubaObj
   return known->second;
 }
 
-/// Texture coordinates with v upward. Where a file has none and they are wanted, those within the triangle.
+/// Turns v upward. If coordinates are needed and the file has none, each triangle gets its barycentric ones.
 void MitsubaShapes::set_coordinates(const MeshKey& key, const SourcePosition& position, TriangleMesh& mesh) {
   if (!key.uv) return;
   if (!mesh.uv_sets.empty()) {
@@ -253,7 +253,7 @@ std::optional<TriangleMesh> MitsubaShapes::load(const MeshFormat* format, MeshKe
   std::optional<TriangleMesh> mesh;
   try {
     mesh = open(format, key);
-  } catch (const Error& error) {  // the file cannot be opened or read: say who asked for it
+  } catch (const Error& error) {  // the file cannot be opened or read: say which object names it
     context_.sink.error(position, fmt::format("mesh {}", error.what()), error.kind());
   }
   if (!mesh) return std::nullopt;

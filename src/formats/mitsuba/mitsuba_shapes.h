@@ -1,5 +1,5 @@
 #pragma once
-/// Shapes of a Mitsuba scene, alone or in groups that are shown several times, as instances of a Scene.
+/// Turns shapes of a Mitsuba scene, and groups of shapes, into instances of a Scene.
 
 #include <compare>
 #include <map>
@@ -15,13 +15,13 @@ class MitsubaShapes {
                 MitsubaTextures& textures, Scene& scene)
       : context_(context), files_(files), materials_(materials), textures_(textures), scene_(scene) {}
 
-  /// A <shape> of the scene itself: its instances, which a group has none of.
+  /// Adds the instances of a <shape> in the scene; a group by itself has none.
   void add(const XmlElement& element);
-  /// Says what is wrong with all of them together.
+  /// Reports what is wrong with all shapes together.
   void finish();
 
  private:
-  /// What decides about a mesh: who asks for the same gets the same.
+  /// Everything that a loaded mesh depends on: shapes with equal keys share a mesh.
   struct MeshKey {
     std::string path;
     std::int64_t index;
@@ -30,8 +30,7 @@ class MitsubaShapes {
     auto operator<=>(const MeshKey&) const = default;
   };
 
-  /// A row of Scene::shapes, and whether its normals follow from the order of its vertices in the world: a mirror image
-  /// turns them around.
+  /// A row of Scene::shapes, and whether its normals follow from the winding in world space, which mirroring reverses.
   struct Geometry {
     std::uint32_t shape = 0;
     bool normals_by_winding = false;
@@ -39,12 +38,12 @@ class MitsubaShapes {
 
   std::optional<Instance> read(const MitsubaObject& object);
   std::optional<Geometry> read_geometry(const MitsubaObject& object, const MeshContent& content, Instance& instance);
-  /// Stretched along its axis by `to_world` it is still a cylinder, of another height.
+  /// `to_world` may stretch a cylinder along its axis, which only changes its height.
   std::optional<Geometry> read_cylinder(const MitsubaObject& object, Instance& instance);
   /// `format` is null for `serialized`.
   std::optional<Geometry> read_mesh(const MitsubaObject& object, const MeshFormat* format, const MeshContent& content,
                                     std::string& name);
-  /// `key.face_normals` becomes true where the file says so itself.
+  /// Sets `key.face_normals` if the file itself asks for flat triangles.
   std::optional<TriangleMesh> load(const MeshFormat* format, MeshKey& key, const SourcePosition& position);
   std::optional<TriangleMesh> open(const MeshFormat* format, MeshKey& key);
   void set_coordinates(const MeshKey& key, const SourcePosition& position, TriangleMesh& mesh);
@@ -68,7 +67,7 @@ class MitsubaShapes {
   std::size_t triangles_ = 0, vertices_ = 0;
   std::uintmax_t mesh_bytes_ = 0;
   std::size_t visited_ = 0;
-  int merges_ = 0;  ///< that are being read
+  int merges_ = 0;  ///< nesting depth of those being read
   bool too_much_ = false;
 };
 

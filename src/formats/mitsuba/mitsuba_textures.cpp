@@ -19,7 +19,7 @@ namespace etendue {
 namespace {
 
 constexpr double kGrey = 0.5;
-/// Textures within textures: a reference may lead back to where it stands.
+/// Limit on textures within textures, because references may be circular.
 constexpr int kMaxDepth = 8;
 
 /// Sets all channels of a texel to 0 or 1.
@@ -38,7 +38,7 @@ void fill_texel(Bitmap& bitmap, std::uint32_t x, std::uint32_t y, double value) 
   }
 }
 
-/// With one more column at each side that is `u` everywhere, and one more row at each end that is `v`.
+/// Adds a column at each side that is filled with `u`, and a row at each end that is filled with `v`.
 std::shared_ptr<const Bitmap> framed(const Bitmap& bitmap, std::optional<double> u, std::optional<double> v) {
   auto result = std::make_shared<Bitmap>();
   result->width = bitmap.width + (u ? 2 : 0);
@@ -60,7 +60,7 @@ std::shared_ptr<const Bitmap> framed(const Bitmap& bitmap, std::optional<double>
   return result;
 }
 
-/// Texture coordinates of a picture to those of the picture in its frame.
+/// Maps texture coordinates of a picture to those of the picture with its frame.
 glm::dmat3 place_in_frame(std::uint32_t width, std::uint32_t height, bool u, bool v) {
   const double x = u ? 1.0 / (width + 2.0) : 0.0, y = v ? 1.0 / (height + 2.0) : 0.0;
   return {1.0 - 2.0 * x, 0.0, 0.0, 0.0, 1.0 - 2.0 * y, 0.0, x, y, 1.0};
@@ -145,7 +145,7 @@ std::optional<Texture> MitsubaTextures::read_bitmap(const MitsubaObject& object)
   if (bitmap == nullptr) return std::nullopt;
   source.bitmap = row_of(bitmap, u, v);
   const glm::dmat3 inside = place_in_frame(bitmap->width, bitmap->height, u.border.has_value(), v.border.has_value());
-  // Both its coordinates and those of surfaces are turned over.
+  // v is flipped both in the texture and on surfaces.
   return Texture{
       .source = source,
       .uv_transform = inside * kFlipV * uv_transform(object) * kFlipV + glm::dmat3(0.0),  // no negative zeros
@@ -219,7 +219,7 @@ void MitsubaTextures::set_filter(const MitsubaObject& object, BitmapTexture& pic
   }
 }
 
-/// Whether numbers are light or codes of sRGB: the kind of file decides, unless the scene does.
+/// Whether numbers are linear or sRGB codes: the file format decides, unless the scene does.
 void MitsubaTextures::set_encoding(const MitsubaObject& object, BitmapTexture& picture) {
   if (object.boolean("raw")) picture.color_space = ColorSpace::linear;
   const double gamma = object.real("gamma");
@@ -228,7 +228,7 @@ void MitsubaTextures::set_encoding(const MitsubaObject& object, BitmapTexture& p
     context_.missing.add("gamma of a bitmap", object.position_of("gamma"), "that of sRGB");
 }
 
-/// In Mitsuba's coordinates.
+/// The transform in Mitsuba's coordinates.
 glm::dmat3 MitsubaTextures::uv_transform(const MitsubaObject& object) {
   const auto scale = [&](const char* axis) { return object.real(object.given(axis) ? axis : "uvscale"); };
   const glm::dmat3 old = {scale("uscale"),        0.0, 0.0, 0.0, scale("vscale"), 0.0, object.real("uoffset"),
@@ -240,7 +240,7 @@ Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object, bool num
   CheckerboardTexture board;
   read_square(object, "color0", number, depth, board.color0, board.texture0);
   read_square(object, "color1", number, depth, board.color1, board.texture1);
-  // As a number Mitsuba's (3.9) has its colours the other way round.
+  // Mitsuba (3.9) swaps the two colours if the texture is used as a number.
   if (number) {
     std::swap(board.color0, board.color1);
     std::swap(board.texture0, board.texture1);
@@ -251,7 +251,7 @@ Texture MitsubaTextures::read_checkerboard(const MitsubaObject& object, bool num
           .position = object.position()};
 }
 
-/// What stands in the squares of a checkerboard.
+/// The colour or texture in the squares of a checkerboard.
 void MitsubaTextures::read_square(const MitsubaObject& board, const char* name, bool number, int depth,
                                   glm::dvec3& color, std::optional<std::uint32_t>& row) {
   const MitsubaColor given = board.color(name, SpectrumUse::reflectance);

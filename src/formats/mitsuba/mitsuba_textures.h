@@ -1,5 +1,5 @@
 #pragma once
-/// Textures of a Mitsuba scene as rows of a Scene's tables.
+/// Turns textures of a Mitsuba scene into rows of a Scene's tables.
 
 #include <cstdint>
 #include <map>
@@ -13,7 +13,7 @@
 
 namespace etendue {
 
-/// Mitsuba's v counts from a picture's first row, that of a Scene from its last.
+/// v = 0 is at the first row of a picture in Mitsuba, at the last in a Scene.
 inline const glm::dmat3 kFlipV = {1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0};
 
 class MitsubaTextures {
@@ -21,25 +21,25 @@ class MitsubaTextures {
   MitsubaTextures(const MitsubaContext& context, const MitsubaFiles& files, Scene& scene)
       : context_(context), files_(files), scene_(scene) {}
 
-  /// A colour, or the texture that stands for it. What there is not here is grey and noted.
+  /// A colour or a texture. Unsupported textures become grey and are noted.
   ColorParameter parameter(const MitsubaColor& color);
-  /// A number that a texture stands for: its luminance, or the channel that a bitmap names.
+  /// A texture used as a number: its luminance, or the channel that a bitmap names.
   ScalarParameter scalar(const XmlElement& texture);
-  /// Where no texture can stand: grey in its place, which is noted with `of`, the name of the property.
+  /// For properties that cannot be textures: a texture becomes grey, which is noted with `of`, the property's name.
   glm::dvec3 constant(const MitsubaColor& color, const char* of);
-  /// The row of a new texture that is the same everywhere.
+  /// Adds a texture that is the same everywhere, and returns its row.
   std::uint32_t add_constant(const glm::dvec3& color, const SourcePosition& position);
-  /// A picture by its name in the scene; null after reporting why not.
+  /// The picture that an object names; null after reporting an error.
   std::shared_ptr<const Bitmap> picture(const MitsubaObject& object);
 
  private:
-  /// A texture times a colour; the colour alone where there is no row.
+  /// A texture multiplied by a colour; if there is no row, just the colour.
   struct Scaled {
     glm::dvec3 factor{1.0};
     std::optional<std::uint32_t> row;
-    TextureChannel channel = TextureChannel::luminance;  ///< where it stands for a number
+    TextureChannel channel = TextureChannel::luminance;  ///< if it is used as a number
   };
-  /// `number`: it stands for one, not for a colour.
+  /// `number`: the texture is used as a number, not as a colour.
   Scaled scaled(const XmlElement& texture, bool number, int depth);
   Scaled read(const XmlElement& texture, bool number, int depth);
   std::optional<Texture> read_bitmap(const MitsubaObject& object);
@@ -48,7 +48,8 @@ class MitsubaTextures {
   void read_square(const MitsubaObject& board, const char* name, bool number, int depth, glm::dvec3& color,
                    std::optional<std::uint32_t>& row);
   std::optional<Texture> read_attribute(const MitsubaObject& object);
-  /// What a picture is beyond its edges: as in a Scene, or black or white, where it gets a frame of such texels.
+  /// What a picture shows outside its edges: as in a Scene, or black or white, for which it gets a frame of such
+  /// texels.
   struct Wrap {
     TextureWrap mode = TextureWrap::repeat;
     std::optional<double> border = {};
@@ -64,8 +65,8 @@ class MitsubaTextures {
   const MitsubaFiles& files_;
   Scene& scene_;
   std::map<std::pair<const XmlElement*, bool>, Scaled> rows_;
-  std::map<std::string, std::shared_ptr<const Bitmap>> pictures_;  ///< by path; null where it cannot be read
-  /// Their rows, by what frames them across and along.
+  std::map<std::string, std::shared_ptr<const Bitmap>> pictures_;  ///< by path; null if it cannot be read
+  /// Rows of bitmaps, by picture and by the values in their frames.
   std::map<std::tuple<const Bitmap*, std::optional<double>, std::optional<double>>, std::uint32_t> bitmaps_;
 };
 

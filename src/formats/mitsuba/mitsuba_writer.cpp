@@ -25,7 +25,7 @@ bool is_mirrored(const glm::dmat4& m) {
   return glm::determinant(glm::dmat3(m)) < 0.0;
 }
 
-/// A picture of floats, linear.
+/// A linear picture of floats.
 std::shared_ptr<Bitmap> float_bitmap(std::uint32_t width, std::uint32_t height) {
   auto bitmap = std::make_shared<Bitmap>();
   bitmap->width = width;
@@ -99,7 +99,7 @@ class MitsubaWriter : MaterialWriter {
     xml_.close();
   }
 
-  /// In Mitsuba's words; null where it has none.
+  /// Mitsuba's word for an AOV; null if it has none.
   static const char* mitsuba_word(Aov aov) {
     switch (aov) {
       case Aov::depth:
@@ -120,7 +120,7 @@ class MitsubaWriter : MaterialWriter {
     }
   }
 
-  /// Mitsuba's wrapper around the integrator, where there is something for it.
+  /// Writes the integrator, wrapped in Mitsuba's `aov` if there are AOVs for it.
   void write_integrators() {
     std::string list;
     for (const Aov aov : scene_.aovs) {
@@ -213,7 +213,7 @@ class MitsubaWriter : MaterialWriter {
     xml_.close();
   }
 
-  /// Cameras for Mitsuba are not scaled.
+  /// Cameras in Mitsuba may not be scaled, so their scale must be uniform to be removed.
   double even_scale(const Camera& camera) const {
     const glm::dmat3 axes(camera.world_from_camera);
     const double scale = glm::length(axes[2]);
@@ -315,8 +315,8 @@ class MitsubaWriter : MaterialWriter {
     return bitmap;
   }
 
-  /// The same light in other rows: those of Mitsuba stand at equal angles, the first and last at the poles. So every
-  /// second one is the middle of a band, and those between are what the bands are at their edges.
+  /// The same light with other rows. Mitsuba's are at equal angles, the first and last at the poles; so every second
+  /// row is the middle of a band, and those in between are the values at the edges of bands.
   std::shared_ptr<const Bitmap> picture_with_poles(const SkyPicture& picture) {
     const Bitmap& bands = *picture.bitmap;
     auto bitmap = float_bitmap(bands.width, 2 * bands.height + 1);
@@ -330,7 +330,7 @@ class MitsubaWriter : MaterialWriter {
     return bitmap;
   }
 
-  /// At its first use with an id, later by that.
+  /// Writes the texture with an id at its first use, later a reference to it.
   void write_texture(const char* name, std::uint32_t row, const glm::dvec3& factor,
                      std::optional<TextureChannel> channel) override {
     const std::string id = fmt::format("texture-{}", textures_.size());
@@ -366,7 +366,7 @@ class MitsubaWriter : MaterialWriter {
               factor == glm::dvec3(1.0) ? files_.picture(bitmap) : files_.picture(scaled(*bitmap, space, factor)));
     if (space == ColorSpace::linear || factor != glm::dvec3(1.0)) xml_.boolean("raw", true);
   }
-  /// All but the name of the file.
+  /// Writes everything except the name of the file.
   void open_picture(const char* name, const std::string& id, const Texture& texture, const BitmapTexture& source) {
     constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};
     if (source.wrap_u != source.wrap_v) refuse("a texture is wrapped differently along u and v");
@@ -402,7 +402,7 @@ class MitsubaWriter : MaterialWriter {
     return result;
   }
 
-  /// One channel as a grey picture: Mitsuba knows the luminance of a texture alone.
+  /// One channel as a grey picture, because Mitsuba only uses the luminance of a texture.
   std::shared_ptr<const Bitmap> channel_of(const BitmapTexture& source, double factor, TextureChannel channel) {
     const Bitmap& from = *scene_.bitmaps[source.bitmap];
     const ColorSpace space = source.color_space.value_or(from.color_space);
@@ -423,7 +423,7 @@ class MitsubaWriter : MaterialWriter {
   void write_microfacet(const std::string&, const MicrofacetBsdf&) override {
     refuse("a material is Nori's microfacet");
   }
-  /// By the nearest of Mitsuba's materials.
+  /// Writes the nearest of Mitsuba's materials.
   void write_gltf(const std::string& id, const GltfBsdf& bsdf) override {
     const std::string sentence =
         "materials of glTF are written as principled, which has different lobes and no sheen, film, volume or "
@@ -463,9 +463,10 @@ class MitsubaWriter : MaterialWriter {
     const Shape& shape = scene_.shape_of(instance);
     if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
       xml_.open("shape", {{"type", "ply"}});
-      // There, normals of triangles follow from the order of their vertices in the world.
+      // In Mitsuba, normals of triangles follow from the winding in world space.
       if (mesh->normals.empty()) flip = flip != is_mirrored(instance.world_from_object);
-      // A mesh of its own is turned: Mitsuba (3.9) joins meshes of one material, and fails where only some are flipped.
+      // Writes a mesh that is itself inside out: Mitsuba (3.9) joins meshes of one material, and fails if only some of
+      // them are flipped.
       xml_.text("filename", files_.mesh(instance.shape, std::exchange(flip, false)));
       if (!mesh->uv_sets.empty()) xml_.boolean("flip_tex_coords", true);
       if (mesh->normals.empty()) xml_.boolean("face_normals", true);
@@ -473,7 +474,7 @@ class MitsubaWriter : MaterialWriter {
       xml_.open("shape", {{"type", "sphere"}});
       xml_.property("point", "center", shortest(sphere->center));
       number("radius", sphere->radius);
-      flip = flip != is_mirrored(instance.world_from_object);  // a mirrored sphere is turned inside out there
+      flip = flip != is_mirrored(instance.world_from_object);  // Mitsuba turns a mirrored sphere inside out
     } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
       xml_.open("shape", {{"type", "cylinder"}});
       xml_.property("point", "p0", shortest(cylinder->p0));
@@ -497,7 +498,7 @@ class MitsubaWriter : MaterialWriter {
 
   std::vector<std::string> differences_;
   bool tangents_noted_ = false, sides_noted_ = false;
-  /// Ids by row, factor and, of numbers, the channel.
+  /// Ids by row, factor and, for numbers, channel.
   std::map<std::tuple<std::uint32_t, double, double, double, std::optional<TextureChannel>>, std::string> textures_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Indices of refraction that Mitsuba's scenes call by name.
+/// Indices of refraction that Mitsuba scenes give by name.
 
 #include <optional>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace etendue {
 
-/// That of "water", "bk7", "air".
+/// The index of "water", "bk7", "air" and others.
 std::optional<double> named_ior(std::string_view name);
 std::vector<std::string> ior_names();
 

@@ -1,17 +1,17 @@
 #pragma once
-/// What Etendue reads of Mitsuba's scenes: a row for each tag and type. docs/mitsuba.md prints it.
+/// What Etendue reads in Mitsuba scenes: a row for each tag and type. docs/mitsuba.md contains this table.
 
 #include "formats/dialect/dialect.h"
 
 namespace etendue {
 
-/// Names of properties are those of Mitsuba 3; `snake_case` makes them of the older ones.
+/// Properties have their names of Mitsuba 3; `snake_case` converts the older names.
 const Dialect& mitsuba_dialect();
 
-/// "toWorld" → "to_world", "intIOR" → "int_ior"; what is so already stays.
+/// "toWorld" → "to_world", "intIOR" → "int_ior"; names that are in snake case already stay the same.
 std::string snake_case(std::string_view name);
 
-/// A property that is read past: its row's text says why it does not matter.
+/// Whether a property is ignored; its description says why it does not matter.
 bool has_no_effect(const Parameter& parameter);
 
 }  // namespace etendue

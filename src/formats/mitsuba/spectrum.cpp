@@ -8,21 +8,21 @@
 namespace etendue {
 namespace {
 
-/// Rec. 709 from CIE XYZ, for the white point D65, to six digits (ITU-R BT.709).
+/// Converts CIE XYZ to Rec. 709 with the white point D65; six decimals (ITU-R BT.709).
 glm::dvec3 rec709_of_xyz(const glm::dvec3& c) {
   return {3.240479 * c.x - 1.537150 * c.y - 0.498535 * c.z, -0.969256 * c.x + 1.875991 * c.y + 0.041556 * c.z,
           0.055648 * c.x - 0.204043 * c.y + 1.057311 * c.z};
 }
 
-/// ∫ ȳ dλ: makes the luminance of a flat spectrum 1.
+/// ∫ ȳ dλ. Dividing by it makes the luminance of a flat spectrum 1.
 constexpr double kLuminance = 106.856895;
-/// D65 of the table is 100 at 560 nm; here its luminance is 1, as far as Mitsuba's five digits go.
+/// The table's D65 is 100 at 560 nm; this factor makes its luminance 1, to the five digits that Mitsuba has.
 constexpr double kD65Scale = 0.01010127305984497;
 
-/// Place of a wavelength in the tables.
+/// The position of a wavelength in the tables.
 struct Place {
   int first;
-  double share;  ///< of the entry after `first`
+  double share;  ///< weight of the entry after `first`
 };
 Place place_of(double wavelength) {
   const double x = std::clamp((wavelength - cie::kFirstWavelength) / cie::kStep, 0.0, cie::kCount - 1.0);
@@ -45,7 +45,7 @@ double d65(double wavelength) {
 }  // namespace
 
 glm::dvec3 to_rec709(const std::vector<SpectrumPoint>& points, SpectrumUse use) {
-  constexpr int kSteps = 1000;  // under half a nanometre each, which gives five digits for any smooth spectrum
+  constexpr int kSteps = 1000;  // less than half a nanometre each: five digits for any smooth spectrum
   constexpr double kRange = cie::kStep * (cie::kCount - 1);
   glm::dvec3 sum(0.0);
   std::size_t next = 0;

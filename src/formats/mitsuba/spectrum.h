@@ -1,5 +1,5 @@
 #pragma once
-/// Spectra as linear Rec. 709 colours, the way Mitsuba's variants with RGB do it, so that a scene means the same here.
+/// Converts spectra to linear Rec. 709 as Mitsuba's RGB variants do, so that a scene has the same colours here.
 
 #include <vector>
 
@@ -7,9 +7,9 @@
 
 namespace etendue {
 
-/// What a spectrum is of. Reflectances and indices of refraction are seen under D65, so that flat ones are grey; a
-/// reflectance has no component outside [0, 1]. Emission is seen as it is: where it is flat it has the colour of equal
-/// energy, which is reddish next to D65.
+/// What a spectrum describes. Reflectances and indices of refraction are converted under D65, so flat ones are grey;
+/// reflectances are clamped to [0, 1]. Emission is converted as it is: a flat one has the colour of equal energy, which
+/// is reddish compared with D65.
 enum class SpectrumUse { reflectance, emission, index };
 
 struct SpectrumPoint {
@@ -17,14 +17,14 @@ struct SpectrumPoint {
   double value;
 };
 
-/// The colour of a spectrum that is linear between its points, ascending in wavelength, and zero outside them. Seen by
-/// the CIE 1931 observer [CIE2018].
+/// The colour, for the CIE 1931 observer [CIE2018], of a spectrum that is linear between its points and zero outside
+/// them. Wavelengths ascend.
 glm::dvec3 to_rec709(const std::vector<SpectrumPoint>& points, SpectrumUse use);
 
 /// The colour of a spectrum that is `value` everywhere.
 glm::dvec3 to_rec709(double value, SpectrumUse use);
 
-/// Rec. 709 of a component in sRGB's encoding, in [0, 1] (IEC 61966-2-1).
+/// Decodes an sRGB component in [0, 1] to linear Rec. 709 (IEC 61966-2-1).
 double linear_of_srgb(double encoded);
 
 }  // namespace etendue

@@ -1,4 +1,5 @@
-/// Reading of <transform> in Mitsuba's dialect: operations with their numbers in one attribute or in one for each axis.
+/// Reads <transform> in Mitsuba's dialect, whose operations have their numbers in one attribute or in one for each
+/// axis.
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +14,7 @@
 namespace etendue {
 namespace {
 
-/// Error offsets are those of the document.
+/// Calls `read` and turns offsets of its errors into offsets in the document.
 template <typename Read>
 auto at_attribute(const XmlElement& element, const XmlAttribute& attribute, Read read) {
   try {
@@ -29,7 +30,7 @@ double read_real(const XmlElement& element, const XmlAttribute& attribute) {
                       [&] { return std::get<double>(parse_value(ParameterType::real, {}, attribute.value)); });
 }
 
-/// `value`, three numbers or one that stands for three, or x, y and z, where what is left out is `missing`.
+/// `value` with three numbers or one for all axes, or x, y and z, each of which is `missing` by default.
 glm::dvec3 read_axes(const XmlElement& element, double missing) {
   if (const XmlAttribute* value = element.find("value")) {
     return at_attribute(element, *value, [&] {
@@ -56,7 +57,7 @@ glm::dmat4 read_rotate(const XmlElement& element) {
   return glm::rotate(glm::dmat4(1.0), glm::radians(turn), glm::normalize(axis / largest));
 }
 
-/// 16 numbers row by row, or the nine of its upper left part.
+/// 16 numbers row by row, or the nine of the upper left part.
 glm::dmat4 read_matrix(const XmlElement& element) {
   const XmlAttribute& value = required(element, "value");
   const std::vector<ListedNumber> numbers = at_attribute(element, value, [&] { return parse_numbers(value.value); });
@@ -71,7 +72,7 @@ glm::dmat4 read_matrix(const XmlElement& element) {
   return m;
 }
 
-/// What Mitsuba takes for up where a file says nothing: a direction across `dir`, of 0.6 another than later ones.
+/// Mitsuba's default for `up`, a direction perpendicular to `dir`; 0.6 has a different one than later versions.
 glm::dvec3 default_up(const glm::dvec3& dir, bool old) {
   if (old) {
     const bool by_x = std::abs(dir.x) > std::abs(dir.y);
@@ -125,7 +126,7 @@ glm::dmat4 read_mitsuba_transform(const XmlElement& element, const MitsubaContex
       context.sink.error(context.document.position(error.offset), error.message);
     }
   }
-  if (is_finite(product)) return product + glm::dmat4(0.0);  // no negative zeros, which other files would not keep
+  if (is_finite(product)) return product + glm::dmat4(0.0);  // no negative zeros, which files would not preserve
   context.sink.error(context.document.position(element), "the product of this <transform> overflows; check its scales");
   return glm::dmat4(1.0);
 }
