@@ -132,6 +132,12 @@ void DeviceOption::add_to(Command& command, bool several) {
                   "a device whose dispatch takes longer counts as hanging (default and maximum: 5m)")
       ->type_name("TIME")
       ->group(kDevice);
+  command
+      .add_option("--dispatch-time", dispatch_time,
+                  "the longest that a dispatch should take (default: 100ms on GPUs, 1s on CPUs); shorter ones leave a "
+                  "GPU that also drives the screen more responsive")
+      ->type_name("TIME")
+      ->group(kDevice);
   command.add_option("--pass-samples", pass_samples, "samples of each lane per dispatch; for tests")->group("");
   command
       .add_option("--traversal", traversal,
@@ -154,6 +160,7 @@ DeviceSelection DeviceOption::selection() const {
                       : traversal == "tree" ? Traversal::tree
                                             : Traversal::automatic;
   if (!timeout.empty()) devices.max_wait_seconds = parse_duration("--device-timeout", timeout);
+  if (!dispatch_time.empty()) devices.dispatch_seconds = parse_duration("--dispatch-time", dispatch_time);
   return devices;
 }
 

@@ -67,6 +67,7 @@ struct SampleOptions {
 struct DeviceOption {
   std::string selector = "auto";
   std::string timeout;             ///< of one dispatch, "30s"; empty: the default of vulkan::ContextOptions
+  std::string dispatch_time;       ///< "20ms"; empty: the device's default
   std::uint32_t pass_samples = 0;  ///< see GpuOptions::fixed_samples; for tests
   std::string traversal = "auto";
   unsigned threads = 0;  ///< of the reference and of scene compilation; 0: as many as there are cores

@@ -23,10 +23,10 @@ struct GpuOptions {
   std::string device = "auto";  ///< see vulkan::Context
   vulkan::ContextOptions context = gpu_context_options();
   std::shared_ptr<const vulkan::Context> open;  ///< if not null, a device that is already open, instead of `device`
-  double pass_seconds = 0.1;                    ///< target duration of a dispatch, so that no watchdog fires
-  std::uint32_t fixed_samples = 0;  ///< not 0: samples of each slot per dispatch, for tests of the equality contract
-  std::uint32_t fixed_groups = 0;   ///< not 0: workgroups per dispatch
-  std::optional<TableLoads> loads;  ///< see choose_table_loads; for tests and measurements
+  std::optional<double> pass_seconds;  ///< longest that a dispatch should take, instead of the device's default
+  std::uint32_t fixed_samples = 0;     ///< not 0: samples of each slot per dispatch, for tests of the equality contract
+  std::uint32_t fixed_groups = 0;      ///< not 0: workgroups per dispatch
+  std::optional<TableLoads> loads;     ///< see choose_table_loads; for tests and measurements
   std::shared_ptr<const KernelSet>
       kernels;  ///< not null: instead of the kernels that render pictures; they read texel buffers
 

@@ -36,7 +36,10 @@ constexpr std::uint32_t kCpuIterationsDivergent = kCpuIterations / 8;
 // slightly longer.
 constexpr std::uint32_t kTurnsNee = 2, kStepsNee = 6, kStepsNeeDear = 8;
 constexpr std::uint32_t kTurnsNaive = 1, kStepsNaive = 8;
+constexpr double kGpuPassSeconds = 0.1;  // so that no watchdog fires
 constexpr double kCpuPassSeconds = 1.0;  // there is no watchdog, and fewer dispatches waste less
+// A place of the film that was not rendered yet, such as glass beside walls, is taken to be so many times dearer.
+constexpr double kCaution = 4.0;
 // Paths per lane in a dispatch, one after the other, where this can be chosen: at its end, lanes wait for slower ones,
 // for a time that grows with the square root of the number of paths.
 constexpr std::uint32_t kPathsPerLane = 256;
@@ -94,13 +97,15 @@ class Timer {
 
 PassLimits pass_limits(const vulkan::Context& context, const GpuOptions& options, std::uint32_t lane_groups,
                        std::uint32_t rounds) {
-  return {.seconds = context.is_cpu() ? kCpuPassSeconds : options.pass_seconds,
+  const bool unwatched = context.is_cpu() && !options.pass_seconds;
+  return {.seconds = unwatched ? kCpuPassSeconds : options.pass_seconds.value_or(kGpuPassSeconds),
           .most_groups = std::min<std::uint64_t>(most_samples(context, lane_groups) / gpu::kWorkgroupSize,
                                                  context.limits().maxComputeWorkGroupCount[0]),
           .lane_groups = lane_groups,
           .paths_per_lane = std::clamp(rounds / kRoundsPerPath, PassLimits::kLeastPathsPerLane, kPathsPerLane),
           .fixed_samples = options.fixed_samples,
-          .fixed_groups = options.fixed_groups};
+          .fixed_groups = options.fixed_groups,
+          .caution = unwatched ? 1.0 : kCaution};
 }
 
 // Groups of 64 slots for which a dispatch can count so many paths.
@@ -220,6 +225,7 @@ class GpuRenderer final : public Renderer {
   void forget_film() {
     film_sets_.clear();
     film_.reset();
+    for (RenderKernel& kernel : render_kernels_) kernel.sizer.forget_places();
   }
   gpu::Pass begin_pass(const SlotLayout& slots, SampleRange range) const;
   void run_pass(std::size_t band, gpu::Pass pass, std::uint32_t paths);
@@ -424,7 +430,6 @@ void GpuRenderer::trace_chunk(const Work& work, gpu::Pass pass) {
   RenderKernel& present = present_kernel();
   pass.step_budget = step_budget_;
   const std::uint32_t lane_groups = present.sizer.lane_groups(pass.group_count);
-  const double paths = static_cast<double>(pass.paths) * pass.group_count * gpu::kWorkgroupSize;
   for (double seconds = 0.0;; pass.resume = 1) {
     const double more = dispatch(work, pass, lane_groups);
     const gpu::ReportHead head = take_report();
@@ -437,7 +442,7 @@ void GpuRenderer::trace_chunk(const Work& work, gpu::Pass pass) {
       timings_.pipeline += more;  // dominated by the driver's lazy compilation
       present.dispatched = true;
     }
-    if (head.unfinished == 0) return present.sizer.measured(paths, seconds);
+    if (head.unfinished == 0) return present.sizer.measured({pass.first_group, pass.group_count}, pass.paths, seconds);
     if (head.stuck > 0) {
       throw Error(
           ErrorKind::scene,
@@ -466,9 +471,9 @@ void GpuRenderer::run_pass(std::size_t band, gpu::Pass pass, std::uint32_t paths
   for (std::uint32_t done = 0; done < groups; done += pass.group_count) {
     pass.first_slot = done * gpu::kWorkgroupSize;
     pass.first_group = film_->bands()[band].first_group() + done;
-    pass.group_count = kernel.sizer.groups(groups - done, paths);
+    pass.group_count = kernel.sizer.groups({pass.first_group, groups - done}, paths);
     for (std::uint32_t done_paths = 0; done_paths < paths; done_paths += pass.paths) {
-      pass.paths = kernel.sizer.paths(paths - done_paths, pass.group_count);
+      pass.paths = kernel.sizer.paths(paths - done_paths, {pass.first_group, pass.group_count});
       pass.paths_before = paths_before + done_paths;
       trace_chunk({layout, kernel.trace, film_sets_[band]}, pass);
       timings_.render += dispatch({layout, kernel.take, film_sets_[band]}, pass, pass.group_count);
@@ -524,7 +529,8 @@ RenderProfile GpuRenderer::profile(std::uint32_t samples) {
   pass.paths = out.samples;
   for (const FilmBand& band : film.bands()) {
     const std::uint32_t most_groups =
-        std::min(present_kernel().sizer.groups(band.group_count(), pass.paths), most_profiled(context(), pass.paths));
+        std::min(present_kernel().sizer.groups({band.first_group(), band.group_count()}, pass.paths),
+                 most_profiled(context(), pass.paths));
     std::vector<gpu::PathProfile> counts(std::size_t{most_groups} * pass.paths * gpu::kWorkgroupSize);
     const vulkan::Buffer buffer(context(), counts.size() * sizeof(gpu::PathProfile), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                 vulkan::Buffer::Memory::device, "profile");

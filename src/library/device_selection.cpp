@@ -66,6 +66,7 @@ GpuOptions gpu_options(const DeviceSelection& device) {
   GpuOptions options;
   options.device = device.selector;
   options.fixed_samples = device.pass_samples;
+  options.pass_seconds = device.dispatch_seconds;
   options.traversal = device.traversal;
   if (device.max_wait_seconds) options.context.max_wait_seconds = *device.max_wait_seconds;
   return options;

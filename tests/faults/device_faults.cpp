@@ -16,13 +16,6 @@ namespace {
 
 class DeviceFaults : public RenderTest {
  protected:
-  static ProcessOptions fault(const std::string& kind, int after, const std::string& times = "1000000") {
-    return {.environment = {{"VK_LAYER_PATH", FAULT_LAYER_FOLDER},
-                            {"VK_INSTANCE_LAYERS", "VK_LAYER_ETENDUE_fault"},
-                            {"ETENDUE_FAULT", kind},
-                            {"ETENDUE_FAULT_AFTER", std::to_string(after)},
-                            {"ETENDUE_FAULT_TIMES", times}}};
-  }
   static std::size_t count(const std::string& text, const std::string& word) {
     std::size_t n = 0;
     for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;

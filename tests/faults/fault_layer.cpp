@@ -8,6 +8,9 @@
 /// memory heaps and maxMemoryAllocationSize; ETENDUE_FAULT_BUFFERS and ETENDUE_FAULT_IMAGES the storage buffers and
 /// sampled images that a kernel can be given; ETENDUE_FAULT_GROUPS the workgroups of a dispatch, and one of more ends
 /// the process.
+/// - ETENDUE_FAULT=slow: a dispatch that traces takes ETENDUE_FAULT_PATH nanoseconds longer for each of its paths, and
+/// ETENDUE_FAULT_DEAR times that for the groups of film slots from ETENDUE_FAULT_FROM up to ETENDUE_FAULT_TO. Each adds
+/// a line to the file ETENDUE_FAULT_LOG: its first group, groups, paths of each slot, and these nanoseconds.
 /// - ETENDUE_FAULT_AFTER=N: the first N dispatches or allocations of the process are good.
 /// - ETENDUE_FAULT_TIMES=N: faults in all; unlimited by default.
 
@@ -18,6 +21,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <set>
@@ -27,6 +31,8 @@
 
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
+
+#include "gpu_types.h"
 
 #define LAYER_EXPORT extern "C" __attribute__((visibility("default")))
 
@@ -46,6 +52,10 @@ struct DeviceTable {
   PFN_vkWaitForFences wait = nullptr;
   PFN_vkAllocateMemory allocate = nullptr;
   PFN_vkCmdDispatch dispatch = nullptr;
+  PFN_vkCmdPushConstants push = nullptr;
+  etendue::gpu::Pass pass{};   // pushed last
+  std::uint64_t recorded = 0;  // nanoseconds that the recorded dispatches take longer
+  std::uint64_t running = 0;   // and the submitted ones
   bool dispatch_recorded = false;
   bool lost = false;
   bool hung = false;
@@ -122,12 +132,30 @@ VKAPI_ATTR void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceM
   for (std::uint32_t i = 0; i < memory->memoryHeapCount; ++i) lower(memory->memoryHeaps[i].size, "ETENDUE_FAULT_HEAP");
 }
 
+// How much longer a pass takes on the slow device. Call with the lock held.
+std::uint64_t delay(const etendue::gpu::Pass& pass) {
+  // The other kernels have no budget; and what was left of a pass is counted with the pass.
+  if (fault() != "slow" || pass.step_budget == 0 || pass.request_count > 0 || pass.resume != 0) return 0;
+  const auto at = [](const char* name) { return static_cast<std::uint64_t>(number(name, 0)); };
+  const std::uint64_t first = pass.first_group, end = first + pass.group_count;
+  const std::uint64_t from = std::max(first, at("ETENDUE_FAULT_FROM")), to = std::min(end, at("ETENDUE_FAULT_TO"));
+  const std::uint64_t dear = to > from ? to - from : 0;
+  const std::uint64_t groups = pass.group_count - dear + dear * at("ETENDUE_FAULT_DEAR");
+  const std::uint64_t paths = groups * pass.paths * etendue::gpu::kWorkgroupSize;
+  const std::uint64_t nanoseconds = fails_now() ? paths * at("ETENDUE_FAULT_PATH") : 0;
+  if (const char* log = std::getenv("ETENDUE_FAULT_LOG"))
+    std::ofstream(log, std::ios::app) << first << ' ' << pass.group_count << ' ' << pass.paths << ' ' << nanoseconds
+                                      << '\n';
+  return nanoseconds;
+}
+
 VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos, VkFence fence) {
   PFN_vkQueueSubmit next = nullptr;
   {
     const std::lock_guard lock(g_mutex);
     DeviceTable& device = g_devices.at(key(queue));
     const bool dispatches = std::exchange(device.dispatch_recorded, false);
+    device.running += std::exchange(device.recorded, 0);
     if (device.lost) return VK_ERROR_DEVICE_LOST;
     if (dispatches && fault() == "lost" && fails_now()) {
       device.lost = true;
@@ -146,13 +174,16 @@ VKAPI_ATTR VkResult VKAPI_CALL wait(VkDevice device, std::uint32_t count, const 
   {
     const std::lock_guard lock(g_mutex);
     table = g_devices.at(key(device));
+    g_devices.at(key(device)).running = 0;
   }
   if (table.lost) return VK_ERROR_DEVICE_LOST;
   if (table.hung) {
     std::this_thread::sleep_for(std::chrono::nanoseconds(timeout));
     return VK_TIMEOUT;
   }
-  return table.wait(device, count, fences, all, timeout);
+  const VkResult result = table.wait(device, count, fences, all, timeout);
+  std::this_thread::sleep_for(std::chrono::nanoseconds(table.running));
+  return result;
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo* info,
@@ -175,9 +206,22 @@ VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer buffer, std::uint32_t x, std
     const std::lock_guard lock(g_mutex);
     DeviceTable& device = g_devices.at(key(buffer));
     device.dispatch_recorded = true;
+    device.recorded += delay(device.pass);
     next = device.dispatch;
   }
   next(buffer, x, y, z);
+}
+
+VKAPI_ATTR void VKAPI_CALL push(VkCommandBuffer buffer, VkPipelineLayout layout, VkShaderStageFlags stages,
+                                std::uint32_t offset, std::uint32_t size, const void* values) {
+  PFN_vkCmdPushConstants next = nullptr;
+  {
+    const std::lock_guard lock(g_mutex);
+    DeviceTable& device = g_devices.at(key(buffer));
+    if (offset == 0 && size == sizeof device.pass) std::memcpy(&device.pass, values, size);
+    next = device.push;
+  }
+  next(buffer, layout, stages, offset, size, values);
 }
 
 VKAPI_ATTR void VKAPI_CALL destroy_device(VkDevice device, const VkAllocationCallbacks* callbacks) {
@@ -246,6 +290,7 @@ VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const Vk
   table.wait = reinterpret_cast<PFN_vkWaitForFences>(get(*device, "vkWaitForFences"));
   table.allocate = reinterpret_cast<PFN_vkAllocateMemory>(get(*device, "vkAllocateMemory"));
   table.dispatch = reinterpret_cast<PFN_vkCmdDispatch>(get(*device, "vkCmdDispatch"));
+  table.push = reinterpret_cast<PFN_vkCmdPushConstants>(get(*device, "vkCmdPushConstants"));
   return VK_SUCCESS;
 }
 
@@ -286,6 +331,7 @@ PFN_vkVoidFunction own(const char* name) {
       {"vkQueueSubmit", reinterpret_cast<PFN_vkVoidFunction>(submit)},
       {"vkWaitForFences", reinterpret_cast<PFN_vkVoidFunction>(wait)},
       {"vkAllocateMemory", reinterpret_cast<PFN_vkVoidFunction>(allocate)},
+      {"vkCmdPushConstants", reinterpret_cast<PFN_vkVoidFunction>(push)},
       {"vkCmdDispatch", reinterpret_cast<PFN_vkVoidFunction>(dispatch)}};
   const auto found = functions.find(name);
   return found != functions.end() ? found->second : nullptr;

@@ -46,6 +46,14 @@ class RenderTest : public testing::Test {
     ASSERT_EQ(result.errors().size(), 1u) << result.err;
     EXPECT_THAT(result.errors().front(), testing::HasSubstr(words));
   }
+  /// What makes the device fail, see fault_layer.cpp.
+  static ProcessOptions fault(const std::string& kind, int after, const std::string& times = "1000000") {
+    return {.environment = {{"VK_LAYER_PATH", FAULT_LAYER_FOLDER},
+                            {"VK_INSTANCE_LAYERS", "VK_LAYER_ETENDUE_fault"},
+                            {"ETENDUE_FAULT", kind},
+                            {"ETENDUE_FAULT_AFTER", std::to_string(after)},
+                            {"ETENDUE_FAULT_TIMES", times}}};
+  }
   void expect_same(const std::string& a, const std::string& b) const {
     const std::string bytes = read_text(folder_ / a);
     EXPECT_FALSE(bytes.empty()) << a;
