@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <variant>
 
 #include <fmt/core.h>
 
@@ -60,6 +61,34 @@ Json json(const RayRates& r) {
   return out;
 }
 
+Json json(const KernelReport& kernel) {
+  Json parts = Json::array();
+  for (const vulkan::KernelStatistics& part : kernel.parts) {
+    Json values = Json::object();
+    for (const auto& [name, value] : part.values)
+      std::visit([&](auto number) { values[text::printable(name, text::kLongestLine)] = number; }, value);
+    parts.push_back({{"part", text::printable(part.part, text::kLongestLine)},
+                     {"subgroup_size", part.subgroup_size},
+                     {"statistics", values}});
+  }
+  return {{"kernel", kernel.kernel}, {"parts", parts}};
+}
+
+std::string kernel_lines(const KernelReport& kernel) {
+  std::string out;
+  for (const vulkan::KernelStatistics& part : kernel.parts) {
+    out += fmt::format("  kernel {}, {}, subgroups of {}\n", kernel.kernel,
+                       text::printable(part.part, text::kLongestLine), part.subgroup_size);
+    for (const auto& [name, value] : part.values)
+      std::visit(
+          [&](auto number) {
+            out += fmt::format("    {:<28} {:>16}\n", text::printable(name, text::kLongestLine), number);
+          },
+          value);
+  }
+  return out;
+}
+
 Json json(const SceneReport& s) {
   Json out = {{"scene", s.name},
               {"file", s.file},
@@ -81,6 +110,10 @@ Json json(const SceneReport& s) {
   if (s.host_peak) out["memory"]["host_peak"] = *s.host_peak;
   if (s.device_peak > 0) out["memory"]["device_peak"] = s.device_peak;
   for (const RayRates& r : s.rays) out["rays"].push_back(json(r));
+  if (s.kernels.empty()) return out;
+  out["compiler"] = text::printable(s.compiler, text::kLongestLine);
+  out["kernels"] = Json::array();
+  for (const KernelReport& kernel : s.kernels) out["kernels"].push_back(json(kernel));
   return out;
 }
 
@@ -96,6 +129,8 @@ std::string scene_table(const SceneReport& s) {
   if (s.host_peak)
     out += fmt::format("  {:<20} {:>26}  above the scene itself\n", "host memory", mebibytes(*s.host_peak));
   if (s.device_peak > 0) out += fmt::format("  {:<20} {:>26}\n", "device memory", mebibytes(s.device_peak));
+  if (!s.kernels.empty()) out += fmt::format("  kernels by {}\n", text::printable(s.compiler, text::kLongestLine));
+  for (const KernelReport& kernel : s.kernels) out += kernel_lines(kernel);
   if (!s.rays.empty()) out += fmt::format("  {:<20} {:>26}\n", "rays", "Mrays/s");
   for (const RayRates& r : s.rays) out += ray_line(r);
   if (s.sample_rate.count > 0) {

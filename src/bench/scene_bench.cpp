@@ -68,6 +68,19 @@ void SceneBench::repeat_start_up() {
   warm_.push_back(measure_start_up(scene_, *options_.gpu, false));
 }
 
+void SceneBench::read_kernels() {
+  if (!options_.compiler || !options_.gpu) return;
+  const std::unique_ptr<Renderer> renderer = make_gpu_renderer(shared_, {.seed = options_.seed}, *options_.gpu);
+  device_name_ = renderer->device_name();
+  driver_name_ = renderer->driver_name();
+  vulkan::ContextOptions how = options_.gpu->context;
+  how.requirements.ray_queries = options_.gpu->queries();
+  how.kernel_statistics = true;
+  const vulkan::Context compiler(*options_.compiler, how);
+  compiler_ = fmt::format("{}, {}", compiler.info().name, compiler.info().driver);
+  kernels_ = gpu_kernels(*renderer, compiler);
+}
+
 void SceneBench::open() {
   if (options_.cast_rays) open_caster();
   if (options_.render) open_renderer();
@@ -175,6 +188,8 @@ SceneReport SceneBench::report() const {
     if (s.host_peak) out.host_peak = std::max(out.host_peak.value_or(0), *s.host_peak);
   }
   out.device_peak = device_peak_;
+  out.compiler = compiler_;
+  out.kernels = kernels_;
   out.rays = rates_;
   for (std::size_t i = 0; i < rates_.size(); ++i) {
     out.rays[i].rate = spread_of(column(ray_paces_[i], &Pace::wall));

@@ -23,6 +23,7 @@ struct BenchOptions {
   std::size_t checked_rays = 1 << 15;  ///< of each set, compared with the reference
   std::uint32_t seed = 0;
   bool start_up = true, cast_rays = true, render = true;  ///< what is measured
+  std::optional<std::string> compiler;                    ///< the device whose driver is asked for kernel statistics
 };
 
 struct RayRates {
@@ -43,6 +44,8 @@ struct SceneReport {
   Spread compile, upload, pipeline_cold, pipeline_warm;  ///< seconds; see StartUp
   std::optional<std::uint64_t> host_peak;                ///< bytes; see StartUp
   std::uint64_t device_peak = 0;                         ///< bytes of Vulkan buffers of a renderer with the whole film
+  std::string compiler;                                  ///< device and driver that `kernels` are from
+  std::vector<KernelReport> kernels;                     ///< empty if not asked for
   std::vector<RayRates> rays;
   Spread sample_rate;              ///< pixel samples/s, transfers of the film left out
   Spread cpu_sample_rate;          ///< pixel samples per second of CPU time, all threads together
@@ -58,6 +61,8 @@ class SceneBench {
 
   /// Phase 1, before any open(): start-up costs, with no other device open.
   void repeat_start_up();
+  /// Likewise: asks the driver's compiler.
+  void read_kernels();
   /// Phase 2: opens the device, makes and checks the rays, warms up.
   void open();
   void repeat();
@@ -96,6 +101,8 @@ class SceneBench {
   std::uint64_t device_peak_ = 0;
   std::vector<Pace> sample_paces_;
   std::vector<StartUp> cold_, warm_;
+  std::string compiler_;
+  std::vector<KernelReport> kernels_;
 };
 
 }  // namespace etendue

@@ -25,6 +25,7 @@ struct BenchArguments {
   std::size_t rays = 0;
   SampleOptions sampling;
   std::vector<std::string> parts;
+  std::string compiler;
   std::string export_folder;
   std::string loads;
   bool quick = false;
@@ -74,7 +75,12 @@ BenchOptions bench_options(const BenchArguments& options) {
     out.start_up = asked("start");
     out.cast_rays = asked("rays");
     out.render = asked("samples");
+    if (asked("kernels")) out.compiler = options.compiler.empty() ? options.device.selector : options.compiler;
   }
+  if (!options.compiler.empty() && !out.compiler)
+    throw Error(ErrorKind::usage, "'--compiler' is for '--part kernels', which is missing; add it.");
+  if (out.compiler && !out.gpu)
+    throw Error(ErrorKind::usage, "The reference has no kernels; choose another --device, or another --part.");
   return out;
 }
 
@@ -103,6 +109,7 @@ Ending run_bench(const BenchArguments& options) {
   const BenchOptions bench = bench_options(options);
   const auto benches = read_scenes(options, bench);
   const std::uint32_t repetitions = options.quick ? std::min(options.repetitions, 2u) : options.repetitions;
+  for (const auto& scene : benches) scene->read_kernels();
   // Scenes take turns within every repetition.
   for (std::uint32_t i = 0; i < repetitions; ++i) {
     for (const auto& scene : benches) scene->repeat_start_up();
@@ -145,10 +152,17 @@ void add_bench_command(Command& app, Action& action) {
   command->add_option("--rays", options->rays, "number of primary rays; 0: chosen to suit the device")
       ->check(in_range(0, 1 << 22))
       ->capture_default_str();
-  command->add_option("--part", options->parts, "measure only this part: start, rays or samples; may be repeated")
+  command
+      ->add_option("--part", options->parts,
+                   "only this part: start, rays, samples, or kernels, what the driver's compiler says of the kernels "
+                   "(only if named); may be repeated")
       ->type_name("PART")
-      ->check(one_of({"start", "rays", "samples"}))
+      ->check(one_of({"start", "rays", "samples", "kernels"}))
       ->allow_extra_args(false);
+  command
+      ->add_option("--compiler", options->compiler,
+                   "with --part kernels, the device whose driver compiles them (default: the one of --device)")
+      ->type_name("DEVICE");
   command
       ->add_option("--export", options->export_folder,
                    "write scenes and rays for other programs into this folder (docs/benchmarks.md)")

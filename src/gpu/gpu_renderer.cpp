@@ -176,6 +176,7 @@ class GpuRenderer final : public Renderer {
   std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) override;
   std::vector<PathVertex> trace_path(SampleId id) override;
   RenderProfile profile(std::uint32_t samples);
+  std::vector<KernelReport> kernels(const vulkan::Context& compiler) const;
 
  private:
   class SampleTracer;
@@ -493,6 +494,17 @@ GpuRenderer::RenderKernel& GpuRenderer::present_kernel() {
           PassSizer(pass_limits(context(), options_, lane_groups_, step_budget_ / iterations_per_round(constants_)))});
 }
 
+// Constants and layouts are those of the renderer's own device, whose driver may have no such statistics.
+std::vector<KernelReport> GpuRenderer::kernels(const vulkan::Context& compiler) const {
+  const vulkan::SetLayout scene(compiler, scene_bindings(scene_->loads(), scene_->queries()));
+  const KernelBindings layout(compiler, scene, film_bindings());
+  const auto compiled = [&](std::span<const std::uint32_t> spirv, const char* name) {
+    return KernelReport{name, vulkan::Kernel(compiler, layout.pipeline, spirv, constants_, name).statistics(compiler)};
+  };
+  return {compiled(is_plain(constants_) ? kernels_.render_plain : kernels_.render, "render"),
+          compiled(kernels_.take_samples, "take_samples")};
+}
+
 // Adds the counts of each path to its pixel.
 void add_profile(RenderProfile& profile, const gpu::PathProfile& path, std::uint32_t pixel, glm::dvec4& shares) {
   const auto add = [](RayCounts& counts, const gpu::uvec4& more) {
@@ -667,6 +679,9 @@ GpuTimings gpu_timings(const Renderer& renderer) {
 }
 RenderProfile gpu_profile(Renderer& renderer, std::uint32_t samples) {
   return dynamic_cast<GpuRenderer&>(renderer).profile(samples);
+}
+std::vector<KernelReport> gpu_kernels(const Renderer& renderer, const vulkan::Context& compiler) {
+  return dynamic_cast<const GpuRenderer&>(renderer).kernels(compiler);
 }
 std::string gpu_device_choice(const Renderer& renderer) {
   return dynamic_cast<const GpuRenderer&>(renderer).choice();

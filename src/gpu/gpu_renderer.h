@@ -4,10 +4,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gpu/device_scene.h"
 #include "render/renderer.h"
 #include "render/shared_scene.h"
+#include "vulkan/kernel.h"
 
 namespace etendue {
 
@@ -25,6 +27,12 @@ struct GpuTimings {
 /// Rays of one class and the records they visited.
 struct RayCounts {
   std::uint64_t rays = 0, nodes = 0, primitives = 0;
+};
+
+/// What the driver's compiler says of a kernel.
+struct KernelReport {
+  std::string kernel;
+  std::vector<vulkan::KernelStatistics> parts;
 };
 
 struct RenderProfile {
@@ -50,6 +58,9 @@ GpuTimings gpu_timings(const Renderer& renderer);
 /// Counts the operations of the render kernel for samples [0, samples) of every pixel, using a slower build with
 /// counters.
 RenderProfile gpu_profile(Renderer& renderer, std::uint32_t samples);
+/// What the compiler of another device, opened with `kernel_statistics`, makes of the kernels that render the picture.
+/// Nothing runs on that device.
+std::vector<KernelReport> gpu_kernels(const Renderer& renderer, const vulkan::Context& compiler);
 /// The message that says which device was chosen, and why.
 std::string gpu_device_choice(const Renderer& renderer);
 

@@ -532,6 +532,11 @@ void Context::refuse_small_files() const {
 
 void Context::open_device() {
   read_limits();
+  const bool statistics = options_.kernel_statistics;
+  if (statistics && !has_extension(physical_, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME))
+    throw Error(ErrorKind::device,
+                fmt::format("The driver of '{}' does not tell what it makes of kernels: it lacks the extension {}.",
+                            info_.name, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME));
   queue_family_ = static_cast<std::uint32_t>(compute_family(physical_));
   const float priority = 1.0f;
   const VkDeviceQueueCreateInfo queue_info{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -545,10 +550,15 @@ void Context::open_device() {
   const bool queries = options_.requirements.ray_queries;
   std::vector<const char*> extensions;
   if (queries) extensions.assign(std::begin(kRayQueryExtensions), std::end(kRayQueryExtensions));
+  VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR,
+      .pNext = queries ? &on.queries : nullptr,
+      .pipelineExecutableInfo = VK_TRUE};
+  if (statistics) extensions.push_back(VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
   if (is_cpu_) host_memory_alignment_ = importable_alignment(physical_);
   if (host_memory_alignment_ != 0) extensions.push_back(VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                .pNext = queries ? &on.queries : nullptr,
+                                .pNext = statistics ? &executables : executables.pNext,
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queue_info,
                                 .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
@@ -578,7 +588,7 @@ std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlag
 // The cache only saves time, so every failure to read or write it is silent: the render must not depend on it.
 void Context::load_pipeline_cache() {
   std::string bytes;
-  if (const auto path = pipeline_cache_path(physical_); options_.pipeline_cache && !path.empty()) {
+  if (const auto path = pipeline_cache_path(physical_); uses_cache_file() && !path.empty()) {
     std::ifstream file(path, std::ios::binary);
     bytes.assign(std::istreambuf_iterator<char>(file), {});
   }
@@ -596,7 +606,7 @@ void Context::load_pipeline_cache() {
 void Context::save_pipeline_cache() const {
   const auto path = pipeline_cache_path(physical_);
   std::size_t size = 0;
-  if (!options_.pipeline_cache || path.empty() ||
+  if (!uses_cache_file() || path.empty() ||
       vkGetPipelineCacheData(device_, pipeline_cache_.get(), &size, nullptr) != VK_SUCCESS)
     return;
   std::string bytes(size, '\0');

@@ -51,6 +51,9 @@ struct ContextOptions {
   double max_wait_seconds = 300.0;
   /// Keeps compiled kernels in a file in the user's cache folder.
   bool pipeline_cache = true;
+  /// Opens devices so that their compiler tells what it made of kernels (Kernel::statistics), and uses no cache. It
+  /// takes VK_KHR_pipeline_executable_properties: a device without it is an Error(device).
+  bool kernel_statistics = false;
   Requirements requirements;
   /// True when the environment variable ETENDUE_VALIDATION is "1", or "2" for the extra kinds.
   static ContextOptions from_environment();
@@ -123,6 +126,7 @@ class Context {
   void read_limits();
   void load_pipeline_cache();
   void save_pipeline_cache() const;
+  bool uses_cache_file() const { return options_.pipeline_cache && !options_.kernel_statistics; }
 
   ContextOptions options_;
   std::shared_ptr<Instance> instance_;

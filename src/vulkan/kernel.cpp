@@ -110,7 +110,10 @@ Kernel::Kernel(const Context& context, const PipelineLayout& layout, std::span<c
   check(vkCreateShaderModule(context.device(), &module_info, nullptr, &raw_module),
         fmt::format("load the kernel '{}'", name));
   const Handle<VkShaderModule, &vkDestroyShaderModule> module(context.device(), raw_module);
+  const VkPipelineCreateFlags flags =
+      context.options().kernel_statistics ? VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR : 0;
   const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                         .flags = flags,
                                          .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                                    .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                                                    .module = raw_module,
@@ -120,6 +123,47 @@ Kernel::Kernel(const Context& context, const PipelineLayout& layout, std::span<c
   check(vkCreateComputePipelines(context.device(), context.pipeline_cache(), 1, &info, nullptr, &pipeline),
         fmt::format("compile the kernel '{}'", name));
   pipeline_ = {context.device(), pipeline};
+}
+
+namespace {
+
+KernelStatistics::Value value_of(const VkPipelineExecutableStatisticKHR& statistic) {
+  switch (statistic.format) {
+    case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_BOOL32_KHR:
+      return {statistic.name, statistic.value.b32 != VK_FALSE};
+    case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_INT64_KHR:
+      return {statistic.name, statistic.value.i64};
+    case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_UINT64_KHR:
+      return {statistic.name, statistic.value.u64};
+    default:
+      return {statistic.name, statistic.value.f64};
+  }
+}
+
+}  // namespace
+
+std::vector<KernelStatistics> Kernel::statistics(const Context& context) const {
+  constexpr const char* kAction = "read the statistics of a kernel";
+  const VkPipelineInfoKHR pipeline{.sType = VK_STRUCTURE_TYPE_PIPELINE_INFO_KHR, .pipeline = pipeline_.get()};
+  std::uint32_t count = 0;
+  check(vkGetPipelineExecutablePropertiesKHR(context.device(), &pipeline, &count, nullptr), kAction);
+  std::vector<VkPipelineExecutablePropertiesKHR> parts(count,
+                                                       {.sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_PROPERTIES_KHR});
+  check(vkGetPipelineExecutablePropertiesKHR(context.device(), &pipeline, &count, parts.data()), kAction);
+  std::vector<KernelStatistics> out;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    out.push_back({.part = parts[i].name, .subgroup_size = parts[i].subgroupSize});
+    const VkPipelineExecutableInfoKHR part{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INFO_KHR, .pipeline = pipeline_.get(), .executableIndex = i};
+    std::uint32_t values = 0;
+    check(vkGetPipelineExecutableStatisticsKHR(context.device(), &part, &values, nullptr), kAction);
+    std::vector<VkPipelineExecutableStatisticKHR> statistics(
+        values, {.sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_STATISTIC_KHR});
+    check(vkGetPipelineExecutableStatisticsKHR(context.device(), &part, &values, statistics.data()), kAction);
+    for (const VkPipelineExecutableStatisticKHR& statistic : statistics)
+      out.back().values.push_back(value_of(statistic));
+  }
+  return out;
 }
 
 }  // namespace etendue::vulkan

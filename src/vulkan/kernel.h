@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <initializer_list>
 #include <span>
+#include <string>
+#include <variant>
 #include <vector>
 
 #include "vulkan/buffer.h"
@@ -60,12 +62,25 @@ class BindingSet {
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
+/// What the driver's compiler says of a part of a kernel, by its own names: registers, spills, code and the like.
+struct KernelStatistics {
+  struct Value {
+    std::string name;
+    std::variant<bool, std::int64_t, std::uint64_t, double> value;
+  };
+  std::string part;
+  std::uint32_t subgroup_size = 0;
+  std::vector<Value> values;
+};
+
 class Kernel {
  public:
   Kernel() = default;
   Kernel(const Context& context, const PipelineLayout& layout, std::span<const std::uint32_t> spirv,
          std::span<const Specialization> constants, const char* name);
   VkPipeline get() const { return pipeline_.get(); }
+  /// Of each part that the driver compiled, usually one; for kernels of a context with `kernel_statistics`.
+  std::vector<KernelStatistics> statistics(const Context& context) const;
 
  private:
   Handle<VkPipeline, &vkDestroyPipeline> pipeline_;
