@@ -8,6 +8,9 @@
 /// memory heaps and maxMemoryAllocationSize; ETENDUE_FAULT_BUFFERS and ETENDUE_FAULT_IMAGES the storage buffers and
 /// sampled images that a kernel can be given; ETENDUE_FAULT_GROUPS the workgroups of a dispatch, and one of more ends
 /// the process.
+/// - ETENDUE_FAULT=minimum: every limit that a kernel can meet is the least that Vulkan guarantees.
+/// - ETENDUE_FAULT=lacks: the device lacks ETENDUE_FAULT_LACKS, the name of a limit, which is then 0, of an extension
+/// or a feature, or "Vulkan 1.2", "compute" or "ballot".
 /// - ETENDUE_FAULT=slow: a dispatch that traces takes ETENDUE_FAULT_PATH nanoseconds longer for each of its paths, and
 /// ETENDUE_FAULT_DEAR times that for the groups of film slots from ETENDUE_FAULT_FROM up to ETENDUE_FAULT_TO. Each adds
 /// a line to the file ETENDUE_FAULT_LOG: its first group, groups, paths of each slot, and these nanoseconds.
@@ -28,6 +31,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
@@ -44,6 +48,9 @@ struct InstanceTable {
   PFN_vkGetPhysicalDeviceProperties properties = nullptr;
   PFN_vkGetPhysicalDeviceProperties2 properties2 = nullptr;
   PFN_vkGetPhysicalDeviceMemoryProperties memory = nullptr;
+  PFN_vkGetPhysicalDeviceQueueFamilyProperties queues = nullptr;
+  PFN_vkGetPhysicalDeviceFeatures2 features2 = nullptr;
+  PFN_vkEnumerateDeviceExtensionProperties extensions = nullptr;
 };
 struct DeviceTable {
   PFN_vkGetDeviceProcAddr get = nullptr;
@@ -102,7 +109,43 @@ void lower(T& limit, const char* name) {
     limit = static_cast<T>(std::min<std::uint64_t>(limit, static_cast<std::uint64_t>(number(name, 1L << 62))));
 }
 
+bool lacks(const std::string& name) {
+  const char* value = std::getenv("ETENDUE_FAULT_LACKS");
+  return fault() == "lacks" && value != nullptr && name == value;
+}
+
+struct Guarantee {
+  const char* name;
+  std::uint32_t VkPhysicalDeviceLimits::*limit;
+  std::uint32_t least;
+};
+constexpr Guarantee kGuarantees[] = {
+    {"maxTexelBufferElements", &VkPhysicalDeviceLimits::maxTexelBufferElements, 65536},
+    {"maxUniformBufferRange", &VkPhysicalDeviceLimits::maxUniformBufferRange, 16384},
+    {"maxStorageBufferRange", &VkPhysicalDeviceLimits::maxStorageBufferRange, 1u << 27},
+    {"maxPushConstantsSize", &VkPhysicalDeviceLimits::maxPushConstantsSize, 128},
+    {"maxBoundDescriptorSets", &VkPhysicalDeviceLimits::maxBoundDescriptorSets, 4},
+    {"maxPerStageDescriptorUniformBuffers", &VkPhysicalDeviceLimits::maxPerStageDescriptorUniformBuffers, 12},
+    {"maxPerStageDescriptorStorageBuffers", &VkPhysicalDeviceLimits::maxPerStageDescriptorStorageBuffers, 4},
+    {"maxPerStageDescriptorSampledImages", &VkPhysicalDeviceLimits::maxPerStageDescriptorSampledImages, 16},
+    {"maxPerStageResources", &VkPhysicalDeviceLimits::maxPerStageResources, 128},
+    {"maxDescriptorSetUniformBuffers", &VkPhysicalDeviceLimits::maxDescriptorSetUniformBuffers, 72},
+    {"maxDescriptorSetStorageBuffers", &VkPhysicalDeviceLimits::maxDescriptorSetStorageBuffers, 24},
+    {"maxDescriptorSetSampledImages", &VkPhysicalDeviceLimits::maxDescriptorSetSampledImages, 96},
+    {"maxComputeSharedMemorySize", &VkPhysicalDeviceLimits::maxComputeSharedMemorySize, 16384},
+    {"maxComputeWorkGroupInvocations", &VkPhysicalDeviceLimits::maxComputeWorkGroupInvocations, 128}};
+constexpr std::uint32_t kLeastGroups = 65535, kLeastLanes[3] = {128, 128, 64};
+constexpr std::uint64_t kLeastAllocation = 1u << 30;
+
 void lower_limits(VkPhysicalDeviceLimits& limits) {
+  for (const Guarantee& g : kGuarantees) {
+    if (lacks(g.name)) limits.*g.limit = 0;
+    if (fault() == "minimum") limits.*g.limit = std::min(limits.*g.limit, g.least);
+  }
+  for (int i = 0; i < 3 && fault() == "minimum"; ++i) {
+    limits.maxComputeWorkGroupCount[i] = std::min(limits.maxComputeWorkGroupCount[i], kLeastGroups);
+    limits.maxComputeWorkGroupSize[i] = std::min(limits.maxComputeWorkGroupSize[i], kLeastLanes[i]);
+  }
   lower(limits.maxTexelBufferElements, "ETENDUE_FAULT_TEXELS");
   lower(limits.maxStorageBufferRange, "ETENDUE_FAULT_RANGE");
   lower(limits.maxPerStageDescriptorStorageBuffers, "ETENDUE_FAULT_BUFFERS");
@@ -115,16 +158,64 @@ void lower_limits(VkPhysicalDeviceLimits& limits) {
 VKAPI_ATTR void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperties* properties) {
   table_of(device).properties(device, properties);
   lower_limits(properties->limits);
+  if (lacks("Vulkan 1.2")) properties->apiVersion = VK_API_VERSION_1_1;
 }
 
 VKAPI_ATTR void VKAPI_CALL get_properties2(VkPhysicalDevice device, VkPhysicalDeviceProperties2* properties) {
   table_of(device).properties2(device, properties);
   lower_limits(properties->properties.limits);
   for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next != nullptr; next = next->pNext) {
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES && lacks("ballot")) {
+      reinterpret_cast<VkPhysicalDeviceSubgroupProperties*>(next)->supportedOperations &=
+          ~static_cast<VkSubgroupFeatureFlags>(VK_SUBGROUP_FEATURE_BALLOT_BIT);
+    }
     if (next->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES) continue;
-    lower(reinterpret_cast<VkPhysicalDeviceMaintenance3Properties*>(next)->maxMemoryAllocationSize,
-          "ETENDUE_FAULT_ALLOCATION");
+    VkDeviceSize& most = reinterpret_cast<VkPhysicalDeviceMaintenance3Properties*>(next)->maxMemoryAllocationSize;
+    lower(most, "ETENDUE_FAULT_ALLOCATION");
+    if (fault() == "minimum") most = std::min(most, kLeastAllocation);
   }
+}
+
+VKAPI_ATTR void VKAPI_CALL get_queues(VkPhysicalDevice device, std::uint32_t* count,
+                                      VkQueueFamilyProperties* families) {
+  table_of(device).queues(device, count, families);
+  for (std::uint32_t i = 0; families != nullptr && i < *count && lacks("compute"); ++i)
+    families[i].queueFlags &= ~static_cast<VkQueueFlags>(VK_QUEUE_COMPUTE_BIT);
+}
+
+VKAPI_ATTR void VKAPI_CALL get_features2(VkPhysicalDevice device, VkPhysicalDeviceFeatures2* features) {
+  table_of(device).features2(device, features);
+  for (auto* next = static_cast<VkBaseOutStructure*>(features->pNext); next != nullptr; next = next->pNext) {
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES && lacks("bufferDeviceAddress"))
+      reinterpret_cast<VkPhysicalDeviceBufferDeviceAddressFeatures*>(next)->bufferDeviceAddress = VK_FALSE;
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR &&
+        lacks("accelerationStructure"))
+      reinterpret_cast<VkPhysicalDeviceAccelerationStructureFeaturesKHR*>(next)->accelerationStructure = VK_FALSE;
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR && lacks("rayQuery"))
+      reinterpret_cast<VkPhysicalDeviceRayQueryFeaturesKHR*>(next)->rayQuery = VK_FALSE;
+  }
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL list_extensions(VkPhysicalDevice device, const char* layer, std::uint32_t* count,
+                                               VkExtensionProperties* extensions) {
+  if (layer != nullptr && std::strcmp(layer, "VK_LAYER_ETENDUE_fault") == 0) {
+    *count = 0;
+    return VK_SUCCESS;
+  }
+  const PFN_vkEnumerateDeviceExtensionProperties next = table_of(device).extensions;
+  std::uint32_t all = 0;
+  VkResult result = next(device, layer, &all, nullptr);
+  std::vector<VkExtensionProperties> has(all);
+  if (result == VK_SUCCESS) result = next(device, layer, &all, has.data());
+  if (result != VK_SUCCESS) return result;
+  std::erase_if(has, [](const VkExtensionProperties& e) { return lacks(e.extensionName); });
+  if (extensions == nullptr) {
+    *count = static_cast<std::uint32_t>(has.size());
+    return VK_SUCCESS;
+  }
+  *count = std::min(*count, static_cast<std::uint32_t>(has.size()));
+  std::copy_n(has.begin(), *count, extensions);
+  return *count == has.size() ? VK_SUCCESS : VK_INCOMPLETE;
 }
 
 VKAPI_ATTR void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties* memory) {
@@ -200,6 +291,7 @@ VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateI
 VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer buffer, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   std::uint32_t most = ~0u;
   lower(most, "ETENDUE_FAULT_GROUPS");
+  if (fault() == "minimum") most = kLeastGroups;
   if (x > most) std::abort();
   PFN_vkCmdDispatch next = nullptr;
   {
@@ -266,6 +358,11 @@ VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info,
       reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(get(*instance, "vkGetPhysicalDeviceProperties2"));
   table.memory =
       reinterpret_cast<PFN_vkGetPhysicalDeviceMemoryProperties>(get(*instance, "vkGetPhysicalDeviceMemoryProperties"));
+  table.queues = reinterpret_cast<PFN_vkGetPhysicalDeviceQueueFamilyProperties>(
+      get(*instance, "vkGetPhysicalDeviceQueueFamilyProperties"));
+  table.features2 = reinterpret_cast<PFN_vkGetPhysicalDeviceFeatures2>(get(*instance, "vkGetPhysicalDeviceFeatures2"));
+  table.extensions = reinterpret_cast<PFN_vkEnumerateDeviceExtensionProperties>(
+      get(*instance, "vkEnumerateDeviceExtensionProperties"));
   return VK_SUCCESS;
 }
 
@@ -326,6 +423,9 @@ PFN_vkVoidFunction own(const char* name) {
       {"vkGetPhysicalDeviceProperties", reinterpret_cast<PFN_vkVoidFunction>(get_properties)},
       {"vkGetPhysicalDeviceProperties2", reinterpret_cast<PFN_vkVoidFunction>(get_properties2)},
       {"vkGetPhysicalDeviceMemoryProperties", reinterpret_cast<PFN_vkVoidFunction>(get_memory)},
+      {"vkGetPhysicalDeviceQueueFamilyProperties", reinterpret_cast<PFN_vkVoidFunction>(get_queues)},
+      {"vkGetPhysicalDeviceFeatures2", reinterpret_cast<PFN_vkVoidFunction>(get_features2)},
+      {"vkEnumerateDeviceExtensionProperties", reinterpret_cast<PFN_vkVoidFunction>(list_extensions)},
       {"vkCreateDevice", reinterpret_cast<PFN_vkVoidFunction>(create_device)},
       {"vkDestroyDevice", reinterpret_cast<PFN_vkVoidFunction>(destroy_device)},
       {"vkQueueSubmit", reinterpret_cast<PFN_vkVoidFunction>(submit)},
