@@ -111,7 +111,8 @@ const uint kConstantTwoSidedLights = 68u;  // some light emits on both sides
 const uint kConstantInwardSpheres = 69u;
 const uint kConstantTextureUsesAt = 66u;
 const uint kConstantTextureUses = 67u;  // maximum number per material
-const uint kConstantFew = 70u;     // the first of kFewFloats for each of kFewPrimitives
+const uint kConstantLampParts = 70u;  // some lamps are divided into parts
+const uint kConstantFew = 71u;     // the first of kFewFloats for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
 const uint kTileSize = 8u;        // pixels
@@ -459,13 +460,14 @@ struct LightInstance {
 };
 const uint kLightInstanceTexels = 1u;
 
-// An emitting primitive with its geometry: lights do not depend on the tree. Those of a shared mesh are in its own space.
+// An emitting primitive with its geometry: lights do not depend on the tree. Those of a shared mesh are in its own space. Or, of a lamp that is
+// divided into parts, one of them, see etendue::LampParts.
 struct LightPrimitive {
   Primitive primitive;
   uint threshold;
   float prob;  // probability within its instance
-  uint pad0;
-  uint pad1;
+  uint cells;  // of the triangle along a side; 0: the lamp is not divided
+  uint cell;
 };
 const uint kLightPrimitiveTexels = 4u;
 
@@ -491,12 +493,13 @@ const uint kLightLeafShared = 0x40000000u;  // in addition to it: the index is t
 const uint kLightLeafDelta = 0x20000000u;   // with kLightLeaf, or in the instance of a light: the index is that of a light without extent
 const uint kMaxLightTreeDepth = 31u;
 
-// The path from the root of the light tree to a primitive.
+// The path from the root of the light tree to a primitive, or to a part of it. Without a tree there are trails only of lamps that are divided into
+// parts.
 struct LightTrail {
   uint turns;  // bit i is 1 if level i turns right, followed by a final 1; 0 if the primitive is not a light
-  float area;  // of the primitive
-  uint pad0;
-  uint pad1;
+  float area;  // of the primitive or part; without a tree, divided by the probability of the part within its instance
+  uint cells;  // of the triangle along a side; 0: this is the primitive's own trail
+  uint first;  // of the trails of its parts
 };
 const uint kLightTrailTexels = 1u;
 

@@ -134,7 +134,9 @@ const uint kMutantCoatNormalsIgnored = 116u;
 const uint kMutantLampBackDark = 117u;
 const uint kMutantDispersionReversed = 118u;
 const uint kMutantLooseMapsTied = 119u;
-const uint kMutantCount = 120u;
+const uint kMutantPartAreaWhole = 120u;
+const uint kMutantPartMisplaced = 121u;
+const uint kMutantCount = 122u;
 #endif
 
 #ifdef __cplusplus

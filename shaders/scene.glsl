@@ -129,11 +129,12 @@ LightPair fetch_light_pair(uint i) {
   const uvec4 e = load_table(kLightPairsAt + right + kLightBoundsTexels);
   return LightPair(fetch_light_bounds(left), fetch_light_bounds(right), uintBitsToFloat(e.x), uintBitsToFloat(e.y), e.z, e.w);
 }
-LightTrail fetch_light_trail(uint instance, uint primitive) {
-  const uint first = load_table(kLightTrailsAt + kLightTrailTexels * instance).x;
-  const uvec4 a = load_table(kLightTrailsAt + kLightTrailTexels * (first + primitive));
+LightTrail fetch_trail(uint i) {
+  const uvec4 a = load_table(kLightTrailsAt + kLightTrailTexels * i);
   return LightTrail(a.x, uintBitsToFloat(a.y), a.z, a.w);
 }
+// Of the first primitive of an instance; 0 if it has none.
+uint fetch_first_trail(uint instance) { return load_table(kLightTrailsAt + kLightTrailTexels * instance).x; }
 DeltaLight fetch_delta_light(uint i) {
   const uint first = kDeltaLightsAt + kDeltaLightTexels * i;
   const uvec4 a = load_table(first), b = load_table(first + 1u), c = load_table(first + 2u), d = load_table(first + 3u);

@@ -31,6 +31,7 @@ struct LightSample {
 
 layout(constant_id = kConstantSphereLights) const bool kSphereLights = true;
 FEATURE(bool, kCylinderLights, kConstantCylinderLights, false)
+FEATURE(bool, kLampParts, kConstantLampParts, false)
 layout(constant_id = kConstantLightNormals) const bool kLightNormals = true;  // some light has vertex normals
 
 #include "area.glsl"
@@ -64,6 +65,7 @@ uint choose_light_primitive(LightInstance light, uint word) {
   return first;
 }
 
+#include "lamp_parts.glsl"
 #include "light_tree.glsl"
 #include "shared_light.glsl"
 #include "environment.glsl"
@@ -86,9 +88,10 @@ LightSample sample_light_of_tree(vec3 p, vec3 n, uvec4 words) {
       return ls;
     }
   }
-  const Primitive prim = fetch_light_primitive(leaf).primitive;
+  const LightPrimitive light = fetch_light_primitive(leaf);
+  const Primitive prim = light.primitive;
   // The tree chooses primitives, each as the only one of its instance.
-  LightSample ls = area_sample(p, prim, fetch_instance(prim.instance), LightChoice(prob, 1.0, 1.0), to_unit(words.zw));
+  LightSample ls = area_sample(p, prim, fetch_instance(prim.instance), LightChoice(prob, part_density(light), 1.0), part_point(light, to_unit(words.zw)));
   ls.mis_pdf = ls.pdf_w;
   ls.instance = prob > 0.0 ? ls.instance : kNone;
   return ls;
@@ -111,18 +114,26 @@ LightSample sample_light(vec3 p, vec3 n, uvec4 words) {
   }
   const LightPrimitive choice = fetch_light_primitive(choose_light_primitive(light, words.y));
   const Instance instance = fetch_instance(light.instance);
-  return area_sample(p, choice.primitive, instance, LightChoice(instance.light_prob, choice.prob, light_area_of(instance)), to_unit(words.zw));
+  const LightChoice how = LightChoice(instance.light_prob, choice.prob * part_density(choice), light_area_of(instance));
+  LightSample ls = area_sample(p, choice.primitive, instance, how, part_point(choice, to_unit(words.zw)));
+  if (kLampParts && choice.cells > 0u) ls.mis_pdf = ls.pdf_w;
+  return ls;
 }
 
-// Density with which sample_light would have found the surface point `s` from `p` in direction wi; the mis_pdf of LightSample.
-float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, Instance instance, Primitive prim) {
+// Density with which sample_light would have found the surface point `s` from `p` in direction wi; the mis_pdf of LightSample. `weights` are those of
+// the vertices of a triangle.
+float light_pdf(vec3 p, vec3 n, vec3 wi, Surface s, vec3 weights, Instance instance, Primitive prim) {
   float prob = instance.light_prob;
   float area = light_area_of(instance);
   if (kLightTree) {
     // No walk for surfaces that do not emit: the loop ends at once if this is true for all lanes.
-    const LightTrail trail = instance.light_prob > 0.0 ? fetch_light_trail(s.instance, kInstanced && instance.place != kNone ? 0u : s.primitive) : LightTrail(0u, 1.0, 0u, 0u);
+    LightTrail trail = LightTrail(0u, 1.0, 0u, 0u);
+    if (instance.light_prob > 0.0) trail = light_trail(fetch_first_trail(s.instance), kInstanced && instance.place != kNone ? 0u : s.primitive, weights);
     prob = light_choice_prob(p, n, trail.turns);
     area = trail.area;
+  } else if (kLampParts) {
+    const uint first = fetch_first_trail(s.instance);
+    if (first != 0u) area = light_trail(first, s.primitive, weights).area;
   }
   if (kInstanced && instance.place != kNone) area *= place_area_factor(fetch_place(instance.place), s.ng);
   MUTATE(kMutantMisChoiceForgotten, return area_pdf(p, wi, s, prim, prob, area) / prob);

@@ -113,14 +113,14 @@ vec3 surface_emission(Path path, Surface s, Instance instance, SurfacePoint at) 
 }
 
 // Step 2: emission hit by chance.
-vec3 gather_emission(Path path, vec3 le, Surface s, Instance instance, Primitive prim) {
+vec3 gather_emission(Path path, vec3 le, Surface s, vec3 weights, Instance instance, Primitive prim) {
   if (!part_counts(path.bounces)) return vec3(0.0);
   MUTATE(kMutantEmissionTwice, return path.beta * le);
   if (path.full_emission || instance.light_prob == 0.0) return path.beta * le;
   if (!kMis) return vec3(0.0);
   // ray.o is offset from the vertex by its error bound, which is far below the distance to the light.
-  MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim) / path.bsdf_pdf));
-  float pdf_light = light_pdf(path.ray.o, path.n, path.ray.d, s, instance, prim);
+  MUTATE(kMutantMisHeuristicsMixed, return path.beta * le / (1.0 + light_pdf(path.ray.o, path.n, path.ray.d, s, weights, instance, prim) / path.bsdf_pdf));
+  float pdf_light = light_pdf(path.ray.o, path.n, path.ray.d, s, weights, instance, prim);
   if (kHasOutside) pdf_light *= lights_prob();
   return path.beta * le * power_heuristic(bsdf_sample_count() * path.bsdf_pdf, light_sample_count() * pdf_light);
 }
@@ -428,7 +428,7 @@ void arrive_unlit(inout Path path, Hit hit, inout LookUp sky, out Decisions deci
   if (!no_light_to_camera(path)) {
     const vec3 le = surface_emission(path, s, instance, at);
     if (kIntegrator == kIntegratorAov) see_emission(path, le);
-    else path.radiance += gather_emission(path, le, s, instance, hit.geometry);
+    else path.radiance += gather_emission(path, le, s, hit.weights, instance, hit.geometry);
   }
   uint max_depth = frame.max_depth;
   MUTATE(kMutantDepthOffByOne, ++max_depth);

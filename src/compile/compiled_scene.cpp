@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <numeric>
@@ -31,6 +33,7 @@
 #include "image/vectors.h"
 #include "scene/film_unit.h"
 #include "scene/invariants.h"
+#include "scene/lamp_parts.h"
 #include "scene/materials.h"
 #include "scene/parameters.h"
 #include "scene/placed.h"
@@ -119,7 +122,12 @@ LightLeaf light_leaf(const Placed& placed, std::size_t i) {
 class Compiler {
  public:
   explicit Compiler(const Scene& scene)
-      : scene_(scene), sharing_(scene), normalization_(find_normalization(scene)), meshes_(scene.shapes.size()) {}
+      : scene_(scene),
+        sharing_(scene),
+        normalization_(find_normalization(scene)),
+        meshes_(scene.shapes.size()),
+        texture_facts_(scene),
+        lamp_parts_(lamp_parts(scene)) {}
 
   CompiledScene compile() {
     check_size();
@@ -130,6 +138,7 @@ class Compiler {
     build_tree();
     make_lights();
     if (wants_light_tree(scene_)) make_light_tree();
+    if (out_.lamp_parts && out_.light_tree_depth == 0) make_part_trails();
     out_.normalization = normalization_;
     out_.environment = compile_environment(scene_, lights_power_);
     for (std::uint32_t i = 0; i < out_.distant_lights; ++i) {
@@ -385,15 +394,20 @@ class Compiler {
       double area = 0.0, power = 0.0;
       if (emitter != nullptr && sharing_.has_instance(areas.size())) {
         area = placed_area(shared_light(instance.shape).light, instance);
-        power = luminance(EmitterRadiance(scene_, instance).mean_of_all()) * area;
+        power = luminance(EmitterRadiance(texture_facts_, instance).mean_of_all()) * area;
       } else if (emitter != nullptr) {
         const Placed placed(scene_, instance);
-        const EmitterRadiance radiance(scene_, instance);
+        const EmitterRadiance radiance(texture_facts_, instance);
+        const auto parts = lamp_parts_.find(static_cast<std::uint32_t>(areas.size()));
         for (std::size_t i = 0; i < placed.primitive_count(); ++i) {
           area += placed.area(i);
-          if (!radiance.uniform()) power += luminance(radiance.mean(i)) * placed.area(i);
+          if (parts == lamp_parts_.end() && !radiance.uniform()) power += luminance(radiance.mean(i)) * placed.area(i);
         }
-        if (radiance.uniform()) power = luminance(radiance.mean()) * area;
+        if (parts != lamp_parts_.end()) {
+          for (const double part : part_powers(placed, parts->second)) power += part;
+        } else if (radiance.uniform()) {
+          power = luminance(radiance.mean()) * area;
+        }
       }
       areas.push_back(area);
       weights.push_back(power);
@@ -419,6 +433,16 @@ class Compiler {
       add_light(Placed(scene_, scene_.instances[i]), static_cast<gpu::uint>(i), static_cast<gpu::uint>(thresholds[i]));
     }
     if (!thresholds.empty()) add_delta_lights(std::span(thresholds).subspan(areas.size()));
+  }
+
+  // Luminance times area.
+  static std::vector<double> part_powers(const Placed& placed, const LampParts& parts) {
+    std::vector<double> powers;
+    for (std::size_t i = 0; i < parts.cells.size(); ++i) {
+      const double area = placed.area(i) / (parts.cells[i] * parts.cells[i]);
+      for (std::uint32_t p = parts.first[i]; p < parts.first[i + 1]; ++p) powers.push_back(parts.brightness[p] * area);
+    }
+    return powers;
   }
 
   // Those that have a position are chosen along with the instances, and follow them in `weights`.
@@ -455,9 +479,14 @@ class Compiler {
 
   void add_light(const Placed& placed, gpu::uint index, gpu::uint threshold) {
     gpu::LightInstance light{threshold, index, static_cast<gpu::uint>(out_.light_primitives.size()), 0};
-    std::vector<double> areas;
-    for (std::size_t i = 0; i < placed.primitive_count(); ++i) areas.push_back(placed.area(i));
-    light.primitive_count = add_light_primitives(areas, &flat_primitives_[first_primitive_[index]]);
+    const gpu::Primitive* const primitives = &flat_primitives_[first_primitive_[index]];
+    if (const auto parts = lamp_parts_.find(index); parts != lamp_parts_.end()) {
+      light.primitive_count = add_light_parts(part_powers(placed, parts->second), parts->second, primitives);
+    } else {
+      std::vector<double> areas;
+      for (std::size_t i = 0; i < placed.primitive_count(); ++i) areas.push_back(placed.area(i));
+      light.primitive_count = add_light_primitives(areas, primitives);
+    }
     out_.light_instances.push_back(light);
   }
 
@@ -472,6 +501,23 @@ class Compiler {
       out_.light_primitives.push_back({primitives[i], static_cast<gpu::uint>(thresholds[i]), prob, 0, 0});
       ++count;
     }
+    return count;
+  }
+
+  gpu::uint add_light_parts(const std::vector<double>& powers, const LampParts& parts,
+                            const gpu::Primitive* primitives) {
+    const std::vector<std::uint64_t> thresholds = integer_thresholds(powers);
+    gpu::uint count = 0;
+    for (std::size_t i = 0; i < parts.cells.size(); ++i) {
+      for (std::uint32_t p = parts.first[i]; p < parts.first[i + 1]; ++p) {
+        if (!(powers[p] > 0.0)) continue;
+        const auto prob = static_cast<float>(static_cast<double>(thresholds[p + 1] - thresholds[p]) * 0x1p-32);
+        out_.light_primitives.push_back(
+            {primitives[i], static_cast<gpu::uint>(thresholds[p]), prob, parts.cells[i], p - parts.first[i]});
+        ++count;
+      }
+    }
+    out_.lamp_parts = true;
     return count;
   }
 
@@ -491,7 +537,7 @@ class Compiler {
   }
 
   // The primitives that emit, in the order of the scene: light primitives of positive power.
-  std::vector<LightLeaf> light_leaves() const {
+  std::vector<LightLeaf> light_leaves() {
     std::vector<LightLeaf> leaves;
     for (std::size_t l = 0; l < out_.light_instances.size(); ++l) {
       const gpu::LightInstance& light = out_.light_instances[l];
@@ -503,7 +549,7 @@ class Compiler {
         continue;
       }
       const Instance& instance = scene_.instances[light.instance];
-      const EmitterRadiance radiance(scene_, instance);
+      const EmitterRadiance radiance(texture_facts_, instance);
       if (sharing_.has_instance(light.instance)) {
         leaves.push_back(placed_light_leaf(*meshes_[instance.shape], instance));
         leaves.back().power *= luminance(radiance.mean_of_all());
@@ -514,8 +560,12 @@ class Compiler {
       }
       const Placed placed(scene_, instance);
       for (gpu::uint i = light.first_primitive; i < light.first_primitive + light.primitive_count; ++i) {
-        LightLeaf leaf = light_leaf(placed, out_.light_primitives[i].primitive.primitive);
-        leaf.power *= luminance(radiance.mean(out_.light_primitives[i].primitive.primitive));
+        const gpu::LightPrimitive& part = out_.light_primitives[i];
+        LightLeaf leaf = light_leaf(placed, part.primitive.primitive);
+        if (part.cells > 0)
+          divide(leaf, placed, part, lamp_parts_.at(light.instance));
+        else
+          leaf.power *= luminance(radiance.mean(part.primitive.primitive));
         if (!(leaf.power > 0.0)) continue;
         leaf.light_primitive = i;
         if (is_two_sided(light.instance)) shine_to_all_sides(leaf);
@@ -525,20 +575,75 @@ class Compiler {
     return leaves;
   }
 
+  // Turns the leaf of a triangle into that of a part of it, of its own brightness.
+  static void divide(LightLeaf& leaf, const Placed& placed, const gpu::LightPrimitive& part, const LampParts& parts) {
+    const gpu::uint triangle = part.primitive.primitive, n = part.cells;
+    const auto [p0, p1, p2] = placed.mesh->triangle(triangle);
+    leaf.power *= parts.brightness[parts.first[triangle] + part.cell] / (n * n);
+    leaf.area /= n * n;
+    leaf.lower = glm::dvec3(std::numeric_limits<double>::infinity());
+    leaf.upper = -leaf.lower;
+    for (const gpu::uint i : {part.cell / n, part.cell / n + 1}) {
+      for (const gpu::uint j : {part.cell % n, part.cell % n + 1}) {
+        const double root = std::sqrt(static_cast<double>(i) / n), v = static_cast<double>(j) / n;
+        const glm::dvec3 p = (1.0 - root) * p0 + root * v * p1 + root * (1.0 - v) * p2;
+        leaf.lower = glm::min(leaf.lower, p);
+        leaf.upper = glm::max(leaf.upper, p);
+      }
+    }
+  }
+
+  // Trails without turns: room for those of all instances that are lights, or only for lamps divided into parts.
+  void make_trails(bool all) {
+    std::vector<gpu::LightTrail>& trails = out_.light_trails;
+    const gpu::LightTrail none{0, 1.0f, 0, 0};
+    trails.resize(scene_.instances.size());
+    for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+      const auto parts = lamp_parts_.find(static_cast<std::uint32_t>(i));
+      if (!scene_.instances[i].emitter || (!all && parts == lamp_parts_.end())) continue;
+      const auto first = static_cast<gpu::uint>(trails.size());
+      trails[i].turns = first;
+      // An instance of a shared mesh has one.
+      const bool shared = sharing_.has_instance(i);
+      trails.resize(first + (shared ? 1 : primitive_count(scene_.shape_of(scene_.instances[i]))), none);
+      if (parts == lamp_parts_.end()) continue;
+      for (std::size_t t = 0; t < parts->second.cells.size(); ++t) {
+        const gpu::uint n = parts->second.cells[t];
+        trails[first + t] = {0, 1.0f, n, static_cast<gpu::uint>(trails.size())};
+        trails.resize(trails.size() + std::size_t{n} * n, none);
+      }
+    }
+  }
+
+  gpu::LightTrail& trail_of(const gpu::LightPrimitive& light) {
+    std::vector<gpu::LightTrail>& trails = out_.light_trails;
+    const gpu::uint own = trails[light.primitive.instance].turns + light.primitive.primitive;
+    return light.cells > 0 ? trails[trails[own].first + light.cell] : trails[own];
+  }
+
+  // For the choice by power.
+  void make_part_trails() {
+    make_trails(false);
+    for (const gpu::LightInstance& light : out_.light_instances) {
+      if ((light.instance & gpu::kLightLeafDelta) != 0) continue;
+      const auto parts = lamp_parts_.find(light.instance);
+      if (parts == lamp_parts_.end()) continue;
+      const Placed placed(scene_, scene_.instances[light.instance]);
+      for (gpu::uint i = light.first_primitive; i < light.first_primitive + light.primitive_count; ++i) {
+        const gpu::LightPrimitive& part = out_.light_primitives[i];
+        const double area = placed.area(part.primitive.primitive) / (part.cells * part.cells);
+        const double scale = normalization_.scale;
+        trail_of(part).area = static_cast<float>(area * scale * scale / static_cast<double>(part.prob));
+      }
+    }
+  }
+
   void make_light_tree() {
     const std::vector<LightLeaf> leaves = light_leaves();
     if (leaves.size() < 2) return;  // nothing to choose: the choice by power is the same
     FlatLightTree tree = build_light_tree(leaves, normalization_);
+    make_trails(true);
     std::vector<gpu::LightTrail>& trails = out_.light_trails;
-    trails.resize(scene_.instances.size());
-    for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
-      if (!scene_.instances[i].emitter) continue;
-      trails[i].turns = static_cast<gpu::uint>(trails.size());
-      // An instance of a shared mesh.
-      trails.resize(
-          trails.size() + (sharing_.has_instance(i) ? 1 : primitive_count(scene_.shape_of(scene_.instances[i]))),
-          gpu::LightTrail{0, 1.0f, 0, 0});
-    }
     for (std::size_t i = 0; i < leaves.size(); ++i) {
       if ((leaves[i].light_primitive & gpu::kLightLeafDelta) != 0) continue;  // no ray can hit it
       if ((leaves[i].light_primitive & gpu::kLightLeafShared) != 0) {
@@ -546,8 +651,7 @@ class Compiler {
         trails[trails[instance].turns] = {tree.trails[i].turns, std::abs(out_.instances[instance].light_area), 0, 0};
         continue;
       }
-      const gpu::Primitive& at = out_.light_primitives[leaves[i].light_primitive].primitive;
-      trails[trails[at.instance].turns + at.primitive] = tree.trails[i];
+      trail_of(out_.light_primitives[leaves[i].light_primitive]) = tree.trails[i];
     }
     out_.light_pairs = std::move(tree.pairs);
     out_.light_tree_depth = tree.depth;
@@ -556,10 +660,12 @@ class Compiler {
   const Scene& scene_;
   Sharing sharing_;
   Normalization normalization_;
-  std::vector<bool> passing_;                        // by instance: whether rays may pass it
-  bool passes_ = false;                              // whether any of them is true
-  std::vector<std::unique_ptr<SharedMesh>> meshes_;  // by shape; null if not shared
-  std::vector<gpu::Primitive> shared_records_;       // instances of these
+  std::vector<bool> passing_;                            // by instance: whether rays may pass it
+  bool passes_ = false;                                  // whether any of them is true
+  std::vector<std::unique_ptr<SharedMesh>> meshes_;      // by shape; null if not shared
+  KnownTextureFacts texture_facts_;
+  const std::map<std::uint32_t, LampParts> lamp_parts_;  // by instance
+  std::vector<gpu::Primitive> shared_records_;           // instances of these
   std::vector<Box> shared_boxes_;
   CompiledScene out_;
   std::vector<gpu::Primitive> flat_primitives_;  // instance by instance, before the tree reorders them

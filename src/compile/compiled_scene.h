@@ -41,14 +41,15 @@ struct CompiledScene : CompiledMaterials {
   std::vector<gpu::DeltaLight> delta_lights;  ///< those infinitely far away first
   std::uint32_t distant_lights = 0;           ///< how many these are
   std::vector<gpu::LightPair> light_pairs;    ///< of the light tree; empty if lights are chosen by power
-  /// For each instance an entry whose `turns` is the index, in this table, of its first primitive's trail; then the
-  /// trails.
+  /// For each instance an entry whose `turns` is the index, in this table, of its first primitive's trail, or 0; then the
+  /// trails. Empty if there is neither a light tree nor a lamp divided into parts.
   std::vector<gpu::LightTrail> light_trails;
   std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 if there is no tree
   std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone if all primitives are outside the tree
   std::uint32_t tree_depth = 0;  ///< levels of nodes, including those of the deepest shared mesh and the step into it
   bool has_spheres = false, inward_spheres = false, has_disks = false, has_cylinders = false;
   bool two_sided_lights = false;                   ///< some light emits on both sides
+  bool lamp_parts = false;                         ///< some lamp is divided into parts
   std::uint32_t few_count = 0;                     ///< number of primitives outside the tree, see kFewPrimitives
   std::uint32_t few_spheres = 0;                   ///< bit i: the i-th of them is a sphere
   std::uint32_t few_disks = 0, few_cylinders = 0;  ///< the same

@@ -318,6 +318,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, 
                     {gpu::kConstantFewCylinders, scene.few_cylinders},
                     {gpu::kConstantCylinderLights, has_lights(scene, gpu::kPrimitiveCylinder) ? 1u : 0u},
                     {gpu::kConstantTwoSidedLights, scene.two_sided_lights ? 1u : 0u},
+                    {gpu::kConstantLampParts, scene.lamp_parts ? 1u : 0u},
                     {gpu::kConstantDeltaLights, delta_light_kinds(scene)},
                     {gpu::kConstantDistantLights, scene.distant_lights}});
   for (std::uint32_t i = 0; i < scene.few_count; ++i) {

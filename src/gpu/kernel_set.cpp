@@ -70,6 +70,7 @@ constexpr PlainConstant kPlain[] = {
     {gpu::kConstantCameraWindow, 0},
     {gpu::kConstantCylinderLights, 0},
     {gpu::kConstantTwoSidedLights, 0},
+    {gpu::kConstantLampParts, 0},
     {gpu::kConstantDeltaLights, 0},
     {gpu::kConstantDistantLights, 0},
     {gpu::kConstantTextureFeatures, 0},

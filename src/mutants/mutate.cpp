@@ -251,6 +251,10 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
     {gpu::kMutantDispersionReversed, "rainbow reversed", "glass bends red more than blue", "picture of gleams"},
     {gpu::kMutantLooseMapsTied, "loose maps tied", "turned normals are mirrored and shadow even where they should not",
      "picture of loose maps"},
+    {gpu::kMutantPartAreaWhole, "part as large as its triangle",
+     "the density of points in a part of a lamp is that of its whole triangle", "textures, lamp bilinear"},
+    {gpu::kMutantPartMisplaced, "part misplaced", "a point met by chance counts as one of its triangle's first part",
+     "textures, lamp bilinear"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 

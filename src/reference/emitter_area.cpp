@@ -68,6 +68,12 @@ double primitive_area(const Scene& scene, const AreaLight& light, std::uint32_t 
   return triangle_area(p0, p1, p2);
 }
 
+/// Of a primitive, or a part of one.
+double entry_area(const Scene& scene, const AreaLight& light, std::uint32_t entry) {
+  const double side = 1.0 / light.cells_of(entry);
+  return primitive_area(scene, light, light.triangle_of(entry)) * side * side;
+}
+
 /// The area over which a choice by object-space area spreads the probability of the instance, at one of its triangles:
 /// the area of the mesh, scaled in the same ratio as the triangle.
 double stretched_area(const Scene& scene, const AreaLight& light, std::uint32_t primitive) {
@@ -87,6 +93,14 @@ Lights::Chosen Lights::choose_shared(const Scene& scene, const AreaLight& light,
   return chosen;
 }
 
+void Lights::choose_part(const AreaLight& light, std::uint32_t entry, Chosen& chosen) {
+  chosen.primitive = light.triangle_of(entry);
+  if (light.parts.empty()) return;
+  const std::uint32_t n = light.cells_of(entry), cell = entry - light.parts.first[chosen.primitive];
+  chosen.side = 1.0 / n;
+  chosen.corner = Vec2(cell / n, cell % n) * chosen.side;
+}
+
 std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& from, const Vec3& ns,
                                              const SampleRandom::Light& random) const {
   if (!tree_.empty()) {
@@ -97,9 +111,11 @@ std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& fro
     const AreaLight& light = lights_[choice.leaf->light];
     constexpr std::uint32_t kTriangleLevel = 36;
     if (light.shared) return choose_shared(scene, light, choice.prob, hashed_word(kTriangleLevel, random.primitive));
-    const double pdf_a = choice.prob / primitive_area(scene, light, choice.leaf->primitive);
-    return Chosen{
-        .light = &light, .primitive = choice.leaf->primitive, .prob = choice.prob, .pdf_a = pdf_a, .pdf_a_mis = pdf_a};
+    Chosen chosen{.light = &light, .prob = choice.prob};
+    choose_part(light, choice.leaf->primitive, chosen);
+    chosen.pdf_a = choice.prob / entry_area(scene, light, choice.leaf->primitive);
+    chosen.pdf_a_mis = chosen.pdf_a;
+    return chosen;
   }
   const std::size_t index = choice_.choose(random.emitter);
   if (index >= lights_.size()) return Chosen{.delta = deltas_[index - lights_.size()], .prob = choice_.prob(index)};
@@ -107,17 +123,17 @@ std::optional<Lights::Chosen> Lights::choose(const Scene& scene, const Vec3& fro
   if (light.shared) return choose_shared(scene, light, choice_.prob(index), random.primitive);
   Chosen chosen{.light = &light, .prob = choice_.prob(index)};
   if (light.triangles.empty()) return chosen;
-  const std::size_t triangle = light.triangles.choose(random.primitive);
-  chosen.primitive = static_cast<std::uint32_t>(triangle);
-  chosen.pdf_a = chosen.prob * light.triangles.prob(triangle) / primitive_area(scene, light, chosen.primitive);
-  chosen.pdf_a_mis = chosen.prob / light.area;
+  const auto entry = static_cast<std::uint32_t>(light.triangles.choose(random.primitive));
+  choose_part(light, entry, chosen);
+  chosen.pdf_a = chosen.prob * light.triangles.prob(entry) / entry_area(scene, light, entry);
+  chosen.pdf_a_mis = light.parts.empty() ? chosen.prob / light.area : chosen.pdf_a;
   return chosen;
 }
 
 void Lights::sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, const Vec3& from,
                              const SampleRandom::Light& random, LightSample& sample) const {
   const std::array<Vec3, 3> p = chosen.light->placement.triangle(mesh, chosen.primitive);
-  Vec3 b = square_to_triangle({random.u, random.v});
+  Vec3 b = square_to_triangle(chosen.corner + chosen.side * Vec2(random.u, random.v));
   // For a shared mesh, the weights are those of the vertices in their original order.
   const bool shared = chosen.light->shared != nullptr;
   if (shared && chosen.light->placement.turned()) std::swap(b.y, b.z);
@@ -212,13 +228,14 @@ double Lights::pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, c
   if (!index) return 0.0;
   const AreaLight& light = lights_[*index];
   // With the choice by power, the MIS weights treat all triangles of an instance as one, using its probability and its
-  // area.
+  // area, unless it is divided into parts.
   const bool by_tree = !tree_.empty();
+  const bool by_entry = by_tree || !light.parts.empty();
   const double prob_light = by_tree && light.shared ? tree_.prob(from, ns, static_cast<std::uint32_t>(*index), 0)
-                            : by_tree               ? prob(from, ns, at.instance, at.primitive)
+                            : by_entry              ? prob(from, ns, at.instance, at.primitive, at.weights)
                                                     : choice_.prob(*index);
   const double area = light.shared ? stretched_area(scene, light, at.primitive)
-                      : by_tree    ? primitive_area(scene, light, at.primitive)
+                      : by_entry   ? entry_area(scene, light, light.entry_at(at.primitive, at.weights))
                                    : light.area;
   if (const auto* object = std::get_if<Sphere>(&scene.shape_of(scene.instances[at.instance]))) {
     const Sphere sphere = light.placement.sphere(*object);

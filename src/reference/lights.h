@@ -13,6 +13,7 @@
 #include "reference/placement.h"
 #include "reference/ray.h"
 #include "reference/rng.h"
+#include "scene/lamp_parts.h"
 #include "scene/scene.h"
 
 namespace etendue::reference {
@@ -25,8 +26,15 @@ struct AreaLight {
   DiscreteChoice triangles;                 ///< empty for shapes other than meshes
   std::shared_ptr<const MeshLight> shared;  ///< for an instance of a shared mesh, instead of `triangles`
   bool two_sided = false;                   ///< also emits behind
+  LampParts parts = {};                     ///< then `triangles` chooses one of these instead
 
   const DiscreteChoice& choice() const { return shared ? shared->triangles() : triangles; }
+  /// What is chosen for light from a point of the surface: a triangle, or a part of one.
+  std::uint32_t entry_at(std::uint32_t primitive, const Vec3& weights) const;
+  /// The triangle of such an entry.
+  std::uint32_t triangle_of(std::uint32_t entry) const;
+  /// Along a side of the triangle of such an entry; 1 if it is not divided.
+  std::uint32_t cells_of(std::uint32_t entry) const;
 };
 
 /// A point on a light, as seen from a point `from`.
@@ -55,8 +63,10 @@ class Lights {
   /// contribute. Must not be called if there are no lights.
   std::optional<LightSample> sample(const Scene& scene, const Vec3& from, const Vec3& ns,
                                     const SampleRandom::Light& random) const;
-  /// The probability with which `sample` chooses a primitive.
-  double prob(const Vec3& from, const Vec3& ns, std::uint32_t instance, std::uint32_t primitive) const;
+  /// The probability with which `sample` chooses a primitive, or the part of it in which the point with these weights
+  /// of its vertices lies.
+  double prob(const Vec3& from, const Vec3& ns, std::uint32_t instance, std::uint32_t primitive,
+              const Vec3& weights) const;
   /// The density with which `sample` finds `at`, for multiple-importance weights; 0 if there is no light.
   double pdf_w_mis(const Scene& scene, const Vec3& from, const Vec3& ns, const Surface& at) const;
 
@@ -66,6 +76,8 @@ class Lights {
     const AreaLight* light = nullptr;
     std::optional<std::uint32_t> delta = {};  ///< instead: the number of a light without extent
     std::uint32_t primitive = 0;
+    Vec2 corner{0.0};    ///< of the cell of its sampling square in which the point lies,
+    double side = 1.0;   ///< and the length of the cell's sides
     double prob = 0.0;   ///< of a sphere
     double pdf_a = 0.0;  ///< of a triangle
     double pdf_a_mis = 0.0;
@@ -73,6 +85,7 @@ class Lights {
   std::optional<Chosen> choose(const Scene& scene, const Vec3& from, const Vec3& ns,
                                const SampleRandom::Light& random) const;
   static LightSample sample_delta(const Scene& scene, std::uint32_t number, double prob, const Vec3& from);
+  static void choose_part(const AreaLight& light, std::uint32_t entry, Chosen& chosen);
   static Chosen choose_shared(const Scene& scene, const AreaLight& light, double prob, std::uint32_t word);
   void sample_triangle(const TriangleMesh& mesh, const Chosen& chosen, const Vec3& from,
                        const SampleRandom::Light& random, LightSample& sample) const;

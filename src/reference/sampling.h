@@ -38,6 +38,12 @@ inline Vec3 square_to_triangle(const Vec2& u) {
   return {b0, b1, 1.0 - b0 - b1};
 }
 
+/// The inverse: the numbers that lead to these weights.
+inline Vec2 triangle_to_square(const Vec3& weights) {
+  const double root = 1.0 - weights.x;
+  return {root * root, root > 0.0 ? weights.y / root : 0.0};
+}
+
 /// The cone a sphere fills, seen from outside. Source: [Shirley1996].
 struct SphereCone {
   double one_minus_cos_max = 0.0;  ///< 1 − cos θ_max, in a form that keeps its digits for tiny spheres

@@ -72,8 +72,9 @@ int aov_exponent(const View& view, const Bounds& bounds) {
 
 int radiance_exponent(const Scene& scene) {
   double largest = largest_of(scene.sky), intensity = 0.0;
+  KnownTextureFacts facts(scene);
   for (const Instance& instance : scene.instances) {
-    if (instance.emitter) largest = std::max(largest, EmitterRadiance(scene, instance).largest());
+    if (instance.emitter) largest = std::max(largest, EmitterRadiance(facts, instance).largest());
   }
   for (const DeltaLight& light : scene.delta_lights) {
     const double own = largest_component(largest_intensity(scene, light));

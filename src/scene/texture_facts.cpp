@@ -93,7 +93,14 @@ glm::dvec3 largest_intensity(const Scene& scene, const DeltaLight& light) {
   return light.intensity.value * texture_facts(scene, scene.textures[*light.intensity.texture]).largest;
 }
 
-EmitterRadiance::EmitterRadiance(const Scene& scene, const Instance& instance) {
+const TextureFacts& KnownTextureFacts::of(std::uint32_t texture) {
+  const auto [at, fresh] = known_.try_emplace(texture);
+  if (fresh) at->second = texture_facts(scene_, scene_.textures[texture]);
+  return at->second;
+}
+
+EmitterRadiance::EmitterRadiance(KnownTextureFacts& known, const Instance& instance) {
+  const Scene& scene = known.scene();
   const ColorParameter& radiance = scene.emitter_of(instance)->radiance;
   mean_ = largest_ = radiance.value;
   if (!radiance.texture) return;
@@ -104,7 +111,7 @@ EmitterRadiance::EmitterRadiance(const Scene& scene, const Instance& instance) {
     return;
   }
   if (texture.vertex_tint) colors_ = &std::get<TriangleMesh>(scene.shape_of(instance));
-  const TextureFacts facts = texture_facts(scene, texture);
+  const TextureFacts& facts = known.of(*radiance.texture);
   mean_ = radiance.value * facts.mean;
   largest_ = radiance.value * facts.largest;
 }

@@ -2,6 +2,7 @@
 /// Facts about a texture as a whole: the brightness of lamps that use it, and values that a scene must not contain.
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "scene/scene.h"
@@ -19,12 +20,24 @@ struct TextureFacts {
 /// For a picture or a checkerboard; mesh colours depend on the mesh. Visits every texel.
 TextureFacts texture_facts(const Scene& scene, const Texture& texture);
 
+/// Those of the scene's textures, each found once: many lamps may show the same large picture.
+class KnownTextureFacts {
+ public:
+  explicit KnownTextureFacts(const Scene& scene) : scene_(scene) {}
+  const Scene& scene() const { return scene_; }
+  const TextureFacts& of(std::uint32_t texture);
+
+ private:
+  const Scene& scene_;
+  std::map<std::uint32_t, TextureFacts> known_;
+};
+
 /// Radiance of the primitives of an emitting instance, averaged so that it is positive wherever they shine: what lights
 /// are chosen by. Of a picture it is the mean over all of the picture, as if its alpha were 1.
 class EmitterRadiance {
  public:
-  /// The instance has an emitter, and the scene outlives this.
-  EmitterRadiance(const Scene& scene, const Instance& instance);
+  /// The instance of that scene has an emitter, and the scene outlives this.
+  EmitterRadiance(KnownTextureFacts& facts, const Instance& instance);
 
   /// The same for all primitives.
   bool uniform() const { return colors_ == nullptr; }

@@ -40,6 +40,11 @@ struct LightScene {
   explicit LightScene(const std::vector<Body>& bodies,
                       Integrator::LightSampler light_sampler = Integrator::LightSampler::power) {
     for (const Body& body : bodies) reference::test::add(scene, body);
+    compile(light_sampler);
+  }
+  LightScene(Scene whole, Integrator::LightSampler light_sampler) : scene(std::move(whole)) { compile(light_sampler); }
+
+  void compile(Integrator::LightSampler light_sampler) {
     scene.integrator.light_sampler = light_sampler;
     compiled = compile_scene(scene);
     normalization = find_normalization(scene);
@@ -365,7 +370,7 @@ TEST_F(DeviceEmitter, TheTreeChoosesWithTheProbabilitiesItSays) {
       for (gpu::uint i = 0; i < setup.scene.instances.size(); ++i) {
         for (gpu::uint k = 0; k < primitive_count(setup.scene.shape_of(setup.scene.instances[i])); ++k) {
           observed.push_back(counts[{i, k}]);
-          expected.push_back(kSamples * lights.prob(r.p, r.n, i, k));
+          expected.push_back(kSamples * lights.prob(r.p, r.n, i, k, {}));
           rest -= expected.back();
         }
       }
@@ -412,6 +417,77 @@ TEST_F(DeviceEmitter, TheDensityOfTheTreeIntegratesToOne) {
   for (const auto& a : emission(setup.compiled, rays)) integral.add(4.0 * kPi * a.pdf);
   EXPECT_LT(std::abs(integral.mean() - 1.0), 4.5 * integral.standard_error() + 1e-5);
   EXPECT_LT(integral.standard_error(), 0.03);
+}
+
+// A picture of one bright texel in a dark frame, on a square that shines down on the origin, beside an even lamp.
+Scene pictured_lamp(bool mirrored) {
+  Scene scene;
+  TriangleMesh screen = quad({-1, 1.5, -1}, {2, 0, 0}, {0, 0, 2});
+  screen.uv_sets.push_back({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+  auto picture = std::make_shared<Bitmap>();
+  picture->width = picture->height = 5;
+  picture->channels = 1;
+  picture->format = BitmapFormat::u8;
+  picture->texels.assign(25, std::byte{1});
+  picture->texels[8] = std::byte{255};
+  picture->color_space = ColorSpace::linear;
+  scene.bitmaps = {picture};
+  scene.textures.push_back({.source = BitmapTexture{.bitmap = 0, .filter = TextureFilter::nearest}, .name = "screen"});
+  Instance& lamp = scene.add(screen, diffuse(0.0), AreaEmitter{ColorParameter(glm::dvec3(8.0), 0)});
+  if (mirrored) lamp.world_from_object[0][0] = -1.0;
+  reference::test::add(scene, triangle({2, 0.5, -1}, {2, 0.5, 1}, {2, 1.5, 0}), diffuse(0.0), glm::dvec3(0.5));
+  return scene;
+}
+
+// What is chosen, where the point is and how dense such points are, against the reference.
+TEST_F(DeviceEmitter, PartsOfALampAreSampledAsTheReferenceDoes) {
+  for (const bool mirrored : {false, true}) {
+    for (const auto sampler : {Integrator::LightSampler::power, kTree}) {
+      const LightScene setup(pictured_lamp(mirrored), sampler);
+      ASSERT_TRUE(setup.compiled.lamp_parts);
+      const reference::Lights lights(setup.scene);
+      const glm::dvec3 p(0.1, 0.0, -0.2), n(0.0, 1.0, 0.0);
+      std::vector<gpu::LightCase> cases = random_cases(setup.normalization.point(p), 4096, 12);
+      for (gpu::LightCase& c : cases) c.n = glm::vec3(n);
+      const auto answers = sample(setup.compiled, cases);
+      std::size_t other = 0, lit = 0;
+      for (std::size_t i = 0; i < answers.size(); ++i) {
+        const glm::uvec4 w = cases[i].words;
+        const auto unit = [](gpu::uint word) { return static_cast<double>(word >> 8) * 0x1p-24; };
+        const auto expected = lights.sample(setup.scene, p, n, {w.x, w.y, unit(w.z), unit(w.w)});
+        ASSERT_TRUE(expected);
+        const glm::dvec3 at = setup.normalization.point(expected->surface.p);
+        const bool same =
+            answers[i].instance == expected->instance && glm::distance(glm::dvec3(answers[i].p), at) < 1e-5;
+        other += same ? 0 : 1;
+        if (!same) continue;
+        EXPECT_NEAR(answers[i].pdf_w, expected->pdf_w, 1e-4 * expected->pdf_w) << i;
+        EXPECT_NEAR(answers[i].mis_pdf, expected->pdf_w_mis, 1e-4 * expected->pdf_w_mis) << i;
+        EXPECT_NEAR(expected->pdf_w_mis, lights.pdf_w_mis(setup.scene, p, n, expected->surface),
+                    1e-9 * expected->pdf_w);
+        lit += answers[i].instance == 0 && expected->radiance.x > 1.0 ? 1 : 0;
+      }
+      EXPECT_LE(other, cases.size() / 1000);
+      EXPECT_GT(lit, cases.size() / 3) << "one texel in 25 gives nine tenths of the light";
+    }
+  }
+}
+
+TEST_F(DeviceEmitter, SamplingAPartAndChanceAgreeOnTheDensity) {
+  for (const auto sampler : {Integrator::LightSampler::power, kTree}) {
+    const LightScene setup(pictured_lamp(true), sampler);
+    const glm::vec3 p = setup.normalization.point({0.3, 0.1, 0.2});
+    const auto samples = sample(setup.compiled, random_cases(p, 4096, 13));
+    std::vector<gpu::RayCase> rays;
+    for (const auto& s : samples) rays.push_back({p, 0.0f, s.wi, INFINITY});
+    const auto met = emission(setup.compiled, rays);
+    std::size_t missed = 0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const bool same = met[i].instance == samples[i].instance && met[i].primitive == samples[i].primitive;
+      missed += same && std::abs(met[i].pdf - samples[i].mis_pdf) <= 1e-3 * samples[i].mis_pdf ? 0 : 1;
+    }
+    EXPECT_LT(missed, samples.size() / 500) << "more than the rims of triangles and parts";
+  }
 }
 
 }  // namespace

@@ -147,16 +147,17 @@ TEST(SceneTextures, LampsAreAsBrightAsTheirColours) {
   mesh.face_colors = {{1, 0, 0}, {0, 0, 3}};
   scene.emitters.push_back({ColorParameter(glm::dvec3(2.0), 0)});
   scene.instances[0].emitter = 0;
-  const EmitterRadiance faces(scene, scene.instances[0]);
+  KnownTextureFacts facts(scene);
+  const EmitterRadiance faces(facts, scene.instances[0]);
   EXPECT_FALSE(faces.uniform());
   EXPECT_EQ(faces.mean(0), glm::dvec3(2, 0, 0));
   EXPECT_EQ(faces.mean(1), glm::dvec3(0, 0, 6));
   EXPECT_EQ(faces.largest(), 6.0);
   scene.textures[0].source = AttributeTexture{AttributeTexture::Source::vertex_color};
   mesh.vertex_colors = {{3, 0, 0}, {0, 6, 0}, {0, 0, 9}};
-  EXPECT_EQ(EmitterRadiance(scene, scene.instances[0]).mean(0), glm::dvec3(2, 4, 6));
+  EXPECT_EQ(EmitterRadiance(facts, scene.instances[0]).mean(0), glm::dvec3(2, 4, 6));
   scene.textures[0].source = CheckerboardTexture{glm::dvec3(1.0), glm::dvec3(0.5)};
-  EXPECT_EQ(EmitterRadiance(scene, scene.instances[0]).mean(), glm::dvec3(1.5));
+  EXPECT_EQ(EmitterRadiance(facts, scene.instances[0]).mean(), glm::dvec3(1.5));
 }
 
 }  // namespace

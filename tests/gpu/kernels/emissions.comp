@@ -18,6 +18,6 @@ void main() {
   }
   const Instance instance = fetch_instance(hit.instance);
   const Surface s = make_surface(ray, hit, instance);
-  const float pdf = instance.light_prob > 0.0 ? light_pdf(c.o, vec3(0.0), c.d, s, instance, hit.geometry) : 0.0;
+  const float pdf = instance.light_prob > 0.0 ? light_pdf(c.o, vec3(0.0), c.d, s, hit.weights, instance, hit.geometry) : 0.0;
   outputs[lane()] = EmissionAnswer(area_radiance(instance, s.frame.n, -c.d), pdf, s.instance, s.primitive, hit.t, 0u);
 }
