@@ -28,26 +28,27 @@ def manifests():
     return found
 
 
-def kernels(etendue, family, drivers, scenes):
-    """What `etendue bench` says of each scene, compiled for this family."""
-    environment = dict(os.environ, RADV_FORCE_FAMILY=family)
-    environment["VK_DRIVER_FILES"] = environment["VK_ICD_FILENAMES"] = ":".join(drivers)  # the second for older loaders
-    run = subprocess.run([etendue, "bench", "--part", "kernels", "--repetitions", "0", "--device", "llvmpipe", "--compiler",
-                          f"RADV {family.upper()}", "--json", *scenes],
-                         env=environment, capture_output=True, text=True)
-    if run.returncode < 0 or run.returncode == 4:
-        # RADV ends the process where it does not know a family.
-        print(f"Not compiled for {family}: {run.stderr.strip() or 'the driver ended the process'}", file=sys.stderr)
-        return None
-    if run.returncode != 0:
-        sys.exit(run.stderr.strip() or f"etendue bench ended with {run.returncode}")
-    return json.loads(run.stdout)["scenes"]
+def kernels(etendue, names, drivers, scenes):
+    """What `etendue bench` says of each scene, compiled for a family, which has other names in other versions of Mesa."""
+    for family in names:
+        environment = dict(os.environ, RADV_FORCE_FAMILY=family)
+        environment["VK_DRIVER_FILES"] = environment["VK_ICD_FILENAMES"] = ":".join(drivers)  # the second for older loaders
+        run = subprocess.run([etendue, "bench", "--part", "kernels", "--repetitions", "0", "--device", "llvmpipe",
+                              "--compiler", f"RADV {family.upper()}", "--json", *scenes],
+                             env=environment, capture_output=True, text=True)
+        if run.returncode == 0:
+            return family, json.loads(run.stdout)["scenes"]
+        if run.returncode > 0 and run.returncode != 4:
+            sys.exit(run.stderr.strip() or f"etendue bench ended with {run.returncode}")
+    # RADV ends the process where it does not know a family.
+    print(f"Not compiled for {names[0]}: {run.stderr.strip() or 'the driver ended the process'}", file=sys.stderr)
+    return names[0], []
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--etendue", required=True)
-    parser.add_argument("--families", default="vega10,navi10,navi21,gfx1100")
+    parser.add_argument("--families", default="vega10,navi10,navi21,navi31/gfx1100")
     parser.add_argument("--most-vgprs", type=int)
     parser.add_argument("scenes", nargs="+")
     options = parser.parse_args()
@@ -57,8 +58,9 @@ def main():
             print(f"{package} is missing, Mesa's driver that this needs; install mesa-vulkan-drivers.", file=sys.stderr)
             sys.exit(77)
     bad, compiler, rows, others = [], "", [], []
-    for family in options.families.split(","):
-        for scene in kernels(options.etendue, family, drivers, options.scenes) or []:
+    for names in options.families.split(","):
+        family, scenes = kernels(options.etendue, names.split("/"), drivers, options.scenes)
+        for scene in scenes:
             compiler = scene["compiler"].split(", ")[-1]
             for kernel in scene["kernels"]:
                 for part in kernel["parts"]:

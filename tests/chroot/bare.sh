@@ -1,6 +1,6 @@
 #!/bin/bash
 # Both commands of the README on a bare system: bare.sh RELEASE [STATE [COMMAND...]]
-#   RELEASE  bookworm, trixie (Debian 12, 13), or what else debootstrap knows the mirror of
+#   RELEASE  bookworm, trixie (Debian 12, 13), or another that debootstrap knows; one of Ubuntu, noble (24.04), with ETENDUE_MIRROR
 #   STATE    none         nothing is installed (the default)
 #            half-gtest   googletest and libgtest-dev are there, libgmock-dev is not
 #            no-tests     no test package can be had: only `./run render` has to work, `./run tests` has to say what is missing
@@ -24,6 +24,14 @@ die() { say "$*"; exit 1; }
 command -v debootstrap >/dev/null || die 'debootstrap is not installed'
 debian_mirror() { { cat /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null; } | grep -oE 'https?://[^ ]*/debian/?( |$)' | head -n 1 | tr -d ' '; }
 mirror=${ETENDUE_MIRROR:-$(debian_mirror)}
+# debootstrap has a script for each release; all those of Ubuntu are links to its first one.
+script=${DEBOOTSTRAP_DIR:-/usr/share/debootstrap}/scripts/$release
+[ -e "$script" ] || die "debootstrap does not know '$release'; install a newer one"
+components=main
+if [ "$(readlink "$script")" = gutsy ]; then
+  [ -z "$mirror" ] || [ -n "${ETENDUE_MIRROR-}" ] || die "$release is a release of Ubuntu, and this machine's packages are Debian's; set ETENDUE_MIRROR to a mirror of Ubuntu"
+  components=main,universe
+fi
 
 # The test packages of every release; with a priority below zero apt finds no version of them.
 test_packages='googletest libgtest-dev libgmock-dev google-mock vulkan-validationlayers'
@@ -41,7 +49,7 @@ inside() { chroot "$copy" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root L
 make_bare() {
   say "making a bare $release in $bare"
   mkdir -p "$chroots"
-  debootstrap --variant=minbase "$release" "$bare.new" ${mirror:+"$mirror"} > "$chroots/debootstrap.log" 2>&1 || {
+  debootstrap --variant=minbase --components="$components" "$release" "$bare.new" ${mirror:+"$mirror"} > "$chroots/debootstrap.log" 2>&1 || {
     tail -n 5 "$chroots/debootstrap.log" >&2
     die "debootstrap failed, see $chroots/debootstrap.log"
   }
