@@ -1,6 +1,7 @@
 #include "gpu/pass_sizer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "gpu_types.h"
 
@@ -27,7 +28,8 @@ void PassSizer::measured(FilmPlace place, double paths, double seconds) {
   // The first measurement may include a compilation, or lack the dispatch that did, so it only sizes the next one.
   if (measurements_ > 0) {
     recent_[(measurements_ - 1) % kRecent] = 1.0 / cost;
-    // Where the costs of several stretches are known, a dispatch over all of them does not level them.
+    // Where the costs of several stretches are known, a dispatch over all of them does not level them. If it took less
+    // than expected, one of them was too dear, maybe by a hiccup, but which? They fall slowly, by the square root.
     costs_.resize(std::max<std::size_t>(costs_.size(), (place.first + place.count - 1) / limits_.lane_groups + 1));
     double expected = 0.0;
     for_each_stretch(place, limits_.lane_groups, [&](std::size_t index, double groups) {
@@ -35,8 +37,9 @@ void PassSizer::measured(FilmPlace place, double paths, double seconds) {
       expected += groups * costs_[index];
       return true;
     });
+    const double ratio = cost * place.count / expected;
     for_each_stretch(place, limits_.lane_groups, [&](std::size_t index, double) {
-      costs_[index] *= cost * place.count / expected;
+      costs_[index] *= ratio < 1.0 ? std::sqrt(ratio) : ratio;
       return true;
     });
   }

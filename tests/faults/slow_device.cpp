@@ -20,7 +20,7 @@ struct Dispatch {
 
 class SlowDevice : public RenderTest {
  protected:
-  // 2 700 groups of 64 pixels. One thread: a dispatch then needs 16 groups to keep the device busy.
+  // 4 800 groups of 64 pixels. One thread: a dispatch then needs 16 groups to keep the device busy.
   static std::vector<std::string> large(const std::string& spp, const std::string& out) {
     return {"render", kScene, "--size",    "640x480", "--spp",           spp,     "--film",
             "-o",     out,    "--threads", "1",       "--dispatch-time", "100ms", "-q"};
@@ -72,17 +72,18 @@ TEST_F(SlowDevice, ADeviceThatBecomesFastGetsFourTimesTheWorkAtMost) {
   for (std::size_t i = 1; i < end; ++i) EXPECT_LE(dispatches[i].work(), 4.0 * dispatches[i - 1].work() + 20.0) << i;
 }
 
-// Glass among walls: 30 groups of the 2 700 take ten times as long. Each pass has more dispatches than are recent.
+// Glass among walls: 60 groups of the 4 800 take twenty times as long. Each pass has more dispatches than are recent.
 TEST_F(SlowDevice, WhatAPlaceOfThePictureCostsIsRemembered) {
-  const auto dispatches = slow("5", {{"ETENDUE_FAULT_PATH", "8000"},
-                                     {"ETENDUE_FAULT_FROM", "1300"},
-                                     {"ETENDUE_FAULT_TO", "1330"},
-                                     {"ETENDUE_FAULT_DEAR", "10"}});
+  const auto dispatches = slow("5", {{"ETENDUE_FAULT_PATH", "4000"},
+                                     {"ETENDUE_FAULT_FROM", "2500"},
+                                     {"ETENDUE_FAULT_TO", "2560"},
+                                     {"ETENDUE_FAULT_DEAR", "20"}});
   ASSERT_GT(begin_of_pass(dispatches, 1), 16u);
   ASSERT_LT(begin_of_pass(dispatches, 4), dispatches.size());
   // While a place is unknown, it is taken to be four times dearer than those before.
-  EXPECT_LE(longest(dispatches, 1), 1.1 * kTarget * 10 / 4);
-  EXPECT_LE(longest(dispatches, begin_of_pass(dispatches, 2)), 1.5 * kTarget);
+  EXPECT_LE(longest(dispatches, 1), 1.1 * kTarget * 20 / 4);
+  // A hiccup of this machine can look like a place that became dear, and mislead for a while.
+  EXPECT_LE(longest(dispatches, begin_of_pass(dispatches, 2)), 2.0 * kTarget);
 }
 
 }  // namespace
