@@ -660,9 +660,9 @@ class Compiler {
   const Scene& scene_;
   Sharing sharing_;
   Normalization normalization_;
-  std::vector<bool> passing_;                            // by instance: whether rays may pass it
-  bool passes_ = false;                                  // whether any of them is true
-  std::vector<std::unique_ptr<SharedMesh>> meshes_;      // by shape; null if not shared
+  std::vector<bool> passing_;                        // by instance: whether rays may pass it
+  bool passes_ = false;                              // whether any of them is true
+  std::vector<std::unique_ptr<SharedMesh>> meshes_;  // by shape; null if not shared
   KnownTextureFacts texture_facts_;
   const std::map<std::uint32_t, LampParts> lamp_parts_;  // by instance
   std::vector<gpu::Primitive> shared_records_;           // instances of these

@@ -41,8 +41,8 @@ struct CompiledScene : CompiledMaterials {
   std::vector<gpu::DeltaLight> delta_lights;  ///< those infinitely far away first
   std::uint32_t distant_lights = 0;           ///< how many these are
   std::vector<gpu::LightPair> light_pairs;    ///< of the light tree; empty if lights are chosen by power
-  /// For each instance an entry whose `turns` is the index, in this table, of its first primitive's trail, or 0; then the
-  /// trails. Empty if there is neither a light tree nor a lamp divided into parts.
+  /// For each instance an entry whose `turns` is the index, in this table, of its first primitive's trail, or 0; then
+  /// the trails. Empty if there is neither a light tree nor a lamp divided into parts.
   std::vector<gpu::LightTrail> light_trails;
   std::uint32_t light_tree_depth = 0;    ///< levels below the root; 0 if there is no tree
   std::uint32_t tree_root = gpu::kNone;  ///< slot of the root; kNone if all primitives are outside the tree
