@@ -147,6 +147,26 @@ void add_parts(const AreaLight& light, std::uint32_t triangle, const std::array<
   }
 }
 
+/// Of light number `l`.
+void add_triangles(const TriangleMesh& mesh, const EmitterRadiance& radiance, std::uint32_t l, const AreaLight& light,
+                   std::vector<LightLeaf>& leaves) {
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const std::array<Vec3, 3> p = light.placement.triangle(mesh, i);
+    if (is_degenerate(p[0], p[1], p[2])) continue;
+    LightLeaf leaf{.light = l,
+                   .primitive = i,
+                   .power = luminance(radiance.mean(i)) * triangle_area(p[0], p[1], p[2]),
+                   .lower = glm::min(p[0], glm::min(p[1], p[2])),
+                   .upper = glm::max(p[0], glm::max(p[1], p[2])),
+                   .normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]))};
+    if (!mesh.normals.empty()) shine_by_vertex_normals(mesh, i, light.placement, leaf);
+    if (light.parts.empty())
+      leaves.push_back(leaf);
+    else
+      add_parts(light, i, p, leaf, leaves);
+  }
+}
+
 /// Every primitive that emits, in the order of the scene.
 std::vector<LightLeaf> light_leaves(KnownTextureFacts& facts, const std::vector<AreaLight>& lights,
                                     const std::vector<std::uint32_t>& deltas) {
@@ -177,22 +197,7 @@ std::vector<LightLeaf> light_leaves(KnownTextureFacts& facts, const std::vector<
       if (leaf.power > 0.0) leaves.push_back(leaf);
       continue;
     }
-    const auto& mesh = std::get<TriangleMesh>(shape);
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const std::array<Vec3, 3> p = lights[l].placement.triangle(mesh, i);
-      if (is_degenerate(p[0], p[1], p[2])) continue;
-      LightLeaf leaf{.light = l,
-                     .primitive = i,
-                     .power = luminance(radiance.mean(i)) * triangle_area(p[0], p[1], p[2]),
-                     .lower = glm::min(p[0], glm::min(p[1], p[2])),
-                     .upper = glm::max(p[0], glm::max(p[1], p[2])),
-                     .normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]))};
-      if (!mesh.normals.empty()) shine_by_vertex_normals(mesh, i, lights[l].placement, leaf);
-      if (lights[l].parts.empty())
-        leaves.push_back(leaf);
-      else
-        add_parts(lights[l], i, p, leaf, leaves);
-    }
+    add_triangles(std::get<TriangleMesh>(shape), radiance, l, lights[l], leaves);
   }
   // A light that emits on both sides has no normal, like a sphere.
   for (LightLeaf& leaf : leaves) {
