@@ -50,10 +50,7 @@ class Checker {
   void check() {
     check_camera();
     check_sampler_and_integrator();
-    check_sky();
-    for (const AreaEmitter& emitter : scene_.emitters)
-      check_radiance(emitter.radiance.value, emitter.position, "radiance");
-    for (const DeltaLight& light : scene_.delta_lights) check_delta_light(light);
+    check_lights();
     check_numbers();
     check_totals();
     if (tables_fit()) {
@@ -62,6 +59,13 @@ class Checker {
       for (const Instance& instance : scene_.instances) check_instance(instance);
       check_textures(scene_, sink_, locate_);
     }
+  }
+
+  void check_lights() {
+    check_sky();
+    for (const AreaEmitter& emitter : scene_.emitters)
+      check_radiance(emitter.radiance.value, emitter.position, "radiance");
+    for (const DeltaLight& light : scene_.delta_lights) check_delta_light(light);
   }
 
   /// Checks a scene whose tables are consistent.
@@ -698,6 +702,13 @@ void check_materials(const std::vector<Material>& materials, Diagnostics& diagno
   Scene scene;
   scene.materials = materials;
   Checker(scene, diagnostics, locate).check_materials();
+}
+
+void check_lights(const LightSources& lights, Diagnostics& diagnostics) {
+  Scene scene;
+  set_light_sources(scene, lights);
+  scene.position = lights.position;
+  Checker(scene, diagnostics, {}).check_lights();
 }
 
 void require_invariants(const Scene& scene) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scene/diagnostics.h"
+#include "scene/light_sources.h"
 #include "scene/scene.h"
 
 namespace etendue {
@@ -22,6 +23,9 @@ void check_invariants(const Scene& scene, Diagnostics& diagnostics, const Locate
 
 /// The part of it that a change of a material's numbers may break.
 void check_materials(const std::vector<Material>& materials, Diagnostics& diagnostics, const LocateField& locate = {});
+
+/// The part of it that a change of a light's numbers may break.
+void check_lights(const LightSources& lights, Diagnostics& diagnostics);
 
 /// Throws Error(scene) with the first finding of check_invariants, if there is one.
 void require_invariants(const Scene& scene);

@@ -37,6 +37,10 @@ std::vector<std::uint32_t> references_of(const Material& material) {
 
 }  // namespace
 
+bool is_map(const MaterialNumber& number) {
+  return number.texture && number.name.ends_with("normals");
+}
+
 std::vector<MaterialNumber> numbers_of(const Material& material) {
   std::vector<MaterialNumber> numbers;
   each_number(material, [&](const char* name, const auto& number) {

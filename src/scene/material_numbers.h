@@ -18,6 +18,9 @@ struct MaterialNumber {
   std::optional<std::uint32_t> texture;  ///< what it is multiplied with, an index into Scene::textures
 };
 
+/// Whether it is a texture of directions, which no factor makes sense for.
+bool is_map(const MaterialNumber& number);
+
 /// In the order of each_number(), of the material's own row alone.
 std::vector<MaterialNumber> numbers_of(const Material& material);
 

@@ -175,6 +175,7 @@ Json to_json(const State& state, const Parts& parts, const std::string& complain
           {"loads", state.loads},
           {"integrator", integrator_json(state.integrator)},
           {"materials", state.materials},
+          {"lights", state.lights},
           {"camera", camera_json(state)}};
 }
 
@@ -237,7 +238,8 @@ Response point(Preview& preview, const Request& request) {
     return Json({{"hit", point.hit},
                  {"position", vector_json(point.position)},
                  {"focus", point.focus},
-                 {"material", point.material}});
+                 {"material", point.material},
+                 {"light", point.light ? Json(*point.light) : Json()}});
   });
 }
 
@@ -270,7 +272,7 @@ Response explain(Preview& preview, const Request& request) {
   });
 }
 
-// --- materials ---
+// --- materials and lights ---
 
 /// A number as JSON; infinity becomes null.
 Json finite_json(double value) {
@@ -282,64 +284,115 @@ Json value_json(const MaterialNumber& number) {
   return {finite_json(number.value.x), finite_json(number.value.y), finite_json(number.value.z)};
 }
 
-bool is_changed(const Palette& palette, std::uint32_t row) {
-  const std::vector<MaterialNumber> own = numbers_of(palette.scene->materials[row]);
-  const std::vector<MaterialNumber> now = numbers_of((*palette.materials)[row]);
+bool is_changed(const std::vector<MaterialNumber>& own, const std::vector<MaterialNumber>& now) {
   return !std::ranges::equal(own, now, {}, &MaterialNumber::value, &MaterialNumber::value);
 }
 
-/// Names and types of all materials, or of as many as a list can reasonably show.
+constexpr std::size_t kMostListed = 2000;  // that a list can reasonably show
+
+/// Names and types of all materials.
 Response material_list(Preview& preview) {
-  constexpr std::size_t kMost = 2000;
   const Palette palette = preview.palette();
   Json list = Json::array();
   const std::size_t count = palette.scene ? palette.materials->size() : 0;
-  for (std::uint32_t row = 0; row < std::min(count, kMost); ++row) {
+  for (std::uint32_t row = 0; row < std::min(count, kMostListed); ++row) {
     const Material& material = (*palette.materials)[row];
     list.push_back({{"name", text::printable(material.name, 100)},
                     {"type", type_name(material)},
-                    {"changed", is_changed(palette, row)}});
+                    {"changed", is_changed(numbers_of(palette.scene->materials[row]), numbers_of(material))}});
   }
-  return json_response({{"count", count}, {"materials", list}});
+  return json_response({{"count", count}, {"rows", list}});
 }
 
-/// The row named by a request; nothing if there is no such material.
-std::optional<std::uint32_t> row_in(const Request& request, const Palette& palette) {
+/// The row named by a request; nothing if there are not so many.
+std::optional<std::uint32_t> row_in(const Request& request, std::size_t count) {
   const std::optional<std::uint64_t> row = count_in(request, "row");
-  if (!row || !palette.scene || *row >= palette.materials->size()) return std::nullopt;
+  if (!row || *row >= count) return std::nullopt;
   return static_cast<std::uint32_t>(*row);
 }
-
-Response no_row() {
-  return text_response(404, "row must be the number of a material of the scene, from 0 on.\n");
+std::optional<std::uint32_t> material_row(const Request& request, const Palette& palette) {
+  return row_in(request, palette.scene ? palette.materials->size() : 0);
 }
 
-Response material(Preview& preview, const Request& request) {
-  const Palette palette = preview.palette();
-  const std::optional<std::uint32_t> row = row_in(request, palette);
-  if (!row) return no_row();
-  const std::vector<MaterialNumber> own = numbers_of(palette.scene->materials[*row]);
-  const std::vector<MaterialNumber> now = numbers_of((*palette.materials)[*row]);
+Response no_row(const char* what) {
+  return text_response(404, fmt::format("row must be the number of a {} of the scene, from 0 on.\n", what));
+}
+
+Json numbers_json(const Scene& scene, const std::vector<MaterialNumber>& own, const std::vector<MaterialNumber>& now) {
   Json numbers = Json::array();
   for (std::size_t i = 0; i < now.size(); ++i) {
-    const Json texture =
-        now[i].texture ? Json(text::printable(palette.scene->textures[*now[i].texture].name, 100)) : Json();
+    const Json texture = now[i].texture ? Json(text::printable(scene.textures[*now[i].texture].name, 100)) : Json();
     numbers.push_back({{"name", now[i].name},
                        {"color", now[i].is_color},
                        {"value", value_json(now[i])},
                        {"own", value_json(own[i])},
-                       {"texture", texture}});
+                       {"texture", texture},
+                       {"fixed", is_map(now[i])}});
   }
+  return numbers;
+}
+
+Response material(Preview& preview, const Request& request) {
+  const Palette palette = preview.palette();
+  const std::optional<std::uint32_t> row = material_row(request, palette);
+  if (!row) return no_row("material");
   const Material& shown = (*palette.materials)[*row];
+  const Json numbers = numbers_json(*palette.scene, numbers_of(palette.scene->materials[*row]), numbers_of(shown));
   return json_response(
       {{"row", *row}, {"name", text::printable(shown.name, 100)}, {"type", type_name(shown)}, {"numbers", numbers}});
+}
+
+/// Names of the lights: that of an emitter is that of the first shape that has it.
+std::vector<std::string> light_names(const Scene& scene, const LightSources& lights) {
+  std::vector<std::string> names(count_of(lights));
+  for (const Instance& instance : scene.instances) {
+    if (instance.emitter && names[*instance.emitter].empty()) names[*instance.emitter] = instance.name;
+  }
+  for (std::size_t i = 0; i < lights.delta_lights.size(); ++i)
+    names[lights.emitters.size() + i] = lights.delta_lights[i].name;
+  return names;
+}
+
+Response light_list(Preview& preview) {
+  const Palette palette = preview.palette();
+  if (!palette.scene) return json_response({{"count", 0}, {"rows", Json::array()}});
+  const LightSources own = light_sources_of(*palette.scene);
+  const std::vector<std::string> names = light_names(*palette.scene, *palette.lights);
+  // The environment is the last one, and always listed.
+  std::vector<std::uint32_t> rows;
+  for (std::uint32_t row = 0; row + 1 < names.size() && rows.size() + 1 < kMostListed; ++row) rows.push_back(row);
+  rows.push_back(static_cast<std::uint32_t>(names.size() - 1));
+  Json list = Json::array();
+  for (const std::uint32_t row : rows) {
+    list.push_back({{"row", row},
+                    {"name", text::printable(names[row], 100)},
+                    {"type", type_name(*palette.lights, row)},
+                    {"changed", is_changed(numbers_of(own, row), numbers_of(*palette.lights, row))}});
+  }
+  return json_response({{"count", names.size()}, {"rows", list}});
+}
+
+std::optional<std::uint32_t> light_row(const Request& request, const Palette& palette) {
+  return row_in(request, palette.scene ? count_of(*palette.lights) : 0);
+}
+
+Response light(Preview& preview, const Request& request) {
+  const Palette palette = preview.palette();
+  const std::optional<std::uint32_t> row = light_row(request, palette);
+  if (!row) return no_row("light");
+  const LightSources own = light_sources_of(*palette.scene);
+  return json_response(
+      {{"row", *row},
+       {"name", text::printable(light_names(*palette.scene, own)[*row], 100)},
+       {"type", type_name(own, *row)},
+       {"numbers", numbers_json(*palette.scene, numbers_of(own, *row), numbers_of(*palette.lights, *row))}});
 }
 
 /// The material as text for a scene file.
 Response material_text(Preview& preview, const Request& request) {
   const Palette palette = preview.palette();
-  const std::optional<std::uint32_t> row = row_in(request, palette);
-  if (!row) return no_row();
+  const std::optional<std::uint32_t> row = material_row(request, palette);
+  if (!row) return no_row("material");
   Scene scene;
   scene.file = palette.scene->file;
   scene.materials = *palette.materials;
@@ -362,21 +415,33 @@ std::optional<glm::dvec3> value_of(std::string_view text) {
   return n.size() == 3 ? std::optional(glm::dvec3(n[0], n[1], n[2])) : std::nullopt;
 }
 
-Response change_material(Preview& preview, const Request& request) {
-  const std::optional<std::uint32_t> row = row_in(request, preview.palette());
-  if (!row) return no_row();
-  MaterialChange change{.row = *row, .going_on = count_in(request, "moving").value_or(0) == 1};
-  if (const std::string* name = request.find("name"); name != nullptr) change.name = *name;
+/// Calls change(what the request wants).
+template <class Change>
+Response change_number(std::uint32_t row, const Request& request, const Change& change) {
+  NumberChange wanted{.row = row, .going_on = count_in(request, "moving").value_or(0) == 1};
+  if (const std::string* name = request.find("name"); name != nullptr) wanted.name = *name;
   if (const std::string* value = request.find("value"); value != nullptr) {
-    change.value = value_of(*value);
-    if (!change.value) return wrong("value is a number, or three separated by commas.");
+    wanted.value = value_of(*value);
+    if (!wanted.value) return wrong("value is a number, or three separated by commas.");
   }
   try {
-    preview.change(change);
+    change(wanted);
   } catch (const Error& error) {
     return text_response(409, fmt::format("{}\n", text::printable_lines(error.what())));
   }
   return text_response(204, "");
+}
+
+Response change_material(Preview& preview, const Request& request) {
+  const std::optional<std::uint32_t> row = material_row(request, preview.palette());
+  if (!row) return no_row("material");
+  return change_number(*row, request, [&](const NumberChange& wanted) { preview.change(wanted); });
+}
+
+Response change_light(Preview& preview, const Request& request) {
+  const std::optional<std::uint32_t> row = light_row(request, preview.palette());
+  if (!row) return no_row("light");
+  return change_number(*row, request, [&](const NumberChange& wanted) { preview.change_light(wanted); });
 }
 
 // --- what changes something ---
@@ -509,6 +574,8 @@ Response get(Preview& preview, const std::string& place, const Request& request)
   if (place == "/camera.xml") return camera_text(preview, request);
   if (place == "/materials") return material_list(preview);
   if (place == "/material") return material(preview, request);
+  if (place == "/lights") return light_list(preview);
+  if (place == "/light") return light(preview, request);
   if (place == "/material.xml") return material_text(preview, request);
   return text_response(404, "There is no such page.\n");
 }
@@ -517,6 +584,7 @@ Response post(Preview& preview, const std::string& place, const Request& request
   if (place == "/camera") return move_camera(preview, request);
   if (place == "/settings") return change_settings(preview, request);
   if (place == "/material") return change_material(preview, request);
+  if (place == "/light") return change_light(preview, request);
   if (place == "/reset") return preview.reset_camera(), text_response(204, "");
   if (place == "/reload") return preview.reload(), text_response(204, "");
   return text_response(404, "There is no such page.\n");

@@ -12,6 +12,7 @@
 #include "render/stopping.h"
 #include "scene/film_unit.h"
 #include "scene/invariants.h"
+#include "scene/light_sources.h"
 #include "scene/material_numbers.h"
 #include "view/snapshot.h"
 
@@ -32,16 +33,21 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void change_number(Material& material, const Material& own, const MaterialChange& change) {
-  bool found = change.name.empty() && !change.value;
-  for (const MaterialNumber& number : numbers_of(own)) {
-    if (!change.name.empty() && number.name != change.name) continue;
-    if (number.texture && !change.name.empty())
-      throw Error(ErrorKind::usage, fmt::format("'{}' has a texture; change that in the scene file.", change.name));
-    if (!number.texture) set_number(material, number.name, change.value.value_or(number.value));
+// `set` gets the name and the value of each number that changes; `own` are those of the file.
+template <typename Set>
+void change_numbers(const std::vector<MaterialNumber>& own, const NumberChange& change, const char* owner,
+                    const Set& set) {
+  const bool all = change.name.empty() && !change.value;
+  bool found = all;
+  for (const MaterialNumber& number : own) {
+    if (!all && number.name != change.name) continue;
+    if (is_map(number) && !all)
+      throw Error(ErrorKind::usage,
+                  fmt::format("'{}' is a texture of directions; change that in the scene file.", change.name));
+    if (!is_map(number)) set(number.name, change.value.value_or(number.value));
     found = true;
   }
-  if (!found) throw Error(ErrorKind::usage, fmt::format("The material has no number '{}'.", change.name));
+  if (!found) throw Error(ErrorKind::usage, fmt::format("The {} has no number '{}'.", owner, change.name));
 }
 
 std::uint32_t divided(std::uint32_t pixels, std::uint32_t scale) {
@@ -52,11 +58,12 @@ std::uint32_t divided(std::uint32_t pixels, std::uint32_t scale) {
 
 /// Everything replaced by a reload.
 struct Preview::Opened {
-  explicit Opened(std::shared_ptr<const Scene> read, const DeviceSelection& device, std::uint32_t seed)
+  Opened(std::shared_ptr<const Scene> read, SharedScene same, std::unique_ptr<Renderer> of_it)
       : scene(std::move(read)),
-        shared(scene),
-        renderer(open_renderer(shared, device, {.seed = seed})),
-        palette{scene, std::make_shared<const std::vector<Material>>(scene->materials)},
+        shared(std::move(same)),
+        renderer(std::move(of_it)),
+        palette{scene, std::make_shared<const std::vector<Material>>(scene->materials),
+                std::make_shared<const LightSources>(light_sources_of(*scene))},
         bounds(bounds_of(*scene)),
         own_pose(pose_of(scene->camera, bounds)),
         radiance(radiance_exponent(*scene)) {}
@@ -177,7 +184,7 @@ void Preview::change(const IntegratorChange& change) {
   set("integrator.mis", &Integrator::mis, change.mis);
 }
 
-void Preview::change(const MaterialChange& change) {
+void Preview::change(const NumberChange& change) {
   {
     const std::lock_guard lock(mutex_);
     if (!palette_.scene) throw Error(ErrorKind::usage, "There is no scene yet.");
@@ -185,13 +192,32 @@ void Preview::change(const MaterialChange& change) {
       throw Error(ErrorKind::usage,
                   fmt::format("There is no material {}; the scene has {}.", change.row, palette_.materials->size()));
     std::vector<Material> materials = *palette_.materials;
-    change_number(materials[change.row], palette_.scene->materials[change.row], change);
+    change_numbers(numbers_of(palette_.scene->materials[change.row]), change, "material",
+                   [&](const std::string& name, const glm::dvec3& to) { set_number(materials[change.row], name, to); });
     Diagnostics diagnostics;
     check_materials(materials, diagnostics);
     diagnostics.throw_first_error();
     palette_.materials = std::make_shared<const std::vector<Material>>(std::move(materials));
   }
-  edit("materials", [this, going_on = change.going_on] { take_materials(going_on); });
+  edit("numbers", [this, going_on = change.going_on] { take_numbers(going_on); });
+}
+
+void Preview::change_light(const NumberChange& change) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!palette_.scene) throw Error(ErrorKind::usage, "There is no scene yet.");
+    if (change.row >= count_of(*palette_.lights))
+      throw Error(ErrorKind::usage,
+                  fmt::format("There is no light {}; the scene has {}.", change.row, count_of(*palette_.lights)));
+    LightSources lights = *palette_.lights;
+    change_numbers(numbers_of(light_sources_of(*palette_.scene), change.row), change, "light",
+                   [&](const std::string& name, const glm::dvec3& to) { set_number(lights, change.row, name, to); });
+    Diagnostics diagnostics;
+    check_lights(lights, diagnostics);
+    diagnostics.throw_first_error();
+    palette_.lights = std::make_shared<const LightSources>(std::move(lights));
+  }
+  edit("numbers", [this, going_on = change.going_on] { take_numbers(going_on); });
 }
 
 Palette Preview::palette() const {
@@ -199,23 +225,27 @@ Palette Preview::palette() const {
   return palette_;
 }
 
-// Compiles the scene again only if a surface becomes anisotropic or ceases to be: then the tables of directions change.
-void Preview::take_materials(bool going_on) {
+// The lights are a part of the compiled scene, and if a surface becomes anisotropic or ceases to be, the tables of
+// directions change: then the scene is compiled again, for the same device and kernels.
+void Preview::take_numbers(bool going_on) {
   if (!opened_) return;
   const Palette wanted = palette();
-  if (wanted.materials == opened_->palette.materials) return;
-  if (exchange_complaint(*opened_->palette.materials, *wanted.materials).empty()) {
+  const bool materials = wanted.materials != opened_->palette.materials;
+  const bool lights = wanted.lights != opened_->palette.lights;
+  if (!materials && !lights) return;
+  if (!lights && exchange_complaint(*opened_->palette.materials, *wanted.materials).empty()) {
     opened_->renderer->set_materials(*wanted.materials);
   } else {
-    tell(Phase::opening);
     auto scene = std::make_shared<Scene>(*wanted.scene);
     scene->materials = *wanted.materials;
-    opened_ = std::make_unique<Opened>(std::move(scene), options_.device, options_.seed);
+    set_light_sources(*scene, *wanted.lights);
+    opened_ = open(std::move(scene));
   }
   opened_->palette = wanted;
   {
     const std::lock_guard lock(mutex_);
-    ++state_.materials;
+    state_.materials += materials ? 1 : 0;
+    state_.lights += lights ? 1 : 0;
   }
   moving_until_ = going_on ? Clock::now() + kStillMoving : Clock::time_point{};
   restart();
@@ -266,6 +296,7 @@ std::string Preview::write_snapshot(const std::string& extension, const Display&
     throw Error(ErrorKind::usage, "The picture is still coarse; ask again when it has its full size.");
   return snapshot_bytes({.scene = *opened_->scene,
                          .materials = *opened_->palette.materials,
+                         .lights = *opened_->palette.lights,
                          .camera = film_camera(),
                          .integrator = integrator_,
                          .seed = options_.seed,
@@ -333,12 +364,50 @@ bool Preview::has_work() {
   return false;
 }
 
+std::unique_ptr<Renderer> Preview::open_renderer_of(const SharedScene& scene) const {
+  const RenderSettings settings{.seed = options_.seed};
+  return options_.open ? options_.open(scene, settings) : open_renderer(scene, options_.device, settings);
+}
+
+// If a scene is open already, its device and kernels are kept.
+std::unique_ptr<Preview::Opened> Preview::open(std::shared_ptr<const Scene> scene) {
+  const RenderSettings settings{.seed = options_.seed};
+  require_invariants(*scene);
+  SharedScene shared(scene);
+  std::unique_ptr<Renderer> renderer;
+  if (!opened_) {
+    renderer = open_renderer_of(shared);
+  } else {
+    try {
+      opened_->renderer->set_scene(shared, settings);
+    } catch (...) {
+      open_again();
+      throw;
+    }
+    renderer = std::move(opened_->renderer);
+  }
+  return std::make_unique<Opened>(std::move(scene), std::move(shared), std::move(renderer));
+}
+
+// The last good scene, with what has been changed in it, after its renderer failed to take another one.
+void Preview::open_again() {
+  try {
+    opened_->renderer.reset();
+    opened_->renderer = open_renderer_of(opened_->shared);
+    opened_->renderer->set_materials(*opened_->palette.materials);
+  } catch (...) {
+    opened_.reset();  // the next reload begins afresh
+    return;
+  }
+  restart();
+}
+
 void Preview::load() {
   tell(Phase::opening);
   const ReadLog log;
   try {
     auto scene = std::make_shared<const Scene>(options_.read_scene());
-    auto opened = std::make_unique<Opened>(std::move(scene), options_.device, options_.seed);
+    auto opened = open(std::move(scene));
     // A camera that was moved stays there, unless the camera in the file has changed.
     const bool same_camera = opened_ &&
                              opened_->scene->camera.world_from_camera == opened->scene->camera.world_from_camera &&
@@ -354,6 +423,7 @@ void Preview::load() {
     files_ = log.files();
     palette_ = opened_->palette;
     ++state_.materials;
+    ++state_.lights;
     ++state_.loads;
     state_.problem.clear();
     state_.scene = opened_->scene->name;
@@ -550,9 +620,14 @@ Point Preview::point_at(std::uint32_t x, std::uint32_t y) {
   Point point{.hit = value(Aov::hit).x > 0.0};
   if (!point.hit) return point;
   point.position = value(Aov::position);
-  // The number of the material, from 1 on, as two 16-bit halves.
-  const glm::dvec3 material = value(Aov::material);
-  point.material = static_cast<std::uint32_t>(material.x + 65536.0 * material.y) - 1;
+  // Rows are numbered from 1 on, as two 16-bit halves.
+  const auto number = [&](Aov aov) {
+    const glm::dvec3 halves = value(aov);
+    return static_cast<std::uint32_t>(halves.x + 65536.0 * halves.y) - 1;
+  };
+  point.material = number(Aov::material);
+  const Instance& instance = subject.palette.scene->instances[number(Aov::instance)];
+  point.light = instance.emitter;
   point.focus = (glm::inverse(subject.view.camera.world_from_camera) * glm::dvec4(point.position, 1.0)).z;
   return point;
 }
@@ -581,13 +656,14 @@ Preview::Subject Preview::subject_of(std::uint32_t x, std::uint32_t y, std::uint
 }
 
 Renderer& Preview::reference_of(const Palette& palette) {
-  if (reference_ && reference_palette_.scene == palette.scene &&
+  if (reference_ && reference_palette_.scene == palette.scene && reference_palette_.lights == palette.lights &&
       exchange_complaint(*reference_palette_.materials, *palette.materials).empty()) {
     if (reference_palette_.materials != palette.materials) reference_->set_materials(*palette.materials);
   } else {
     reference_.reset();
     Scene scene = *palette.scene;
     scene.materials = *palette.materials;
+    set_light_sources(scene, *palette.lights);
     reference_ = open_renderer(scene, {.selector = "reference"}, {.seed = options_.seed});
   }
   reference_palette_ = palette;

@@ -19,6 +19,7 @@
 #include "core/read_log.h"
 #include "etendue/render.h"
 #include "image/tone_mapping.h"
+#include "scene/light_sources.h"
 #include "view/picture.h"
 #include "view/pose.h"
 
@@ -27,6 +28,8 @@ namespace etendue::view {
 struct PreviewOptions {
   std::function<Scene()> read_scene;  ///< throws Error; called again for every reload
   DeviceSelection device;
+  /// Opens a renderer in place of open_renderer() with that device.
+  std::function<std::unique_ptr<Renderer>(const SharedScene&, const RenderSettings&)> open = {};
   std::uint32_t seed = 0;
   std::uint32_t samples = 0;                   ///< paths per pixel after which it rests; 0: as many as in the scene
   std::chrono::milliseconds unwatched{60000};  ///< it rests if nobody has looked for so long
@@ -66,12 +69,14 @@ struct State {
   Integrator integrator;
   std::map<std::string, std::shared_ptr<const Layer>> layers;  ///< those of the requested AOVs, by name
   std::uint64_t materials = 0;                                 ///< grows with every change to them that is rendered
+  std::uint64_t lights = 0;                                    ///< likewise
 };
 
-/// The materials and the scene they come from. Never modified, only replaced.
+/// The materials and lights, and the scene they come from. Never modified, only replaced.
 struct Palette {
   std::shared_ptr<const Scene> scene;                      ///< as read
   std::shared_ptr<const std::vector<Material>> materials;  ///< as they are now
+  std::shared_ptr<const LightSources> lights;              ///< likewise
 };
 
 /// What a viewer wants to see besides the mean.
@@ -83,9 +88,10 @@ struct Looked {
 /// The surface point that a pixel's first sample hits.
 struct Point {
   bool hit = false;
-  glm::dvec3 position{0.0};    ///< world space
-  double focus = 0.0;          ///< depth of the point along the camera's +Z, camera units
-  std::uint32_t material = 0;  ///< row of the scene's materials
+  glm::dvec3 position{0.0};            ///< world space
+  double focus = 0.0;                  ///< depth of the point along the camera's +Z, camera units
+  std::uint32_t material = 0;          ///< row of the scene's materials
+  std::optional<std::uint32_t> light;  ///< row of its lights, if the surface emits
 };
 
 /// The path of a sample, as reported by a renderer.
@@ -100,9 +106,9 @@ struct IntegratorChange {
   std::optional<bool> nee, mis;
 };
 
-/// A new value for a number of a material. No value resets it to the file's; without a name, all numbers of the
-/// material are reset.
-struct MaterialChange {
+/// A new value for a number of a material or a light. No value resets it to the file's; without a name, all numbers of
+/// the row are reset.
+struct NumberChange {
   std::uint32_t row = 0;
   std::string name;
   std::optional<glm::dvec3> value;
@@ -141,9 +147,12 @@ class Preview {
   void set_crop(const std::optional<Crop>& crop);
   /// Lasts until the scene is read again. The scene is not recompiled.
   void change(const IntegratorChange& change);
-  /// The same for the numbers of a material, see scene/material_numbers.h. Throws Error(usage) if there is no such
-  /// number or it has a texture, and Error(scene) with the sentence of check_materials() if the value is out of range.
-  void change(const MaterialChange& change);
+  /// The same for the numbers of a material, see scene/material_numbers.h; of a number with a texture, the factor that
+  /// the texture is multiplied with. Throws Error(usage) if there is no such number, and Error(scene) with the sentence
+  /// of check_materials() if the value is out of range.
+  void change(const NumberChange& change);
+  /// The same for the numbers of a light, see scene/light_sources.h.
+  void change_light(const NumberChange& change);
   /// Empty until a scene has been read.
   Palette palette() const;
   void set_paused(bool paused);
@@ -176,12 +185,15 @@ class Preview {
   bool has_work();
   bool is_done() const;
   void load();
+  std::unique_ptr<Renderer> open_renderer_of(const SharedScene& scene) const;
+  std::unique_ptr<Opened> open(std::shared_ptr<const Scene> scene);
+  void open_again();
   void edit(const std::string& kind, Edit edit);
   template <class Result>
   Result ask(std::function<Result()> question);
   void answer_questions();
   void take_own_camera();
-  void take_materials(bool going_on);
+  void take_numbers(bool going_on);
   void restart();
   void go_on();
   void work();

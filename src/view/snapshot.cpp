@@ -44,6 +44,7 @@ std::string snapshot_bytes(const SnapshotFacts& facts, const Film& film, const s
                            const Display& display) {
   Scene shown = facts.scene;
   shown.materials = facts.materials;
+  set_light_sources(shown, facts.lights);
   shown.camera = facts.camera;
   shown.integrator = facts.integrator;
   shown.aovs.clear();

@@ -6,13 +6,15 @@
 
 #include "image/film.h"
 #include "image/tone_mapping.h"
+#include "scene/light_sources.h"
 #include "scene/scene.h"
 
 namespace etendue::view {
 
 struct SnapshotFacts {
   const Scene& scene;
-  const std::vector<Material>& materials;  ///< replace those of the scene, as do the next two
+  const std::vector<Material>& materials;  ///< replace those of the scene, as do the next three
+  const LightSources& lights;
   const Camera& camera;
   const Integrator& integrator;
   std::uint32_t seed;

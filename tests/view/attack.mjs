@@ -3,7 +3,7 @@
 
 import { connect } from "node:net";
 import { networkInterfaces } from "node:os";
-import { readFileSync } from "node:fs";
+import { readFileSync, readdirSync } from "node:fs";
 import assert from "node:assert/strict";
 import { Viewer, makeScene } from "./viewer.mjs";
 import { pause, runAll } from "../browser/browser.mjs";
@@ -110,7 +110,26 @@ const tests = {
     assert.equal(status(await ask("GET", ownPath("picture.png?tone=x"))), 400);
     assert.equal(status(await ask("GET", ownPath("next?aov=hit&layer=x"))), 200);
     assert.equal(status(await ask("GET", ownPath("next?version=-1&picture=1e400&error=%ff"))), 200);
+    for (const [query, code] of [["", 404], ["row=99", 404], ["row=-1&name=top&value=1", 404], ["row=1e99", 404], ["row=0&name=top&value=x", 400], ["row=0&name=top&value=1,2", 400],
+      ["row=0&name=radiance&value=1", 409], ["row=0&name=top&value=-1", 409], ["row=0&name=top&value=nan", 400], ["row=0&name=top&value=inf", 409], ["row=0&name=top&value=1e-40", 409],
+      ["row=0&value=1", 409], [`row=0&name=${"n".repeat(5000)}`, 409]])
+      assert.equal(status(await ask("POST", ownPath("light?" + query))), code, query);
+    for (const query of ["", "row=1", "row=x"]) assert.equal(status(await ask("GET", ownPath("light?" + query))), 404, query);
     assert.equal((await viewer.done()).problem, "");
+  },
+  async "a thousand reloads leave nothing behind"() {
+    const files = () => readdirSync(`/proc/${viewer.process.pid}/fd`).length;
+    const reload = async (times) => {
+      const { loads } = await viewer.next();
+      for (let i = 0; i < times / 8; ++i) await Promise.all(Array.from({ length: 8 }, () => viewer.post("reload").then((r) => assert.equal(r.status, 204))));
+      const state = await viewer.until((s) => s.loads > loads && s.phase === "done");
+      assert.equal(state.problem, "");
+      return state.loads - loads;
+    };
+    await reload(200);
+    const before = memory(), open = files(), times = await reload(800);
+    assert.ok(memory() - before < 40, `${memory() - before} MiB more after the scene was read ${times} times`);
+    assert.ok(files() <= open + 10, `${files()} open files, ${open} before`);
   },
   async "requests that never end are cut off, and kept by nobody"() {
     const before = memory();

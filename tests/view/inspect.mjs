@@ -10,17 +10,18 @@ import { Viewer, makeScene, sceneText } from "./viewer.mjs";
 
 const [program, shots] = process.argv.slice(2);
 const work = mkdtempSync(join(tmpdir(), "etendue-view-inspect-"));
-// A coated sphere in the middle, a checkered one behind it, a mirror on the left.
+// A coated sphere in the middle, a checkered one behind it, a mirror on the left, a lamp on the other side.
 const ball = (center, radius, bsdf) => `<mesh type="sphere"><point name="center" value="${center}"/><float name="radius" value="${radius}"/>${bsdf}</mesh>`;
 const coat = (alpha) => `<bsdf type="roughplastic" id="coat"><float name="alpha" value="${alpha}"/><color name="diffuse_reflectance" value="0.6, 0.3, 0.1"/></bsdf>`;
 const checkered = '<bsdf type="diffuse" id="board"><texture name="albedo" type="checkerboard"/></bsdf>';
-const extra = (middle) => ball("0, 1, -0.5", 0.5, middle) + ball("-2.6, 1.6, 1.5", 0.9, '<bsdf type="mirror" id="silver"/>') + ball("0, 2.4, 2", 0.6, checkered);
-const text = (albedo = "0.8, 0.2, 0.1", middle = coat(0.2)) => sceneText({ albedo, extra: extra(middle) });
+const lamp = (radiance) => ball("2.2, 1.6, 1", 0.3, `<bsdf type="diffuse" id="dark"><color name="albedo" value="0, 0, 0"/></bsdf><emitter type="area"><color name="radiance" value="${radiance}"/></emitter>`);
+const extra = (middle, radiance) => ball("0, 1, -0.5", 0.5, middle) + ball("-2.6, 1.6, 1.5", 0.9, '<bsdf type="mirror" id="silver"/>') + ball("0, 2.4, 2", 0.6, checkered) + lamp(radiance);
+const text = (albedo = "0.8, 0.2, 0.1", middle = coat(0.2), radiance = "3, 3, 3") => sceneText({ albedo, extra: extra(middle, radiance) });
 const scene = makeScene();
 writeFileSync(scene.file, text());
 let b, viewer;
 
-const settled = (more = "true") => b.until(`state && state.phase === 'done' && shape.width === 160 && materialsShown === state.materials && !numberSends && (${more})`);
+const settled = (more = "true") => b.until(`state && state.phase === 'done' && shape.width === 160 && materialPanel.current && lightPanel.current && (${more})`);
 const shown = () => b.js("return document.getElementById('view').toDataURL()");
 const content = (id) => b.js("return document.getElementById(arguments[0]).textContent", id);
 const value = (id) => b.js("return document.getElementById(arguments[0]).value", id);
@@ -29,7 +30,7 @@ const choose = async (name) => {
   const row = await b.js("return [...document.getElementById('material').options].findIndex((o) => o.text.includes(arguments[0]))", name);
   assert.ok(row >= 0, `${name} is in the list`);
   await set("material", String(row));
-  await b.until(`material && material.row === ${row}`);
+  await b.until(`materialPanel.row && materialPanel.row.row === ${row}`);
 };
 const place = async (x, y) => {
   const box = await b.js("const r = document.getElementById('view').getBoundingClientRect(); return [r.left, r.top, r.width, r.height]");
@@ -37,12 +38,18 @@ const place = async (x, y) => {
   return [box[0] + box[2] / 2 + (x + 0.5 - 80) * k, box[1] + box[3] / 2 + (y + 0.5 - 60) * k];
 };
 const click = async (x, y) => { const at = await place(x, y); await b.mouse(at, [at[0] + 1, at[1]]); };
-// Changes a material and waits for the picture with it.
-async function changed(act) {
-  const before = await b.js("return state.materials");
+// Changes a material or light and waits for the picture with it.
+async function changed(act, what = "materials") {
+  const before = await b.js("return state[arguments[0]]", what);
   await act();
-  await settled(`state.materials > ${before}`);
+  await settled(`state.${what} > ${before}`);
 }
+const relit = (act) => changed(act, "lights");
+const chooseLight = async (name) => {
+  const row = await b.js("return [...document.getElementById('light').options].find((o) => o.text.includes(arguments[0])).value", name);
+  await set("light", row);
+  await b.until(`lightPanel.row.row === ${row}`);
+};
 const loads = () => b.js("return state.loads");
 
 const tests = {
@@ -55,10 +62,10 @@ const tests = {
     await click(114, 60);
     await b.until("document.getElementById('number-albedo') && document.getElementById('number-albedo').value === '0.8, 0.2, 0.1'", "the red sphere's");
     await choose("board");
-    assert.match(await content("number-albedo"), /^texture checkerboard/);
-    assert.equal(await b.js("return document.getElementById('number-albedo').tagName"), "OUTPUT", "textures are named, not edited");
+    assert.match(await content("material-numbers"), /times the texture checkerboard/, "textures are named");
+    assert.equal(await value("number-albedo"), "1, 1, 1", "and what they are multiplied with can be changed");
     await choose("silver");
-    assert.match(await content("numbers"), /no numbers/);
+    assert.match(await content("material-numbers"), /no numbers/);
     await b.js("document.getElementById('click').value = 'explain'");
   },
   async "a colour changes the picture at once, and what the file says comes back"() {
@@ -105,6 +112,80 @@ const tests = {
     assert.equal(await value("number-alpha"), "0.2");
     assert.equal(await shown(), before);
     assert.equal(await b.js("return document.getElementById('material-own').disabled"), true);
+  },
+  async "what a texture is multiplied with"() {
+    const before = await shown(), read = await loads();
+    await choose("board");
+    await changed(() => set("number-albedo", "0.2, 1, 0.2"));
+    assert.notEqual(await shown(), before);
+    assert.equal(await loads(), read);
+    await changed(() => b.click("#number-albedo-undo"));
+    assert.equal(await shown(), before);
+  },
+  async "lights are listed, and a click on a lamp chooses it"() {
+    const options = await b.js("return [...document.getElementById('light').options].map((o) => o.text)");
+    assert.equal(options.length, 2, `${options}`);
+    assert.match(options[0], /sphere \(area\)$/);
+    assert.match(options[1], /environment$/);
+    await chooseLight("environment");
+    assert.equal(await value("light-number-top"), "0.6, 0.8, 1");
+    assert.equal(await value("light-number-horizon"), "0.9, 0.9, 0.9");
+    await b.js("document.getElementById('click').value = 'material'");
+    await click(10, 20);
+    await b.until("lightPanel.row.row === 0 && document.getElementById('light-number-radiance').value === '3, 3, 3'");
+    assert.match(await content("announcer"), /Material .*dark.*, light .*area/);
+    await b.js("document.getElementById('click').value = 'explain'");
+  },
+  async "a light gets brighter and another colour at once"() {
+    const before = await shown(), read = await loads();
+    await chooseLight("area");
+    await relit(() => set("light-number-radiance", "30, 3, 1"));
+    const bright = await shown();
+    assert.notEqual(bright, before);
+    assert.match(await b.js("return document.getElementById('light').selectedOptions[0].text"), /, changed$/);
+    await relit(() => b.click("#light-number-radiance-undo"));
+    assert.equal(await shown(), before);
+    await set("light-number-radiance-slider", "1.5", "input");
+    await relit(() => set("light-number-radiance-slider", "2", "change"));
+    assert.equal(await value("light-number-radiance"), "12, 12, 12");
+    assert.equal(await b.js("return document.getElementById('light-number-radiance-slider').getAttribute('aria-valuetext')"), "+2 stops");
+    await relit(() => set("light-number-radiance-picker", "#ff0000", "change"));
+    assert.equal(await value("light-number-radiance"), "12, 0, 0", "as bright as before");
+    await b.shot("lights");
+    await relit(() => set("light-number-radiance", "0"));
+    await relit(() => set("light-number-radiance-slider", "1", "change"));
+    assert.equal(await value("light-number-radiance"), "6, 6, 6", "black gets a colour again");
+    await relit(() => b.click("#light-own"));
+    assert.equal(await shown(), before);
+    await chooseLight("environment");
+    await relit(() => set("light-number-top", "0, 0, 3"));
+    await relit(() => set("light-number-horizon", "0 0 0"));
+    assert.notEqual(await shown(), before);
+    await relit(() => b.click("#light-own"));
+    assert.equal(await shown(), before);
+    assert.equal(await loads(), read, "nothing was read again");
+    // The same bytes as from a file that says so.
+    writeFileSync(scene.file, text(undefined, undefined, "30, 3, 1"));
+    await b.until(`state.loads === ${read + 1} && state.phase === 'done'`);
+    await settled();
+    assert.equal(await shown(), bright);
+    writeFileSync(scene.file, text());
+    await b.until(`state.loads === ${read + 2} && state.phase === 'done'`);
+    await settled();
+  },
+  async "a light out of range is refused"() {
+    const before = await shown();
+    await chooseLight("area");
+    await set("light-number-radiance", "-1");
+    await b.until("!document.getElementById('light-problem').hidden");
+    assert.match(await content("light-problem"), /two-spheres\.xml:\d+:\d+: radiance -1 is out of range/);
+    await chooseLight("environment");
+    await set("light-number-top", "1e99");
+    await b.until("document.getElementById('light-problem').textContent.includes('radiance 1e+99 is out of range')");
+    await set("light-number-top", "0.6, 0.8, 1");
+    await b.until("document.getElementById('light-problem').hidden");
+    await settled();
+    assert.equal(await shown(), before, "nothing of it was taken");
   },
   async "a value out of range is refused with the scene's own sentence"() {
     const before = await shown();

@@ -22,6 +22,7 @@
 #include "core/errors.h"
 #include "etendue/etendue.h"
 #include "reference/bsdf.h"
+#include "scene/light_sources.h"
 #include "view/guard.h"
 #include "view/picture.h"
 #include "view/pose.h"
@@ -313,17 +314,67 @@ TEST(ViewPreview, NumbersOfMaterialsCompileNothingOfTheScene) {
   std::ifstream file(folder + "/view-material.exr", std::ios::binary);
   EXPECT_TRUE(preview.snapshot(".exr") == std::string(std::istreambuf_iterator<char>(file), {}))
       << "and the hash is that of the changed scene";
-  preview.change(MaterialChange{.row = row, .name = "albedo"});
+  preview.change(NumberChange{.row = row, .name = "albedo"});
   EXPECT_EQ(
       *until(preview, [&](const State& s) { return s.materials > state.materials && s.phase == Phase::done; }).mean,
       *own.mean)
       << "as in the file";
 }
 
+TEST(ViewPreview, NumbersOfLightsAreThoseOfTheFile) {
+  Preview preview({.read_scene = small_scene, .device = {}});
+  const State own = until(preview, [](const State& s) { return s.phase == Phase::done; });
+  const auto done = [&](std::uint64_t lights) {
+    return until(preview, [&](const State& s) { return s.lights > lights && s.phase == Phase::done; });
+  };
+  preview.explain_by_reference(32, 32, 0);
+  const auto sky = count_of(*preview.palette().lights) - 1;
+  preview.change_light({.row = 0, .name = "radiance", .value = glm::dvec3(300.0, 20.0, 1.0)});
+  const State bright = done(own.lights);
+  preview.change_light({.row = sky, .name = "top", .value = glm::dvec3(0.0, 0.0, 4.0)});
+  const State both = done(bright.lights);
+  Scene scene = small_scene();
+  scene.emitters[0].radiance.value = {300.0, 20.0, 1.0};
+  EXPECT_EQ(*bright.mean, *packed(render(scene, {}).film, Channel::mean));
+  scene.sky.top = {0.0, 0.0, 4.0};
+  EXPECT_EQ(*both.mean, *packed(render(scene, {}).film, Channel::mean));
+  const std::string file = ::testing::TempDir() + "/view-light.exr";
+  write_exr(file, picture_of(render(scene, {})));
+  std::ifstream bytes(file, std::ios::binary);
+  EXPECT_TRUE(preview.snapshot(".exr") == std::string(std::istreambuf_iterator<char>(bytes), {}))
+      << "and the hash is that of the changed scene";
+  const Told device = preview.explain(32, 32, 1), reference = preview.explain_by_reference(32, 32, 1);
+  ASSERT_EQ(device.path.size(), reference.path.size());
+  EXPECT_LT(glm::length(device.path.back().radiance - reference.path.back().radiance),
+            1e-3f * glm::length(reference.path.back().radiance) + 1e-6f);
+  for (const std::uint32_t row : {0u, sky}) preview.change_light(NumberChange{.row = row});
+  EXPECT_EQ(*done(both.lights).mean, *own.mean) << "as in the file";
+}
+
+TEST(ViewPreview, LightsOutOfRangeAreRefused) {
+  Preview preview({.read_scene = small_scene, .device = {}});
+  const State own = until(preview, [](const State& s) { return s.phase == Phase::done; });
+  const auto refused = [&](const NumberChange& change) {
+    try {
+      preview.change_light(change);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refused({.row = 0, .name = "radiance", .value = glm::dvec3(-1.0)}).find("out of range"), std::string::npos);
+  EXPECT_NE(refused({.row = 0, .name = "scale", .value = glm::dvec3(2.0)}).find("no number 'scale'"),
+            std::string::npos);
+  EXPECT_NE(refused({.row = 0, .name = "", .value = glm::dvec3(2.0)}).find("no number ''"), std::string::npos)
+      << "a value is no value for all of them";
+  EXPECT_NE(refused({.row = 4000, .name = "radiance", .value = {}}).find("There is no light 4000"), std::string::npos);
+  EXPECT_EQ(preview.wait(0, {}, {}).lights, own.lights);
+}
+
 TEST(ViewPreview, NumbersOutOfRangeAreRefusedAndChangeNothing) {
   Preview preview({.read_scene = small_scene, .device = {}});
   const State own = until(preview, [](const State& s) { return s.phase == Phase::done; });
-  const auto refused = [&](const MaterialChange& change) {
+  const auto refused = [&](const NumberChange& change) {
     try {
       preview.change(change);
     } catch (const Error& error) {
@@ -406,6 +457,64 @@ TEST(ViewPreview, ASnapshotIsWhatRenderWrites) {
 Scene small_scene_unless(bool broken, const char* sentence) {
   if (broken) throw Error(ErrorKind::scene, sentence);
   return small_scene();
+}
+
+/// Finds a film of 241 rows too large, as a device may once it has let go of the last scene.
+class SmallDevice final : public Renderer {
+ public:
+  explicit SmallDevice(std::unique_ptr<Renderer> inner) : inner_(std::move(inner)) {}
+  std::string device_name() const override { return inner_->device_name(); }
+  std::string driver_name() const override { return inner_->driver_name(); }
+  void set_view(const View& view, const RenderSettings& settings) override { inner_->set_view(view, settings); }
+  void set_materials(const std::vector<Material>& materials) override { inner_->set_materials(materials); }
+  void set_scene(const SharedScene& scene, const RenderSettings& settings) override {
+    if (scene.scene().camera.height == 241) {
+      inner_.reset();
+      throw Error(ErrorKind::lost, "It does not fit.");
+    }
+    inner_->set_scene(scene, settings);
+  }
+  std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
+                       std::vector<RejectedSample>& rejected) override {
+    return inner_->render(range, film, progress, rejected);
+  }
+  std::vector<SampleRecord> trace_samples(std::span<const SampleId> ids) override { return inner_->trace_samples(ids); }
+  std::vector<PathVertex> trace_path(SampleId id) override { return inner_->trace_path(id); }
+
+ private:
+  std::unique_ptr<Renderer> inner_;
+};
+
+TEST(ViewPreview, ASceneThatDoesNotFitLeavesTheLastGoodOne) {
+  std::atomic<std::uint32_t> height = 240;
+  std::atomic<int> opened = 0;
+  const auto read = [&] {
+    Scene scene = small_scene();
+    scene.camera.height = height;
+    return scene;
+  };
+  const auto open = [&](const SharedScene& scene, const RenderSettings& settings) {
+    ++opened;
+    return std::make_unique<SmallDevice>(open_renderer(scene, {}, settings));
+  };
+  Preview preview({.read_scene = read, .device = {}, .open = open});
+  const State own = until(preview, [](const State& s) { return s.phase == Phase::done; });
+  preview.change({.row = 0, .name = "albedo", .value = glm::dvec3(0.1, 0.8, 0.3)});
+  const State good =
+      until(preview, [&](const State& s) { return s.materials > own.materials && s.phase == Phase::done; });
+  height = 241;
+  preview.reload();
+  const State state = until(preview, [](const State& s) { return !s.problem.empty() && s.phase == Phase::done; });
+  EXPECT_EQ(state.loads, good.loads);
+  EXPECT_EQ(state.full_height, 240u);
+  EXPECT_EQ(*state.mean, *good.mean) << "with what was changed in it";
+  EXPECT_EQ(opened, 2);
+  height = 240;
+  preview.reload();
+  const State again = until(preview, [&](const State& s) { return s.loads > good.loads && s.phase == Phase::done; });
+  EXPECT_TRUE(again.problem.empty());
+  EXPECT_EQ(*again.mean, *own.mean);
+  EXPECT_EQ(opened, 2) << "a scene that was read again stays on its device";
 }
 
 TEST(ViewPreview, TheLastGoodPictureOutlivesABrokenScene) {

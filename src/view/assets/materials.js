@@ -1,9 +1,6 @@
-// The numbers of the scene's materials: shows them by name, changes them one at a time, resets them to the file, and
-// prints materials as XML.
+// The numbers of the scene's materials and lights: shows them by name, changes them one at a time, resets them to the file,
+// and prints materials as XML.
 "use strict";
-
-let material = null;       // the one shown, as the server sent it
-let materialsShown = -1;   // state.materials when the list was last fetched
 
 // Words for parameters that scenes name by a symbol or an abbreviation.
 const numberWords = {
@@ -24,51 +21,15 @@ const decoded = (x) => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
 const hexOf = (value) => "#" + value.map((v) => Math.round(255 * encode(Math.max(0, Math.min(1, v)))).toString(16).padStart(2, "0")).join("");
 const lightOf = (hex) => [1, 3, 5].map((at) => +decoded(parseInt(hex.slice(at, at + 2), 16) / 255).toPrecision(6));
 
-// --- asking -----------------------------------------------------------------------------------------------------------------
-
-// Sends one request at a time; of those wanted meanwhile, only the last is sent.
-let fetching = false, fetchAgain = false;
-async function followMaterials() {
-  if (state.materials === materialsShown) return;
-  if (fetching) { fetchAgain = true; return; }
-  fetching = true;
-  try {
-    do {
-      fetchAgain = false;
-      const counted = state.materials;
-      showList(await ask("materials", {}));
-      await showMaterial();
-      materialsShown = counted;
-    } while (fetchAgain);
-  } catch { /* follow() reports a lost connection */ }
-  fetching = false;
-}
-
-function showList({ count, materials }) {
-  $("materials").hidden = count === 0;
-  const select = $("material"), chosen = Math.min(+select.value || 0, Math.max(0, materials.length - 1));
-  const texts = materials.map((m, row) => `${row + 1}  ${m.name === m.type ? m.type : `${m.name} (${m.type})`}${m.changed ? ", changed" : ""}`);
-  if (select.options.length !== texts.length) {
-    select.replaceChildren(...texts.map((text, row) => new Option(text, row)));
-  } else {
-    for (const [row, text] of texts.entries()) if (select.options[row].text !== text) select.options[row].text = text;
-  }
-  select.value = chosen;
-  $("material-more").hidden = count === materials.length;
-  $("material-more").textContent = `The first ${materials.length} of ${count}.`;
-}
-
-async function showMaterial() {
-  if ($("materials").hidden) return;
-  const next = await ask("material", { row: $("material").value });
-  const same = material && material.row === next.row && String(material.numbers.map((n) => n.name)) === String(next.numbers.map((n) => n.name));
-  material = next;
-  if (!same) buildNumbers();
-  fillNumbers();
-  if ($("material-text").value) showMaterialText();
-}
-
-// --- controls ---------------------------------------------------------------------------------------------------------------
+// The brightness of a light is a slider of stops above the file's: its largest component doubles with each. A black light has nothing to double.
+const largestOf = (number, value) => number.color ? Math.max(...value) : value;
+const kMostStops = 8;
+const stopsOf = (number) => Math.log2(largestOf(number, number.value) / (largestOf(number, number.own) || 1));
+const atStops = (number, stops) => {
+  const to = (largestOf(number, number.own) || 1) * 2 ** stops, now = largestOf(number, number.value);
+  if (!number.color) return to;
+  return number.value.map((v) => +(now > 0 ? v / now * to : to).toPrecision(7));
+};
 
 function element(tag, attributes, ...children) {
   const made = document.createElement(tag);
@@ -77,81 +38,178 @@ function element(tag, attributes, ...children) {
   return made;
 }
 
-function controlsOf(number) {
-  const id = `number-${number.name}`, word = wordOf(number.name), label = element("label", { for: id }, word);
-  if (number.texture !== null) return [label, element("output", { id, class: "texture" }, `texture ${number.texture}`)];
-  const box = element("span", { class: "number" });
-  if (number.color) {
-    const picker = element("input", { type: "color", id: `${id}-picker`, "aria-label": `${word}, colour picker` });
-    for (const [event, moving] of [["input", 1], ["change", 0]]) picker.addEventListener(event, () => sendNumber(number.name, lightOf(picker.value).join(), moving));
-    box.append(picker);
-  } else if (isShare(number)) {
-    const slider = element("input", { type: "range", id: `${id}-slider`, min: 0, max: 1, step: 0.005, "aria-label": `${word}, slider` });
-    for (const [event, moving] of [["input", 1], ["change", 0]]) slider.addEventListener(event, () => sendNumber(number.name, slider.value, moving));
-    box.append(slider);
+// A list of the scene, the numbers of the row that is chosen, and what the server says of a value. `kind` is "material" or "light": the ids of the
+// elements begin with it, the server's answers are named by it, and its plural counts the changes in `state`.
+class NumberPanel {
+  constructor(kind, prefix) {
+    Object.assign(this, { kind, list: `${kind}s`, prefix, row: null, shown: -1, fetching: false, again: false, waits: null, sends: false });
+    $(kind).addEventListener("change", () => this.show().catch(() => {}));
+    $(`${kind}-own`).addEventListener("click", () => this.send("", null, 0));
   }
-  const field = element("input", { type: "text", inputmode: "decimal", id, "aria-describedby": "material-problem", spellcheck: "false",
-    title: number.color ? "red, green, blue: linear light" : "" });
-  field.addEventListener("change", () => sendNumber(number.name, field.value.trim().replace(/[\s;,]+/g, ","), 0));
-  const undo = element("button", { type: "button", class: "undo", id: `${id}-undo`, "aria-label": `reset ${word} to the file's value`, title: "reset to the file's value" }, "↺");
-  undo.addEventListener("click", () => sendNumber(number.name, null, 0));
-  box.append(field, undo);
-  return [label, box];
-}
 
-function buildNumbers() {
-  const note = material.numbers.length === 0 ? [element("p", {}, "This material has no numbers.")] : [];
-  $("numbers").replaceChildren(...material.numbers.flatMap(controlsOf), ...note);
-  materialProblem("");
-}
+  // Whether the page shows what the server has.
+  get current() { return this.shown === state[this.list] && !this.sends; }
 
-function fillNumbers() {
-  for (const number of material.numbers) {
-    if (number.texture !== null) continue;
-    const id = `number-${number.name}`;
-    if ($(id).getAttribute("aria-invalid") !== "true") fill(id, shortValue(number, number.value));
-    if (number.color && document.activeElement !== $(`${id}-picker`)) $(`${id}-picker`).value = hexOf(number.value);
-    if ($(`${id}-slider`)) fill(`${id}-slider`, number.value);
-    $(`${id}-undo`).disabled = sameValue(number.value, number.own);
-  }
-  $("material-own").disabled = material.numbers.every((n) => sameValue(n.value, n.own));
-}
-
-function materialProblem(sentence, name) {
-  $("material-problem").hidden = !sentence;
-  $("material-problem").textContent = sentence;
-  for (const field of $("numbers").querySelectorAll("[aria-invalid]")) field.removeAttribute("aria-invalid");
-  if (sentence && name) $(`number-${name}`).setAttribute("aria-invalid", "true");
-}
-
-// --- changing ---------------------------------------------------------------------------------------------------------------
-
-let numberWaits = null, numberSends = false;
-async function sendNumber(name, value, moving) {
-  numberWaits = { row: material.row, ...(name ? { name } : {}), ...(value === null ? {} : { value }), moving };
-  if (numberSends) return;
-  numberSends = true;
-  while (numberWaits) {
-    const sent = numberWaits;
-    numberWaits = null;
+  // Sends one request at a time; of those wanted meanwhile, only the last is sent.
+  async follow() {
+    if (state[this.list] === this.shown) return;
+    if (this.fetching) { this.again = true; return; }
+    this.fetching = true;
     try {
-      const answer = await fetch(`material?${new URLSearchParams(sent)}`, { method: "POST" });
-      materialProblem(answer.ok ? "" : (await answer.text()).trim(), sent.name);
-      if (answer.ok && sent.name && !sent.moving) $("announcer").textContent = `${wordOf(sent.name)} ${sent.value === undefined ? "reset to the file's value" : sent.value}.`;
-    } catch { break; }  // follow() reports a lost connection
+      do {
+        this.again = false;
+        const counted = state[this.list];
+        this.showList(await ask(this.list, {}));
+        await this.show();
+        this.shown = counted;
+      } while (this.again);
+    } catch { /* follow() reports a lost connection */ }
+    this.fetching = false;
   }
-  numberSends = false;
+
+  showList({ count, rows }) {
+    $(this.list).hidden = count === 0;
+    const select = $(this.kind), chosen = select.value;
+    const words = rows.map((r, i) => ({ row: r.row ?? i, text: `${(r.row ?? i) + 1}  ${r.name === r.type || !r.name ? r.type : `${r.name} (${r.type})`}${r.changed ? ", changed" : ""}` }));
+    if (select.options.length !== words.length) {
+      select.replaceChildren(...words.map(({ row, text }) => new Option(text, row)));
+    } else {
+      for (const [i, { row, text }] of words.entries()) if (select.options[i].text !== text) Object.assign(select.options[i], { text, value: row });
+    }
+    if ([...select.options].some((option) => option.value === chosen)) select.value = chosen;
+    else if (select.options.length > 0) select.selectedIndex = 0;
+    $(`${this.kind}-more`).hidden = count === rows.length;
+    $(`${this.kind}-more`).textContent = `${rows.length} of ${count} are listed.`;
+  }
+
+  async show() {
+    if ($(this.list).hidden) return;
+    const next = await ask(this.kind, { row: $(this.kind).value });
+    const names = (of) => JSON.stringify(of.numbers.map((n) => [n.name, n.texture, n.fixed]));
+    const same = this.row && this.row.row === next.row && names(this.row) === names(next);
+    this.row = next;
+    if (!same) this.build();
+    this.fill();
+    if (this.kind === "material" && $("material-text").value) showMaterialText();
+  }
+
+  async choose(row) {
+    if (![...$(this.kind).options].some((option) => +option.value === row)) return false;
+    $(this.kind).value = row;
+    await this.show();
+    return true;
+  }
+
+  // --- controls -----------------------------------------------------------------------------------------------------------
+
+  controlsOf(number) {
+    const id = this.prefix + number.name, word = wordOf(number.name), label = element("label", { for: id }, word), light = this.kind === "light";
+    if (number.fixed) return [label, element("output", { id, class: "texture" }, `texture ${number.texture}`)];
+    const box = element("span", { class: "number" });
+    const on = (control, what) => {
+      for (const [event, moving] of [["input", 1], ["change", 0]]) control.addEventListener(event, () => this.send(number.name, what(this.now(number.name)), moving));
+      return control;
+    };
+    if (number.color) {
+      const picker = element("input", { type: "color", id: `${id}-picker`, "aria-label": `${word}, colour picker` });
+      box.append(on(picker, (now) => (light ? this.hueOf(picker, now) : lightOf(picker.value)).join()));
+    } else if (!light && isShare(number)) {
+      const slider = element("input", { type: "range", id: `${id}-slider`, min: 0, max: 1, step: 0.005, "aria-label": `${word}, slider` });
+      box.append(on(slider, () => slider.value));
+    }
+    const field = element("input", { type: "text", inputmode: "decimal", id, "aria-describedby": `${this.kind}-problem`, spellcheck: "false",
+      title: number.color ? "red, green, blue: linear light" : "" });
+    field.addEventListener("change", () => this.send(number.name, field.value.trim().replace(/[\s;,]+/g, ","), 0));
+    const undo = element("button", { type: "button", class: "undo", id: `${id}-undo`, "aria-label": `reset ${word} to the file's value`, title: "reset to the file's value" }, "↺");
+    undo.addEventListener("click", () => this.send(number.name, null, 0));
+    box.append(field, undo);
+    const more = light ? this.brightness(id, word, on) : [];
+    if (number.texture !== null) more.push(element("p", {}, `times the texture ${number.texture}`));
+    return [label, box, ...more];
+  }
+
+  brightness(id, word, on) {
+    const slider = element("input", { type: "range", id: `${id}-slider`, min: -kMostStops, max: kMostStops, step: 0.25, "aria-label": `${word}, stops above the file's` });
+    on(slider, (now) => String(atStops(now, +slider.value)));
+    return [element("label", { for: slider.id }, "stops"), element("span", { class: "slider" }, slider, element("output", { id: `${id}-stops`, for: slider.id }))];
+  }
+
+  now(name) { return this.row.numbers.find((n) => n.name === name); }
+
+  // The colour that was picked, as bright as before.
+  hueOf(picker, now) {
+    const hue = lightOf(picker.value), most = Math.max(...hue), bright = largestOf(now, now.value) || 1;
+    return hue.map((v) => +(most > 0 ? v / most * bright : 0).toPrecision(7));
+  }
+
+  build() {
+    const note = this.row.numbers.length === 0 ? [element("p", {}, `This ${this.kind} has no numbers.`)] : [];
+    $(`${this.kind}-numbers`).replaceChildren(...this.row.numbers.flatMap((number) => this.controlsOf(number)), ...note);
+    this.problem("");
+  }
+
+  fill() {
+    for (const number of this.row.numbers) {
+      if (number.fixed) continue;
+      const id = this.prefix + number.name, picker = $(`${id}-picker`), slider = $(`${id}-slider`), light = this.kind === "light";
+      if ($(id).getAttribute("aria-invalid") !== "true") fill(id, shortValue(number, number.value));
+      if (picker && document.activeElement !== picker) {
+        const most = light ? largestOf(number, number.value) || 1 : 1;
+        picker.value = hexOf(number.value.map((v) => v / most));
+      }
+      if (slider && light) {
+        const stops = stopsOf(number), word = stops === -Infinity ? "black" : (stops > 0 ? "+" : "") + +stops.toFixed(2);
+        fill(`${id}-slider`, Math.max(-kMostStops, Math.min(kMostStops, stops)));
+        slider.setAttribute("aria-valuetext", stops === -Infinity ? word : `${word} stops`);
+        $(`${id}-stops`).textContent = word;
+      } else if (slider) {
+        fill(`${id}-slider`, number.value);
+      }
+      $(`${id}-undo`).disabled = sameValue(number.value, number.own);
+    }
+    $(`${this.kind}-own`).disabled = this.row.numbers.every((n) => sameValue(n.value, n.own));
+  }
+
+  problem(sentence, name) {
+    const box = $(`${this.kind}-problem`);
+    box.hidden = !sentence;
+    box.textContent = sentence;
+    for (const field of $(`${this.kind}-numbers`).querySelectorAll("[aria-invalid]")) field.removeAttribute("aria-invalid");
+    const field = name && $(this.prefix + name);
+    if (sentence && field) field.setAttribute("aria-invalid", "true");
+  }
+
+  // --- changing -----------------------------------------------------------------------------------------------------------
+
+  async send(name, value, moving) {
+    this.waits = { row: this.row.row, ...(name ? { name } : {}), ...(value === null ? {} : { value }), moving };
+    if (this.sends) return;
+    this.sends = true;
+    while (this.waits) {
+      const sent = this.waits;
+      this.waits = null;
+      try {
+        const answer = await fetch(`${this.kind}?${new URLSearchParams(sent)}`, { method: "POST" });
+        this.problem(answer.ok ? "" : (await answer.text()).trim(), sent.name);
+        if (answer.ok && sent.name && !sent.moving) $("announcer").textContent = `${wordOf(sent.name)} ${sent.value === undefined ? "reset to the file's value" : sent.value}.`;
+      } catch { break; }  // follow() reports a lost connection
+    }
+    this.sends = false;
+  }
 }
 
-$("material").addEventListener("change", () => showMaterial().catch(() => {}));
-$("material-own").addEventListener("click", () => sendNumber("", null, 0));
+const materialPanel = new NumberPanel("material", "number-"), lightPanel = new NumberPanel("light", "light-number-");
 
-// Called after a click on the picture.
-async function chooseMaterial(row) {
-  if (row >= $("material").options.length) return;
-  $("material").value = row;
-  await showMaterial();
-  $("announcer").textContent = `Material ${$("material").selectedOptions[0].text}.`;
+function followNumbers() {
+  materialPanel.follow();
+  lightPanel.follow();
+}
+
+// Called after a click on the picture: the material there, and the light if the surface is a lamp.
+async function choosePoint({ material, light }) {
+  if (!await materialPanel.choose(material)) return;
+  const lamp = light !== null && await lightPanel.choose(light);
+  $("announcer").textContent = `Material ${$("material").selectedOptions[0].text}${lamp ? `, light ${$("light").selectedOptions[0].text}` : ""}.`;
   $("materials").scrollIntoView({ block: "nearest" });
 }
 

@@ -117,13 +117,13 @@ function drawPath() {
 }
 
 // Whether the path belongs to another scene than the one shown.
-const isStale = () => explained.loads !== state.loads || explained.materials !== state.materials;
+const isStale = () => ["loads", "materials", "lights"].some((count) => explained[count] !== state[count]);
 
 // Redraws if the camera has moved or the scene has changed.
 let drawnFor = "";
 function followPath() {
   if (!explained) return;
-  const now = JSON.stringify([state.camera.projection, state.crop, state.fullWidth, state.loads, state.materials]);
+  const now = JSON.stringify([state.camera.projection, state.crop, state.fullWidth, state.loads, state.materials, state.lights]);
   if (now === drawnFor) return;
   drawnFor = now;
   drawPath();
@@ -188,7 +188,7 @@ function showPath({ x, y, sample }, told) {
   const where = `Pixel (${x}, ${y}), sample ${sample}`;
   $("told").textContent = !both ? `${where}: ${told.reference ? "the reference has answered; waiting for the device" : "the device has answered; waiting for the reference"} …` :
     `${where}, on ${told.device.device} and the reference: ${different ? `${different} vertices decided differently` : "the same decisions"}.`;
-  explained = { told, loads: state.loads, materials: state.materials, said: false };
+  explained = { told, loads: state.loads, materials: state.materials, lights: state.lights, said: false };
   drawnFor = "";
   followPath();
 }

@@ -117,7 +117,7 @@ function tell(before) {
   if (s.fullWidth) $("stage").style.setProperty("--shape", s.fullWidth / s.fullHeight);
   adoptCamera();
   followPath();
-  followMaterials();
+  followNumbers();
   announce(before);
 }
 
@@ -577,7 +577,7 @@ async function click(event) {
   try {
     const point = await ask("point", { x, y });
     if (!point.hit) { $("announcer").textContent = "Nothing was hit at that pixel."; return; }
-    if ($("click").value === "material") return chooseMaterial(point.material);
+    if ($("click").value === "material") return choosePoint(point);
     if ($("click").value === "focus") act(() => { camera.focus = point.focus; });
     else act(() => { camera.target = point.position; });
   } catch (trouble) { problem(trouble.message); }
