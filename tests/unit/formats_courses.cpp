@@ -89,13 +89,27 @@ TEST(Courses, OneNumberIsAGrey) {
 /// Each lies on the surface for itself.
 TEST(Courses, CheckerboardsHoldTextures) {
   const Scene scene = read_beside_picture(sphere(R"(<bsdf type="diffuse"><texture type="checkerboard" name="albedo">
-    <texture type="constant_color" name="color0"><color name="value" value="0.1 0.2 0.3"/></texture>
-    <color name="color1" value="0.5"/></texture></bsdf>)"));
+    <texture type="checkerboard_color" name="color0"/><color name="color1" value="0.5"/></texture></bsdf>)"));
   const auto& board = std::get<CheckerboardTexture>(scene.textures.at(1).source);
   EXPECT_EQ(board.texture0, 0u);
   EXPECT_EQ(board.color0, glm::dvec3(1.0));
   EXPECT_FALSE(board.texture1.has_value());
   EXPECT_EQ(board.color1, glm::dvec3(0.5));
+}
+
+/// They need no texture coordinates, which courses' meshes often lack.
+TEST(Courses, ConstantTexturesAreColoursAndNumbers) {
+  const Scene scene = read_beside_picture(sphere(R"(<bsdf type="diffuse"><texture type="checkerboard" name="albedo">
+    <texture type="constant" name="color0"><color name="value" value="0.1 0.2 0.3"/></texture></texture></bsdf>)") +
+                                          sphere(R"(<bsdf type="roughconductor"><texture type="constant" name="alpha">
+    <color name="value" value="0.25 0.5 1"/><string name="channel" value="green"/></texture></bsdf>)"));
+  ASSERT_EQ(scene.textures.size(), 1u);
+  const auto& board = std::get<CheckerboardTexture>(scene.textures[0].source);
+  EXPECT_FALSE(board.texture0.has_value());
+  EXPECT_EQ(board.color0, glm::dvec3(0.1, 0.2, 0.3));
+  const auto& metal = std::get<RoughConductorBsdf>(scene.materials.at(1).bsdf);
+  EXPECT_EQ(metal.roughness.alpha_u.value, 0.5);
+  EXPECT_FALSE(metal.roughness.alpha_u.texture.has_value());
 }
 
 TEST(Courses, TexturesWithoutANameAreTheColour) {
@@ -106,7 +120,8 @@ TEST(Courses, TexturesWithoutANameAreTheColour) {
           R"(<bsdf type="microfacet"><texture type="constant"><color name="value" value="0.4 0.5 0.6"/></texture></bsdf>
         <emitter type="area"><texture type="checkerboard_color"/><float name="scale" value="3"/></emitter>)"));
   const auto color = [&](const ColorParameter& parameter) {
-    return std::get<CheckerboardTexture>(scene.textures.at(parameter.texture.value()).source).color0;
+    if (!parameter.texture) return parameter.value;
+    return std::get<CheckerboardTexture>(scene.textures.at(*parameter.texture).source).color0;
   };
   EXPECT_EQ(color(std::get<DiffuseBsdf>(scene.materials.at(0).bsdf).albedo), glm::dvec3(0.1, 0.2, 0.3));
   EXPECT_EQ(color(std::get<MicrofacetBsdf>(scene.materials.at(1).bsdf).kd), glm::dvec3(0.4, 0.5, 0.6));

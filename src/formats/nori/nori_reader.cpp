@@ -24,6 +24,7 @@
 #include "formats/nori/plugins.h"
 #include "formats/nori/texture_reader.h"
 #include "formats/xml/xml_document.h"
+#include "image/vectors.h"
 #include "scene/invariants.h"
 #include "scene/limits.h"
 #include "scene/materials.h"
@@ -707,6 +708,11 @@ class SceneReader {
       return object.get<double>(property);
     }
     const ColorParameter color = read_textured(object, property, scene);
+    if (textures_.constant(object, property)) {
+      const TextureChannel channel = textures_.channel_of(object, property);
+      if (channel == TextureChannel::alpha) return ScalarParameter(1.0);
+      return channel == TextureChannel::luminance ? luminance(color.value) : color.value[static_cast<int>(channel)];
+    }
     if (!color.texture) return ScalarParameter(1.0);
     const glm::dvec3& factor = color.value;
     if (factor.x != factor.y || factor.y != factor.z)
@@ -925,6 +931,7 @@ class SceneReader {
       return glm::dvec3(0.5);
     }
     const std::optional<std::uint32_t> texture = textures_.read(object, property, *scene);
+    if (const std::optional<glm::dvec3> constant = textures_.constant(object, property)) return *constant;
     return texture ? ColorParameter(textures_.factor(object, property), *texture) : ColorParameter(glm::dvec3(1.0));
   }
 

@@ -56,11 +56,20 @@ std::optional<std::uint32_t> TextureReader::read(const Object& owner, const char
   if (is_given("alpha_cutoff")) texture->alpha_cutoff = object->get<double>("alpha_cutoff");
   if (is_given("premultiplied")) texture->premultiplied = object->get<bool>("premultiplied");
   channels_[element] = read_channel(*object);
+  if (object->plugin().type == "constant_color" && !texture->is_derived()) {
+    constants_[element] = object->get<glm::dvec3>("value");
+    return std::nullopt;
+  }
   entry->second = static_cast<std::uint32_t>(scene.textures.size());
   scene.textures.push_back(std::move(*texture));
   if (object->given("scale") && object->plugin().find("scale")->type == ParameterType::color)
     factors_[element] = object->get<glm::dvec3>("scale");
   return entry->second;
+}
+
+std::optional<glm::dvec3> TextureReader::constant(const Object& owner, const char* property) const {
+  const auto found = constants_.find(owner.child_of(property));
+  return found == constants_.end() ? std::nullopt : std::optional(found->second);
 }
 
 glm::dvec3 TextureReader::factor(const Object& owner, const char* property) const {
@@ -114,7 +123,7 @@ void TextureReader::read_square(const Object& board, const char* property, Scene
   const XmlElement* within = board.child_of(property);
   if (within == nullptr) return void(color = board.get<glm::dvec3>(property));
   row = read(board, property, scene);
-  color = factor(board, property);
+  color = constant(board, property).value_or(factor(board, property));
 }
 
 std::optional<Texture> TextureReader::read_bitmap_texture(const Object& object, Scene& scene) {

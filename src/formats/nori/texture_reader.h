@@ -23,11 +23,15 @@ class TextureReader {
     textures_.clear();
     factors_.clear();
     channels_.clear();
+    constants_.clear();
     bitmaps_.clear();
   }
 
   /// The texture of a property of the object; nothing if there is none, or if it is unusable, which is reported.
   std::optional<std::uint32_t> read(const Object& owner, const char* property, Scene& scene);
+  /// The colour of a texture that is the same everywhere, once it has been read: it is no row of the scene, and needs
+  /// no texture coordinates.
+  std::optional<glm::dvec3> constant(const Object& owner, const char* property) const;
   /// The factor of that texture, once it has been read.
   glm::dvec3 factor(const Object& owner, const char* property) const;
   /// The channel of a texture to use as a number, once it has been read.
@@ -52,6 +56,7 @@ class TextureReader {
   std::set<const XmlElement*> open_;                 ///< being read
   std::map<const XmlElement*, glm::dvec3> factors_;  ///< other than 1
   std::map<const XmlElement*, TextureChannel> channels_;
+  std::map<const XmlElement*, glm::dvec3> constants_;
   std::map<std::string, std::optional<std::uint32_t>> bitmaps_;  ///< by path
 };
 
