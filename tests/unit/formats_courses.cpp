@@ -217,6 +217,88 @@ TEST(Courses, FocalLengthOfALensWhoseViewIsKnown) {
   EXPECT_THAT(all_messages(camera(view).diagnostics), HasSubstr("both say how wide the view is"));
 }
 
+TEST(Courses, PicturesOfTheSkyMayBeTextures) {
+  const auto sky = [](const std::string& content) {
+    return read_beside_picture("<emitter type=\"envmap\">" + content + "</emitter>" + sphere("")).sky;
+  };
+  const auto picture =
+      sky(R"(<texture name="albedo" type="png_texture"><string name="filename" value="a.hdr"/></texture>
+                              <float name="scale" value="3"/>)");
+  ASSERT_TRUE(picture.picture);
+  EXPECT_EQ(picture.picture->scale, 3.0);
+  EXPECT_EQ(picture.picture->bitmap->width, 2u);
+  const auto brighter = sky(R"(<string name="path2map" value="a.hdr"/><color name="radiance" value="5"/>)");
+  EXPECT_EQ(brighter.picture.value().scale, 5.0);
+  for (const char* color : {R"(<texture type="constant"><color name="value" value="0.1 0.2 0.3"/></texture>)",
+                            R"(<color name="radiance" value="0.1 0.2 0.3"/>)"}) {
+    EXPECT_FALSE(sky(color).picture);
+    EXPECT_EQ(sky(color).top, glm::dvec3(0.1, 0.2, 0.3));
+    EXPECT_EQ(sky(color).horizon, sky(color).top);
+  }
+}
+
+TEST(Courses, PicturesOfTheSkyThatMeanNothing) {
+  const auto message = [](const std::string& content) {
+    return all_messages(parse_beside_picture("<emitter type=\"envmap\">" + content + "</emitter>").diagnostics);
+  };
+  EXPECT_THAT(message(""), HasSubstr("<emitter type=\"envmap\"> needs its property \"filename\""));
+  EXPECT_THAT(message(R"(<texture type="bitmap"/>)"), HasSubstr("<texture type=\"bitmap\"> needs its property"));
+  EXPECT_THAT(message(R"(<texture type="checkerboard"/>)"), HasSubstr("a checkerboard is no picture of a sky"));
+  EXPECT_THAT(message(R"(<string name="filename" value="a.hdr"/><color name="radiance" value="1 2 3"/>)"),
+              HasSubstr("a picture of a sky takes a grey factor"));
+  EXPECT_THAT(message(R"(<string name="filename" value="a.hdr"/><color name="radiance" value="0"/>)"),
+              HasSubstr("the factor of a sky must be above 0"));
+  EXPECT_THAT(message(R"(<string name="filename" value="a.hdr"/><texture type="constant"/>)"),
+              HasSubstr("the sky has two pictures"));
+}
+
+TEST(Courses, SpotsInTheirWords) {
+  const auto spot = [](const std::string& content) {
+    return parse_beside_picture("<emitter type=\"spotlight\"><point name=\"position\" value=\"0 3 0\"/>" + content +
+                                "</emitter>" + sphere(""));
+  };
+  const Parsed colored = spot(R"(<color name="color" value="12.566370614359172"/>
+      <float name="cosFalloffStart" value="10"/><float name="cosTotalWidth" value="30"/>)");
+  ASSERT_TRUE(colored.file) << all_messages(colored.diagnostics);
+  const DeltaLight& light = colored.scene().delta_lights.at(0);
+  EXPECT_NEAR(light.intensity.value.x, 1.0, 1e-12);
+  EXPECT_EQ(light.falloff, DeltaLight::Falloff::linear);
+  EXPECT_EQ(light.cutoff, 30.0);
+  EXPECT_THAT(all_messages(spot(R"(<color name="color" value="1"/><color name="power" value="1"/>)").diagnostics),
+              HasSubstr("the spot has both \"power\" and \"color\""));
+  const Parsed hard = spot(R"(<color name="intensity" value="1"/><float name="falloffStart" value="50"/>
+      <float name="totalWidth" value="30"/>)");
+  ASSERT_TRUE(hard.file) << all_messages(hard.diagnostics);
+  EXPECT_THAT(all_messages(hard.diagnostics), HasSubstr("the light ends with the cone, at a hard edge"));
+  EXPECT_EQ(hard.scene().delta_lights.at(0).beam_width, 30.0);
+}
+
+TEST(Courses, Parallelograms) {
+  const Scene scene = read_beside_picture(R"(<mesh type="parallelogram"><point name="origin" value="1 2 3"/>
+      <vector name="u" value="0 0 4"/><vector name="v" value="5 0 0"/>
+      <emitter type="parallelogram_emitter"><color name="radiance" value="1"/></emitter></mesh>)");
+  const auto& mesh = std::get<TriangleMesh>(scene.shapes.at(0));
+  ASSERT_EQ(mesh.positions.size(), 4u);
+  EXPECT_EQ(glm::dvec3(mesh.positions[0]), glm::dvec3(1, 2, 3));
+  EXPECT_EQ(glm::dvec3(mesh.positions[2]), glm::dvec3(6, 2, 7));
+  EXPECT_EQ(mesh.uv_sets.at(0)[2], glm::vec2(1.0f));
+  const glm::dvec3 a(mesh.positions[0]), b(mesh.positions[1]), c(mesh.positions[2]);
+  EXPECT_GT(glm::cross(b - a, c - a).y, 0.0) << "u × v";
+  EXPECT_TRUE(scene.instances.at(0).emitter.has_value());
+}
+
+/// Reading goes on after the report, with something in its place.
+TEST(Courses, RequiredNumbersThatAreMissing) {
+  const Parsed lens =
+      parse(R"(<scene><integrator type="path"/><camera type="thinlens"/><mesh type="sphere"/></scene>)");
+  EXPECT_FALSE(lens.file);
+  EXPECT_THAT(all_messages(lens.diagnostics),
+              HasSubstr("<camera type=\"thinlens\"> needs its property \"focusDistance\""));
+  const Parsed av = parse(R"(<scene><integrator type="av"/><camera type="perspective"/><mesh type="sphere"/></scene>)");
+  EXPECT_FALSE(av.file);
+  EXPECT_THAT(all_messages(av.diagnostics), HasSubstr("needs its property \"length\""));
+}
+
 TEST(Courses, DisneysMaterialWithoutHighlights) {
   const Scene scene = read_beside_picture(sphere(R"(<bsdf type="disney"><float name="specular" value="0"/></bsdf>)"));
   const double eta = std::get<PrincipledBsdf>(scene.materials.at(0).bsdf).eta.value;

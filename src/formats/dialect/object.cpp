@@ -466,17 +466,37 @@ SourcePosition Object::position_of(const char* name) const {
   return found == given_.end() ? position_ : found->second.position;
 }
 
+namespace {
+
+/// For a required property that is missing, which has been reported: reading continues and finds the next problem.
+Value substitute(ParameterType type) {
+  using enum ParameterType;
+  switch (type) {
+    case boolean:
+      return false;
+    case integer:
+      return std::int64_t{1};
+    case real:
+      return 1.0;
+    case string:
+      return std::string();
+    case number_list:
+      return std::vector<double>{};
+    default:
+      return glm::dvec3(0.0);
+  }
+}
+
+}  // namespace
+
 Value Object::get_value(const char* name) const {
   const Parameter* parameter = plugin_->find(name);
   if (parameter == nullptr) throw std::logic_error(fmt::format("{} has no row for {}", heading(), name));
   const auto found = given_.find(name);
   if (found != given_.end() && !named_children_.contains(name)) return found->second.value;
-  // A missing required property has been reported; a substitute lets reading continue and find the next problem.
+  if (parameter->default_text == nullptr) return substitute(parameter->type);
   if (parameter->type == ParameterType::number_list) return std::vector<double>{};
-  if (parameter->type == ParameterType::string)
-    return std::string(parameter->default_text == nullptr ? "" : parameter->default_text);
-  return parse_value(parameter->type, parameter->range,
-                     parameter->default_text == nullptr ? "0 0 0" : parameter->default_text);
+  return parse_value(parameter->type, parameter->range, parameter->default_text);
 }
 
 glm::dmat4 Object::matrix(const char* name) const {

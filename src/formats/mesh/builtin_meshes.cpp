@@ -21,11 +21,15 @@ void add_face(TriangleMesh& mesh, const glm::dvec3& corner, const glm::dvec3& u,
 
 }  // namespace
 
-TriangleMesh make_rectangle() {
+TriangleMesh make_parallelogram(const glm::dvec3& origin, const glm::dvec3& u, const glm::dvec3& v) {
   TriangleMesh mesh;
   mesh.uv_sets.emplace_back();
-  add_face(mesh, {-1.0, -1.0, 0.0}, {2.0, 0.0, 0.0}, {0.0, 2.0, 0.0}, false);
+  add_face(mesh, origin, u, v, false);
   return mesh;
+}
+
+TriangleMesh make_rectangle() {
+  return make_parallelogram({-1.0, -1.0, 0.0}, {2.0, 0.0, 0.0}, {0.0, 2.0, 0.0});
 }
 
 TriangleMesh make_cube() {

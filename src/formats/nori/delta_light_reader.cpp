@@ -68,7 +68,17 @@ class DeltaLightReader {
     return nullptr;
   }
 
+  /// Of a spot, in the words of some courses.
+  bool has_color() const { return object_.plugin().find("color") != nullptr && object_.given("color"); }
+
   void read_intensity(double solid_angle) {
+    if (has_color()) {
+      for (const char* other : {"intensity", "power"}) {
+        if (object_.given(other)) one_of(other, "color");  // an error
+      }
+      light_.intensity = object_.get<glm::dvec3>("color") / (4.0 * kPi);
+      return;
+    }
     const char* name = one_of("intensity", "power");
     if (name == nullptr) return;
     if (name == std::string_view("intensity")) {
@@ -132,12 +142,16 @@ class DeltaLightReader {
     light_.cutoff = object_.get<double>(other ? "totalWidth" : "cutoffAngle");
     light_.beam_width = object_.given(beam) ? object_.get<double>(beam) : 0.75 * light_.cutoff;
     if (light_.beam_width > light_.cutoff) {
-      sink_.error(object_.position_of(beam), fmt::format("the beam of the spot has a half angle of {} degrees, its "
-                                                         "cone one of {}; the beam must be within the cone",
-                                                         light_.beam_width, light_.cutoff));
+      // With these names courses' own lights have a hard edge; a cutoffAngle must be what it says.
+      const std::string what = fmt::format("the beam of the spot has a half angle of {} degrees, its cone one of {}; ",
+                                           light_.beam_width, light_.cutoff);
+      if (other)
+        sink_.warning(object_.position_of(beam), what + "the light ends with the cone, at a hard edge");
+      else
+        sink_.error(object_.position_of(beam), what + "the beam must be within the cone");
       light_.beam_width = light_.cutoff;
     }
-    light_.falloff = other ? DeltaLight::Falloff::quartic : DeltaLight::Falloff::linear;
+    light_.falloff = other && !has_color() ? DeltaLight::Falloff::quartic : DeltaLight::Falloff::linear;
     if (!object_.given("falloff")) return;
     const auto word = object_.get<std::string>("falloff");
     if (word == "linear") {

@@ -37,6 +37,7 @@ Plugin spot_plugin() {
       {"intensity", color, "", kLight,
        "power per solid angle along the axis, W/sr; a texture is projected across the cone", "texture"},
       power_parameter(),
+      {"color", color, "", kLight, "as some courses have it: the intensity is color/4π, and the light fades linearly"},
       {"cutoffAngle", real, "20", kAngle, "half angle of the cone in degrees; with a texture at most 89"},
       {"beamWidth",
        real,

@@ -597,8 +597,12 @@ class SceneReader {
       return std::move(*mesh);
     }
     if (type == "disk") return Disk{};
-    if (type == "rectangle" || type == "cube") {
-      TriangleMesh mesh = type == "cube" ? make_cube() : make_rectangle();
+    if (type == "rectangle" || type == "cube" || type == "parallelogram") {
+      TriangleMesh mesh = type == "cube" ? make_cube()
+                          : type == "rectangle"
+                              ? make_rectangle()
+                              : make_parallelogram(object.get<glm::dvec3>("origin"), object.get<glm::dvec3>("u"),
+                                                   object.get<glm::dvec3>("v"));
       apply_mesh_facts(context_.dialect.mesh_facts, false, mesh);
       return mesh;
     }
@@ -994,20 +998,52 @@ class SceneReader {
     if (is_daylight(type)) {
       scene.sky.picture = SkyPicture{.bitmap = make_daylight(read_daylight(object, sink_))};
     } else {
-      scene.sky.picture = read_sky_picture(object);
+      read_sky(object, scene);
     }
     scene.sky.world_from_sky = glm::dmat3(object.matrix("toWorld"));
     const auto place = [&](const char* field, const char* property) {
       fields_[{scene.position.line, scene.position.column, field}] = object.position_of(property);
     };
     if (!is_daylight(type)) {
-      place("sky_picture", "filename");
+      place("sky_picture", object.child_of("radiance") != nullptr ? "radiance" : "filename");
       place("sky_scale", "scale");
     }
     place("world_from_sky", "toWorld");
   }
 
-  std::optional<SkyPicture> read_sky_picture(const Object& object) {
+  /// A picture, which courses also give by a texture; or, without one, a colour.
+  void read_sky(const Object& object, Scene& scene) {
+    const XmlElement* const child = object.child_of("radiance");
+    const std::optional<Object> texture = child != nullptr ? Object::read(*child, context_) : std::nullopt;
+    if (child != nullptr && !texture) return;
+    if (texture && object.given("filename"))
+      return sink_.error(object.position_of("filename"),
+                         "the sky has two pictures, this one and that of its texture; keep one");
+    const std::string_view type = texture ? std::string_view(texture->plugin().type) : "";
+    if (texture && type != "bitmap" && type != "constant_color")
+      return sink_.error(texture->position(), fmt::format("a {} is no picture of a sky; use a bitmap", type));
+    const bool uniform = texture ? type == "constant_color" : object.given("radiance") && !object.given("filename");
+    const auto scale = object.get<double>("scale");
+    if (uniform) {
+      const auto radiance = texture ? texture->get<glm::dvec3>("value") : object.get<glm::dvec3>("radiance");
+      scene.sky.top = scene.sky.horizon = scale * radiance;
+      return;
+    }
+    glm::dvec3 factor(1.0);
+    if (!texture)
+      factor = object.get<glm::dvec3>("radiance");
+    else if (texture->given("scale"))
+      factor = texture->get<glm::dvec3>("scale");
+    if (factor.x != factor.y || factor.y != factor.z)
+      return sink_.error(object.position_of("radiance"),
+                         "a picture of a sky takes a grey factor; tint the picture itself");
+    scene.sky.picture = read_sky_picture(object, texture ? *texture : object);
+    if (!(factor.x > 0.0)) return sink_.error(object.position_of("radiance"), "the factor of a sky must be above 0");
+    if (scene.sky.picture) scene.sky.picture->scale = scale * factor.x;
+  }
+
+  /// `owner` names the file: the emitter, or its texture.
+  std::optional<SkyPicture> read_sky_picture(const Object& object, const Object& owner) {
     SkyPicture picture{.bitmap = nullptr, .scale = object.get<double>("scale")};
     const auto rows = object.get<std::string>("rows");
     if (rows == "circles") {
@@ -1017,9 +1053,14 @@ class SceneReader {
       sink_.error(object.position_of("rows"), fmt::format("{} is not a kind of rows{}; known are bands and circles",
                                                           text::quoted(rows), text::did_you_mean(rows, known)));
     }
-    if (!object.given("filename")) return std::nullopt;
-    const SourcePosition position = object.position_of("filename");
-    const std::string filename(text::trim(object.get<std::string>("filename")));
+    if (!owner.given("filename")) {
+      sink_.error(owner.position(), fmt::format("<{} type=\"{}\"> needs its property \"filename\"; add <string "
+                                                "name=\"filename\" …/>",
+                                                owner.plugin().tag, owner.plugin().type));
+      return std::nullopt;
+    }
+    const SourcePosition position = owner.position_of("filename");
+    const std::string filename(text::trim(owner.get<std::string>("filename")));
     if (filename.empty()) {
       sink_.error(position, "\"filename\" is empty; give the path of a picture");
       return std::nullopt;

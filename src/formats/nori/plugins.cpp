@@ -1,6 +1,7 @@
 #include "formats/nori/plugins.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -341,7 +342,8 @@ std::vector<Plugin> object_plugins() {
        "Light from all directions, given by a latitude-longitude picture, +Y up; a child of <scene>, instead of "
        "sky_top and sky_horizon. The left and right edges of the picture are toward -Z, the middle is toward +Z, and "
        "+X is a quarter of the width from the left. PNG and JPEG are read as sRGB, OpenEXR and Radiance HDR as linear.",
-       {{"filename", string, nullptr, any(), "the picture, relative to the folder of the scene file"},
+       {{"filename", string, "", any(), "the picture, relative to the folder of the scene file"},
+        {"radiance", color, "1 1 1", between(0, kMaxRadiance), "grey factor; or a texture, the picture", "texture"},
         {"scale", real, "1", above(0), "factor of the picture's radiance"},
         {"rows", string, "bands", any(),
          "bands: each row of the picture is the middle of a band, all of equal height; circles: the first and last "
@@ -381,6 +383,16 @@ std::vector<Plugin> shape_plugins() {
            "rectangle",
            "The square from (−1, −1, 0) to (1, 1, 0) with normal +z: a mesh of two triangles with texture coordinates.",
            {world_transform(), flip_normals()},
+           surface()},
+          {"mesh",
+           "parallelogram",
+           "The corners origin, origin + u, origin + u + v and origin + v, with the normal u × v: a mesh of two "
+           "triangles with texture coordinates.",
+           {{"origin", point, "-1 -1 0", anywhere, "a corner"},
+            {"u", vector, "2 0 0", anywhere, "an edge"},
+            {"v", vector, "0 2 0", anywhere, "the other edge"},
+            world_transform(),
+            flip_normals()},
            surface()},
           {"mesh",
            "cube",
@@ -452,17 +464,19 @@ std::vector<UnsupportedTypes> unsupported_types() {
 }
 
 /// Words that courses and other renderers use for the same things; other spellings of them are read, too.
-std::vector<TypeAliases> type_aliases() {
+std::vector<TypeAliases> integrator_aliases() {
   return {
       {"integrator", "ao", {"ambient_occlusion"}},
       {"integrator", "av", {"average_visibility"}},
-      {"integrator", "path_mis", {"path_tracer", "path_tracing", "path_trace", "mipath", "mi_path"}},
+      {"integrator",
+       "path_mis",
+       {"path_tracer", "path_tracing", "path_trace", "mipath", "mi_path", "path_tracer_recursive"}},
       {"integrator", "path_ems", {"path_nee", "vol_path_ems"}},
       {"integrator", "path_mats", {"path_brdf", "path_bsdf", "path_naive", "bsdf_path"}},
       {"integrator",
        "path_vol",
        {"volumetric_path", "volume", "volume_pt", "vol_pt", "path_volume", "volpath_mis", "volumetric_path_tracer",
-        "path_vol_mis", "path_mis_vol"}},
+        "path_vol_mis", "path_mis_vol", "volumetric", "volume_path_tracer"}},
       {"integrator", "vol_path_mats", {"volpath_mats", "path_vol_mats"}},
       {"integrator", "direct_ems", {"direct_light", "direct_lighting", "direct_illumination", "direct_nee"}},
       {"integrator", "direct_mats", {"direct_bsdf"}},
@@ -470,24 +484,30 @@ std::vector<TypeAliases> type_aliases() {
       {"integrator",
        "photonmapper",
        {"photon_mapping", "photon_map", "pmap", "progressive_photon_mapper", "progressive_photon_mapping", "ppm",
-        "sppm", "ppmap", "debiased_pm", "debiased_ppm"}},
+        "sppm", "ppmap", "debiased_pm", "debiased_ppm", "photo_mapper"}},
       {"integrator", "bdpt", {"bidirectional", "light_tracer", "particle_tracer"}},
       {"integrator", "mlt", {"metropolis", "pssmlt"}},
-      {"camera", "thinlens", {"thin_lens", "lens", "depth_of_field", "dof"}},
+  };
+}
+
+std::vector<TypeAliases> type_aliases() {
+  std::vector<TypeAliases> all = integrator_aliases();
+  const TypeAliases others[] = {
+      {"camera", "thinlens", {"thin_lens", "lens", "depth_of_field", "dof", "advanced_camera", "perspective_depth"}},
       {"camera", "spherical", {"panorama"}},
       {"camera", "orthographic", {"ortho"}},
       {"sampler",
        "sobol",
        {"stratified", "halton", "ldsampler", "low_discrepancy", "multijitter", "hammersley", "adaptive"}},
       {"sampler", "independent", {"random"}},
-      {"bsdf", "diffuse", {"lambertian", "lambert"}},
+      {"bsdf", "diffuse", {"lambertian", "lambert", "disney_diffuse"}},
       {"bsdf", "mirror", {"specular"}},
       {"bsdf", "dielectric", {"glass", "smooth_dielectric"}},
       {"bsdf", "thindielectric", {"thin_glass"}},
-      {"bsdf", "roughdielectric", {"rough_glass"}},
+      {"bsdf", "roughdielectric", {"rough_glass", "microfacet_dielectric"}},
       {"bsdf", "conductor", {"metal", "smooth_conductor"}},
       {"bsdf", "roughconductor", {"rough_metal"}},
-      {"bsdf", "null", {"null_bsdf", "passthrough"}},
+      {"bsdf", "null", {"null_bsdf", "passthrough", "transparent"}},
       {"bsdf", "normalmap", {"normal_map"}},
       {"bsdf", "bumpmap", {"bump_map"}},
       {"bsdf", "principled", {"disney", "disney_bsdf", "disney_brdf"}},
@@ -496,7 +516,7 @@ std::vector<TypeAliases> type_aliases() {
       {"emitter", "point", {"point_light"}},
       {"emitter", "spot", {"spot_light"}},
       {"emitter", "directional", {"directional_light", "distant_light", "parallel"}},
-      {"emitter", "area", {"area_light", "mesh_light"}},
+      {"emitter", "area", {"area_light", "mesh_light", "parallelogram_emitter"}},
       {"emitter",
        "envmap",
        {"environment", "environment_map", "environment_light", "env_light", "env", "env_mapper", "ibl", "infinite",
@@ -504,14 +524,16 @@ std::vector<TypeAliases> type_aliases() {
       {"emitter", "constant", {"constant_light"}},
       {"texture",
        "bitmap",
-       {"image", "image_texture", "png_texture", "image_texture_legacy", "textmap", "texture_map", "bitmap_texture",
-        "texture"}},
+       {"image", "image_texture", "png_texture", "image_texture_legacy", "image_texture_simple", "imagetexture_color3f",
+        "textmap", "texture_map", "bitmap_texture", "texture"}},
       {"texture", "checkerboard", {"checkerboard_texture"}},
       {"texture", "constant_color", {"constant", "solid", "solid_color", "uniform"}},
       {"mesh", "rectangle", {"quad"}},
       {"mesh", "cube", {"box"}},
       {"mesh", "obj", {"wavefront"}},
   };
+  all.insert(all.end(), std::begin(others), std::end(others));
+  return all;
 }
 
 std::vector<ParameterAlias> parameter_aliases() {
@@ -524,6 +546,7 @@ std::vector<ParameterAlias> parameter_aliases() {
       {"aperture", "apertureRadius"},
       {"focal_distance", "focusDistance"},
       {"focus_dist", "focusDistance"},
+      {"focal_dist", "focusDistance"},
       {"focal_plane", "focusDistance"},
       {"rr_start", "rrDepth"},
       {"max_bounces", "maxDepth"},
@@ -554,12 +577,17 @@ std::vector<ParameterAlias> parameter_aliases() {
       {"image", "filename"},
       {"image_name", "filename"},
       {"texture_path", "filename", "texture"},
+      {"filepath", "filename"},
       {"exr_path", "filename"},
       {"openexr", "filename"},
       {"envfile", "filename", "emitter"},
       {"mapname", "filename", "emitter"},
+      {"env_map_path", "filename", "emitter"},
+      {"path2map", "filename", "emitter"},
+      {"power", "irradiance", "emitter"},
       {"strength", "scale", "emitter"},
       {"intensity", "scale", "emitter"},
+      {"albedo", "radiance", "emitter"},
       {"origin", "position", "emitter"},
       {"cos_total_width", "totalWidth"},
       {"cos_falloff_start", "falloffStart"},
