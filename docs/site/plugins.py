@@ -84,7 +84,7 @@ FORMULAS = {
 }  # yapf: disable
 # Those that have no formula: what they are is said by the table.
 WITHOUT_FORMULA = {("scene", ""), ("test", "ttest"), ("test", "chi2test"), ("keyframe", ""), ("mesh", "obj"), ("mesh", "ply"),
-                   ("mesh", "rectangle"), ("mesh", "cube"), ("texture", "constant_color")}
+                   ("mesh", "rectangle"), ("mesh", "parallelogram"), ("mesh", "cube"), ("texture", "constant_color")}
 
 
 def original(tag, kind):

@@ -95,6 +95,8 @@ def shapes():
         "obj": shape("obj", file.format("pyramid.obj"), TURNED, MATT),
         "ply": shape("ply", file.format("pyramid.ply"), TURNED, colors),
         "rectangle": shape("rectangle", transform='<rotate angle="-20" axis="1 0 0"/>' + TURNED + RAISED),
+        "parallelogram": shape("parallelogram", '<point name="origin" value="-1.1 0.1 0.5"/><vector name="u" value="1.7 0 -0.4"/>'
+                               '<vector name="v" value="0.5 1.5 -0.2"/>'),
         "cube": shape("cube", transform='<scale value="0.7 0.7 0.7"/>' + TURNED + '<translate value="0 0.7 0"/>'),
         "disk": shape("disk", transform='<rotate angle="-25" axis="1 0 0"/>' + TURNED + RAISED),
         "cylinder": shape("cylinder", '<point name="p0" value="0 0 0"/><point name="p1" value="0 1.5 0"/><float name="radius" value="0.7"/>'),
