@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -56,7 +57,7 @@ std::optional<std::uint32_t> TextureReader::read(const Object& owner, const char
   if (is_given("alpha_cutoff")) texture->alpha_cutoff = object->get<double>("alpha_cutoff");
   if (is_given("premultiplied")) texture->premultiplied = object->get<bool>("premultiplied");
   channels_[element] = read_channel(*object);
-  if (object->plugin().type == "constant_color" && !texture->is_derived()) {
+  if (std::string_view(object->plugin().type) == "constant_color" && !texture->is_derived()) {
     constants_[element] = object->get<glm::dvec3>("value");
     return std::nullopt;
   }
