@@ -8,7 +8,7 @@ PICTURES = {
     "materials": ((560, 245), 160, ""),
     "cbox-ajax": ((400, 300), 43, ""),
     "daylight": ((560, 315), 256, ""),
-    "forest": ((640, 360), 256, ""),
+    "forest": (LARGE, 128, "-D sampler.type=sobol"),
     "material-gallery": ((640, 352), 128, ""),
     "bubble": ((480, 270), 288, ""),
     "cbox-sphere": ((640, 480), 400, ""),
