@@ -39,8 +39,8 @@ struct DeviceSelection {
   /// numbers separated by commas, or "all", for several devices that share the work.
   std::string selector = "auto";
   std::optional<double> max_wait_seconds{};  ///< a device whose dispatch takes longer counts as hanging
-  std::optional<double>
-      dispatch_seconds{};          ///< longest that a dispatch should take: 0.1 on GPUs and 1 on CPUs if empty
+  /// Longest that a dispatch should take; empty: 0.1 on GPUs, 1 on CPUs.
+  std::optional<double> dispatch_seconds{};
   std::uint32_t pass_samples = 0;  ///< not 0: samples of each lane per dispatch, for tests
   /// Who finds what rays meet on Vulkan devices. `query` makes opening a device without ray queries an Error(device),
   /// and is an Error(usage) for the reference.

@@ -398,13 +398,13 @@ class Compiler {
       } else if (emitter != nullptr) {
         const Placed placed(scene_, instance);
         const EmitterRadiance radiance(texture_facts_, instance);
-        const auto parts = lamp_parts_.find(static_cast<std::uint32_t>(areas.size()));
+        const LampParts* const parts = parts_of(areas.size());
         for (std::size_t i = 0; i < placed.primitive_count(); ++i) {
           area += placed.area(i);
-          if (parts == lamp_parts_.end() && !radiance.uniform()) power += luminance(radiance.mean(i)) * placed.area(i);
+          if (parts == nullptr && !radiance.uniform()) power += luminance(radiance.mean(i)) * placed.area(i);
         }
-        if (parts != lamp_parts_.end()) {
-          for (const double part : part_powers(placed, parts->second)) power += part;
+        if (parts != nullptr) {
+          for (const double part : part_powers(placed, *parts)) power += part;
         } else if (radiance.uniform()) {
           power = luminance(radiance.mean()) * area;
         }
@@ -433,6 +433,12 @@ class Compiler {
       add_light(Placed(scene_, scene_.instances[i]), static_cast<gpu::uint>(i), static_cast<gpu::uint>(thresholds[i]));
     }
     if (!thresholds.empty()) add_delta_lights(std::span(thresholds).subspan(areas.size()));
+  }
+
+  // Null for an instance that is not divided.
+  const LampParts* parts_of(std::size_t instance) const {
+    const auto found = lamp_parts_.find(static_cast<std::uint32_t>(instance));
+    return found == lamp_parts_.end() ? nullptr : &found->second;
   }
 
   // Luminance times area.
@@ -480,8 +486,8 @@ class Compiler {
   void add_light(const Placed& placed, gpu::uint index, gpu::uint threshold) {
     gpu::LightInstance light{threshold, index, static_cast<gpu::uint>(out_.light_primitives.size()), 0};
     const gpu::Primitive* const primitives = &flat_primitives_[first_primitive_[index]];
-    if (const auto parts = lamp_parts_.find(index); parts != lamp_parts_.end()) {
-      light.primitive_count = add_light_parts(part_powers(placed, parts->second), parts->second, primitives);
+    if (const LampParts* const parts = parts_of(index)) {
+      light.primitive_count = add_light_parts(part_powers(placed, *parts), *parts, primitives);
     } else {
       std::vector<double> areas;
       for (std::size_t i = 0; i < placed.primitive_count(); ++i) areas.push_back(placed.area(i));
@@ -599,16 +605,16 @@ class Compiler {
     const gpu::LightTrail none{0, 1.0f, 0, 0};
     trails.resize(scene_.instances.size());
     for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
-      const auto parts = lamp_parts_.find(static_cast<std::uint32_t>(i));
-      if (!scene_.instances[i].emitter || (!all && parts == lamp_parts_.end())) continue;
+      const LampParts* const parts = parts_of(i);
+      if (!scene_.instances[i].emitter || (!all && parts == nullptr)) continue;
       const auto first = static_cast<gpu::uint>(trails.size());
       trails[i].turns = first;
       // An instance of a shared mesh has one.
       const bool shared = sharing_.has_instance(i);
       trails.resize(first + (shared ? 1 : primitive_count(scene_.shape_of(scene_.instances[i]))), none);
-      if (parts == lamp_parts_.end()) continue;
-      for (std::size_t t = 0; t < parts->second.cells.size(); ++t) {
-        const gpu::uint n = parts->second.cells[t];
+      if (parts == nullptr) continue;
+      for (std::size_t t = 0; t < parts->cells.size(); ++t) {
+        const gpu::uint n = parts->cells[t];
         trails[first + t] = {0, 1.0f, n, static_cast<gpu::uint>(trails.size())};
         trails.resize(trails.size() + std::size_t{n} * n, none);
       }
@@ -626,8 +632,7 @@ class Compiler {
     make_trails(false);
     for (const gpu::LightInstance& light : out_.light_instances) {
       if ((light.instance & gpu::kLightLeafDelta) != 0) continue;
-      const auto parts = lamp_parts_.find(light.instance);
-      if (parts == lamp_parts_.end()) continue;
+      if (parts_of(light.instance) == nullptr) continue;
       const Placed placed(scene_, scene_.instances[light.instance]);
       for (gpu::uint i = light.first_primitive; i < light.first_primitive + light.primitive_count; ++i) {
         const gpu::LightPrimitive& part = out_.light_primitives[i];

@@ -14,8 +14,8 @@ struct PassLimits {
   std::uint32_t lane_groups = 1;                      ///< workgroups that keep the device busy
   std::uint32_t paths_per_lane = kLeastPathsPerLane;  ///< most paths of a lane, one after the other
   std::uint32_t fixed_samples = 0, fixed_groups = 0;  ///< 0: chosen here
-  double caution =
-      1.0;  ///< how many times dearer than the recent ones a place of the film may be that is still unknown
+  /// How many times dearer than the recent ones a place of the film may be that is still unknown.
+  double caution = 1.0;
 };
 
 /// Groups of film slots, counted over the whole film.

@@ -210,13 +210,15 @@ class LampDivider {
 }  // namespace
 
 std::map<std::uint32_t, LampParts> lamp_parts(const Scene& scene) {
-  const Sharing sharing(scene);
   std::vector<std::uint32_t> textured;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const AreaEmitter* emitter = scene.emitter_of(scene.instances[i]);
     const bool mesh = std::holds_alternative<TriangleMesh>(scene.shape_of(scene.instances[i]));
-    if (emitter != nullptr && emitter->radiance.texture && mesh && !sharing.has_instance(i)) textured.push_back(i);
+    if (emitter != nullptr && emitter->radiance.texture && mesh) textured.push_back(i);
   }
+  if (textured.empty()) return {};
+  const Sharing sharing(scene);
+  std::erase_if(textured, [&](std::uint32_t i) { return sharing.has_instance(i); });
   KnownTextureFacts facts(scene);
   std::map<std::uint32_t, LampParts> all;
   for (const std::uint32_t i : textured) {

@@ -69,7 +69,7 @@ class DeltaLightReader {
   }
 
   /// Of a spot, in the words of some courses.
-  bool has_color() const { return object_.plugin().find("color") != nullptr && object_.given("color"); }
+  bool has_color() const { return object_.given("color"); }
 
   void read_intensity(double solid_angle) {
     if (has_color()) {

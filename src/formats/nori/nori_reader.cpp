@@ -1037,8 +1037,10 @@ class SceneReader {
     if (factor.x != factor.y || factor.y != factor.z)
       return sink_.error(object.position_of("radiance"),
                          "a picture of a sky takes a grey factor; tint the picture itself");
+    if (!(factor.x > 0.0))
+      return sink_.error(object.position_of("radiance"),
+                         "the factor of a sky must be above 0; remove the emitter for a black sky");
     scene.sky.picture = read_sky_picture(object, texture ? *texture : object);
-    if (!(factor.x > 0.0)) return sink_.error(object.position_of("radiance"), "the factor of a sky must be above 0");
     if (scene.sky.picture) scene.sky.picture->scale = scale * factor.x;
   }
 
