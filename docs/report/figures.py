@@ -26,7 +26,8 @@ import template
 ROOT = Path(__file__).resolve().parents[2]
 CHAPTERS = ["paths", "antialiasing", "convergence", "materials", "lights", "proofs", "tree", "determinism", "performance",
             "swatches", "plugins", "gallery", "families"]
-UNASKED = {"comparison": {"time_compare.json"}}  # chapters that need other programs, run only by --only, and what they make
+# Chapters that run only by --only, because they need other programs or take long, and what they make.
+UNASKED = {"comparison": {"time_compare.json"}, "scaling": {"time_scaling.json", "scaling.svg"}}
 
 
 def options():

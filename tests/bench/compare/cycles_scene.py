@@ -217,8 +217,8 @@ def seconds(text):
     return total
 
 
-def main():
-    folder, out, spp, threads, seed = sys.argv[sys.argv.index('--') + 1 :]
+def build(folder, spp, threads, seed):
+    """Blender's scene, in place of whatever was there."""
     with open(os.path.join(folder, 'scene.json'), encoding='utf-8') as file:
         description = json.load(file)
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -233,7 +233,13 @@ def main():
         scene.collection.objects.link(bpy.data.objects.new(name, mesh))
     make_world(scene, description['sky'])
     make_camera(scene, description['camera'])
-    configure(scene, description['integrator']['max_depth'], int(spp), int(threads), int(seed))
+    configure(scene, description['integrator']['max_depth'], spp, threads, seed)
+    return scene
+
+
+def main():
+    folder, out, spp, threads, seed = sys.argv[sys.argv.index('--') + 1 :]
+    scene = build(folder, int(spp), int(threads), int(seed))
     scene.render.filepath = out
     bpy.ops.render.render(write_still=True)
     times = {
@@ -244,4 +250,5 @@ def main():
     print(f"CYCLES {bpy.app.version_string} {times['render_time']:.2f}", flush=True)
 
 
-main()
+if __name__ == '__main__':
+    main()
