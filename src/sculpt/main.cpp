@@ -11,6 +11,7 @@
 #include "sculpt/mesh.h"
 #include "sculpt/pictures.h"
 #include "sculpt/polygonise.h"
+#include "sculpt/robot.h"
 #include "sculpt/sky.h"
 #include "sculpt/turned.h"
 
@@ -50,10 +51,12 @@ int run(int argc, char** argv) {
          "loose random triangles; lamps: triangles "
          "that hover over a square and look down; vase, bowl: turned, with texture coordinates; goblet: a closed "
          "wine glass, 1 high; curtain: a sheet of folds, 1 wide and high; tile: a square with texture coordinates; "
-         "sky: a picture of a day's sky, Radiance HDR, of --height rows")
+         "sky: a picture of a day's sky, Radiance HDR, of --height rows; robot: a toy on a table with lamps and a "
+         "camera, "
+         "a binary glTF asset")
       ->type_name("KIND")
       ->check(one_of({"bust", "bumpy-sphere", "fir", "grid", "soup", "lamps", "vase", "bowl", "goblet", "curtain",
-                      "tile", "sky"}));
+                      "tile", "sky", "robot"}));
   app.add_option("--picture", picture, "make a PNG instead of a mesh: wood, porcelain, cloth, or orange (for a sphere)")
       ->type_name("KIND")
       ->check(one_of(sculpt::picture_kinds()));
@@ -68,7 +71,8 @@ int run(int argc, char** argv) {
   app.add_option("--height", height, "height of the sky's picture in pixels; it is twice as wide")
       ->capture_default_str()
       ->check(in_range(2, 4096));
-  app.add_option("-o,--output,--out", output, "file to write: OBJ for a mesh, PNG for a picture, HDR for a sky")
+  app.add_option("-o,--output,--out", output,
+                 "file to write: OBJ for a mesh, PNG for a picture, HDR for a sky, GLB for an asset")
       ->required()
       ->file({".obj", ".png", ".hdr"});
   app.set_version_flag(std::string("etendue-sculpt ") + version());
@@ -81,6 +85,10 @@ int run(int argc, char** argv) {
   }
   if (kind == "sky") {
     sculpt::write_sky(height, fmt::format("Made by etendue-sculpt --kind sky --height {}", height), output);
+    return 0;
+  }
+  if (kind == "robot") {
+    sculpt::robot().write(output);
     return 0;
   }
   const sculpt::Mesh mesh = make(kind, triangles);
