@@ -22,7 +22,7 @@ using uvec4 = glm::uvec4;
 // need bind only a few buffers to a kernel, tables share them, each at an offset given by kConstant…At.
 const uint kSetScene = 0u;
 const uint kBindingRecords = 0u;   // the tree
-const uint kBindingGeometry = 1u;  // looked up by triangle and by vertex: triangle indices, vertex normals
+const uint kBindingGeometry = 1u;  // looked up by triangle: vertex normals, attributes, pictures
 const uint kBindingTables = 2u;    // all others: instances, materials, lights
 const uint kBindingStructure = 3u; // the driver's acceleration structure, in kernels with ray queries; see trace_query.glsl
 // Set 1 is bound for a dispatch: the view, and a film or requests and their results.
@@ -60,7 +60,6 @@ const uint kConstantSetBits = 19u;
 const uint kConstantMutant = 20u;  // see mutants.h
 const uint kConstantAnyHit = 21u;
 // Texel at which a table begins in its buffer; the first one of a buffer begins at 0.
-const uint kConstantNormalsAt = 22u;
 const uint kConstantLightInstancesAt = 23u;
 const uint kConstantLightPrimitivesAt = 24u;
 const uint kConstantLightPairsAt = 25u;
@@ -318,11 +317,20 @@ struct Instance {
   vec3 radiance;        // 0 when it does not emit
   float light_prob;     // discrete probability of choosing this instance as a light; 0 when it does not emit
   uint material;        // index into materials
-  uint first_triangle;  // into the triangle indices; kNone when there are no vertex normals
+  uint first_triangle;  // into the vertex normals; kNone when there are none
   float light_area;     // total area in normalised coordinates, for a shared mesh in its own; negative if it emits on both sides
   uint place;           // for an instance of a shared mesh, index into places; kNone: its primitives and normals are in the world
 };
 const uint kInstanceTexels = 2u;
+
+// Vertex normals: a texel for each triangle, because a texel for each vertex, found by an index, would cost four loads of memory that is in no cache.
+// Each normal is a point of the octahedron |x| + |y| + |z| = kOctahedron, folded into the square |x|, |y| <= kOctahedron [Meyer2010]; integers of
+// kOctahedronBits bits turn it by 2.1e-6 radians at most. The scale is a multiple of small numbers, so that normals along axes and diagonals are exact.
+// Word k < 3: x of normal k and, above it, the low bits of y; word 3: the high bits of y, kOctahedronHighBits for each normal.
+const int kOctahedron = 1048320;  // 2^8 · 3^2 · 5 · 7 · 13
+const uint kOctahedronBits = 21u;
+const uint kOctahedronLowBits = 11u;
+const uint kOctahedronHighBits = 10u;
 
 // A material as it is stored; the meaning of the parameters depends on its type. shaders/bsdf/bsdf.glsl turns it into a Material.
 struct MaterialRecord {

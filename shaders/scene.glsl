@@ -28,8 +28,7 @@ TABLE(table, kBindingTables)
 #extension GL_EXT_ray_query : require
 layout(set = kSetScene, binding = kBindingStructure) uniform accelerationStructureEXT scene_structure;
 #endif
-// Start of each table, in texels. The triangle indices come first in the geometry, the instances first in the tables.
-layout(constant_id = kConstantNormalsAt) const uint kNormalsAt = 0u;
+// Start of each table, in texels. The vertex normals come first in the geometry, the instances first in the tables.
 layout(constant_id = kConstantMaterialsAt) const uint kMaterialsAt = 0u;
 layout(constant_id = kConstantMaterialTexturesAt) const uint kMaterialTexturesAt = 0u;
 layout(constant_id = kConstantTextureUsesAt) const uint kTextureUsesAt = 0u;
@@ -152,9 +151,8 @@ EnvironmentTexel fetch_environment_texel(uint i) {
   const uvec4 a = load_table(kEnvironmentTexelsAt + kEnvironmentTexelTexels * i);
   return EnvironmentTexel(uintBitsToFloat(a.xyz), a.w);
 }
-// Vertex indices of a triangle in xyz; only for instances with vertex normals.
-uvec3 fetch_triangle(uint i) { return load_geometry(i).xyz; }
-vec3 fetch_normal(uint i) { return uintBitsToFloat(load_geometry(kNormalsAt + i).xyz); }
+// Vertex normals of a triangle, as vertex_normals.glsl reads them; only for instances that have them.
+uvec4 fetch_vertex_normals(uint i) { return load_geometry(i); }
 // Offset in pixels at u = i / kFilterSteps.
 float fetch_filter_knot(uint i) { return texelFetch(filter_knots, int(i)).x; }
 

@@ -5,6 +5,7 @@
 #include "intersect.glsl"
 #include "mutants.h"
 #include "place.glsl"
+#include "vertex_normals.glsl"
 
 layout(constant_id = kConstantVertexNormals) const bool kVertexNormals = true;  // of any mesh
 
@@ -75,15 +76,12 @@ vec3 triangle_normal(Primitive tri) {
 // Interpolated vertex normal; ng where the mesh has none or they cancel.
 vec3 shading_normal(Instance instance, uint primitive, vec3 weights, vec3 ng) {
   if (!kVertexNormals || instance.first_triangle == kNone) return ng;
-  const uvec3 v = fetch_triangle(instance.first_triangle + primitive);
-  vec3 n0 = fetch_normal(v.x), n1 = fetch_normal(v.y), n2 = fetch_normal(v.z);
+  VertexNormals corners = unfold_normals(fetch_vertex_normals(instance.first_triangle + primitive));
   if (kInstanced && instance.place != kNone) {
     const Place place = fetch_place(instance.place);
-    n0 = place_normal(place, n0);
-    n1 = place_normal(place, n1);
-    n2 = place_normal(place, n2);
+    corners = VertexNormals(place_normal(place, corners.n0), place_normal(place, corners.n1), place_normal(place, corners.n2));
   }
-  const vec3 n = weights.x * n0 + weights.y * n1 + weights.z * n2;
+  const vec3 n = weights.x * corners.n0 + weights.y * corners.n1 + weights.z * corners.n2;
   const float len = length(n);
   return len > 0.0 ? n * (1.0 / len) : ng;
 }

@@ -26,6 +26,7 @@
 #include "compile/reinsertion.h"
 #include "compile/shared_mesh.h"
 #include "compile/twins.h"
+#include "compile/vertex_normals.h"
 #include "compile/wide_bvh.h"
 #include "core/errors.h"
 #include "core/memory.h"
@@ -198,10 +199,11 @@ class Compiler {
     const auto& object = std::get<TriangleMesh>(scene_.shapes[shape]);
     mesh = std::make_unique<SharedMesh>(prepare_shared_mesh(scene_.shapes[shape]));
     if (!object.normals.empty()) {
-      mesh->first_triangle = static_cast<gpu::uint>(out_.triangles.size());
-      const auto first_normal = static_cast<gpu::uint>(out_.normals.size());
-      for (const glm::uvec3& t : object.triangles) out_.triangles.emplace_back(t + first_normal, 0u);
-      for (const glm::dvec3& n : object.normals) out_.normals.emplace_back(glm::vec3(n), 0.0f);
+      mesh->first_triangle = static_cast<gpu::uint>(out_.vertex_normals.size());
+      add_vertex_normals(object.triangles.size(), [&](std::size_t i) {
+        const glm::uvec3& t = object.triangles[i];
+        return pack_normals(object.normals[t.x], object.normals[t.y], object.normals[t.z]);
+      });
     }
     return *mesh;
   }
@@ -316,12 +318,20 @@ class Compiler {
       }
     });
     if (!mesh.has_normals()) return;
-    flat.first_triangle = static_cast<gpu::uint>(out_.triangles.size());
-    const auto first_normal = static_cast<gpu::uint>(out_.normals.size());
-    for (std::size_t i = 0; i < mesh.triangle_count(); ++i)
-      out_.triangles.emplace_back(mesh.indices(i) + first_normal, 0u);
-    for (std::uint32_t i = 0; i < mesh.mesh().normals.size(); ++i)
-      out_.normals.emplace_back(glm::vec3(mesh.normal(i)), 0.0f);
+    flat.first_triangle = static_cast<gpu::uint>(out_.vertex_normals.size());
+    add_vertex_normals(mesh.triangle_count(), [&](std::size_t i) {
+      const glm::uvec3 t = mesh.indices(i);
+      return pack_normals(mesh.normal(t.x), mesh.normal(t.y), mesh.normal(t.z));
+    });
+  }
+
+  template <typename Packed>
+  void add_vertex_normals(std::size_t triangles, const Packed& packed) {
+    const std::size_t first = out_.vertex_normals.size();
+    out_.vertex_normals.resize(first + triangles);
+    parallel_for(triangles, kFlattenGrain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) out_.vertex_normals[first + i] = packed(i);
+    });
   }
 
   // The primitives outside the tree, in the order of the scene.

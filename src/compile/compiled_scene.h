@@ -34,8 +34,7 @@ struct CompiledScene : CompiledMaterials {
   std::vector<gpu::Instance> instances;
   std::vector<gpu::Place> places;  ///< of the instances of shared meshes; empty in flattened scenes
   CompiledTextures textures;
-  std::vector<gpu::uvec4> triangles;  ///< vertex indices of meshes with normals, xyz
-  std::vector<gpu::vec4> normals;     ///< vertex normals, xyz
+  std::vector<gpu::uvec4> vertex_normals;  ///< of the triangles of meshes that have them, see kOctahedron
   std::vector<gpu::LightInstance> light_instances;
   std::vector<gpu::LightPrimitive> light_primitives;
   std::vector<gpu::DeltaLight> delta_lights;  ///< those infinitely far away first

@@ -29,7 +29,7 @@ struct SharedMesh {
   Bvh bvh;                                    ///< empty if no ray can hit any of them
   Bounds bounds;                              ///< in object space
   std::vector<Box> parts;                     ///< boxes that together contain the primitives
-  std::uint32_t first_triangle = gpu::kNone;  ///< into the compiled triangle indices
+  std::uint32_t first_triangle = gpu::kNone;  ///< into the compiled vertex normals
   std::uint32_t first_light_primitive = gpu::kNone, light_primitive_count = 0;
   MeshLight light;  ///< filled in for meshes that emit somewhere
 };

@@ -59,7 +59,7 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMat
       {{gpu::kBindingRecords, "tree", {table("tree", kFirst, records)}},
        {gpu::kBindingGeometry,
         "geometry",
-        {table("triangle indices", kFirst, s.triangles), table("vertex normals", gpu::kConstantNormalsAt, s.normals),
+        {table("vertex normals", kFirst, s.vertex_normals),
          table("attributes", gpu::kConstantAttributesAt, t.attributes)}},
        {gpu::kBindingTables,
         "instances, materials, lights and environment",
@@ -263,7 +263,7 @@ DeviceNeed least_scene_need(const Scene& scene) {
       if (counted[instance.shape]) continue;
       counted[instance.shape] = true;
     }
-    if (mesh != nullptr && !mesh->normals.empty()) texels += mesh->triangles.size() + mesh->normals.size();
+    if (mesh != nullptr && !mesh->normals.empty()) texels += mesh->triangles.size();
   }
   return {"vertex normals", texels * sizeof(gpu::uvec4), DeviceNeed::Kind::memory};
 }
@@ -296,7 +296,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, 
                                      {gpu::kConstantMaterialFlagsAll, used.flags_all},
                                      {gpu::kConstantAdapters, used.adapters},
                                      {gpu::kConstantAdapterDepth, used.adapter_depth},
-                                     {gpu::kConstantVertexNormals, scene.normals.empty() ? 0u : 1u},
+                                     {gpu::kConstantVertexNormals, scene.vertex_normals.empty() ? 0u : 1u},
                                      {gpu::kConstantSphereLights, has_lights(scene, gpu::kPrimitiveSphere) ? 1u : 0u},
                                      {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},
                                      {gpu::kConstantInstanced, scene.places.empty() ? 0u : 1u},

@@ -41,7 +41,7 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, 
 
 /// Device memory of a scene.
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene);
-/// The part known before the scene is compiled: vertex normals and the triangles that refer to them.
+/// The part known before the scene is compiled: vertex normals.
 DeviceNeed least_scene_need(const Scene& scene);
 
 /// The layouts and the set 0 for kernels that read tables in one way.

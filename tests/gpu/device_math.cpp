@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "compile/vertex_normals.h"
 #include "device_test.h"
 #include "reference/rng.h"
 
@@ -250,6 +251,33 @@ TEST_F(DeviceMath, FramesAreOrthonormalAndRightHanded) {
               5e-7);
     EXPECT_LT(glm::length(glm::dvec3(answers[i].world) - w), 2e-6);
   }
+}
+
+TEST_F(DeviceMath, PackedNormalsComeBack) {
+  std::vector<std::array<glm::dvec3, 3>> normals;
+  // Small whole numbers, so that sums of their sizes are at most 9: these are exact but for the division.
+  for (int x = -3; x <= 3; ++x)
+    for (int y = -3; y <= 3; ++y)
+      for (int z = -3; z <= 3; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const glm::dvec3 n = glm::normalize(glm::dvec3(x, y, z));
+        normals.push_back({n, -n, {n.y, n.z, n.x}});
+      }
+  const std::size_t exact = normals.size();
+  Random random(11);
+  for (int i = 0; i < 100000; ++i) normals.push_back({random.direction(), random.direction(), random.direction()});
+  std::vector<gpu::uvec4> packed;
+  for (const auto& n : normals) packed.push_back(pack_normals(n[0], n[1], n[2]));
+  const auto answers = run<gpu::NormalsAnswer>({kernels::vertex_normals, "vertex_normals", nullptr, {}}, packed);
+  double worst = 0.0, worst_exact = 0.0;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const std::array<gpu::vec4, 3> unfolded{answers[i].n0, answers[i].n1, answers[i].n2};
+    double& most = i < exact ? worst_exact : worst;
+    for (int k = 0; k < 3; ++k) most = std::max(most, glm::length(glm::dvec3(unfolded[k]) - normals[i][k]));
+  }
+  EXPECT_LT(worst, 2.2e-6);
+  EXPECT_GT(worst, 1e-6);
+  EXPECT_LT(worst_exact, 3e-7);
 }
 
 // The form with angles, which shares no intermediate with the form with cosines: r⊥ = −sin(θo − θt)/sin(θo + θt),

@@ -61,8 +61,7 @@ CompiledScene numbered_scene() {
   scene.environment.texels = numbered<gpu::EnvironmentTexel>(18);
   scene.environment.search = numbered<gpu::uvec4>(13);
   scene.delta_lights = numbered<gpu::DeltaLight>(19);
-  scene.triangles = numbered<gpu::uvec4>(7);
-  scene.normals = numbered<gpu::vec4>(8);
+  scene.vertex_normals = numbered<gpu::uvec4>(7);
   scene.places = numbered<gpu::Place>(10);
   return scene;
 }
@@ -81,8 +80,7 @@ gpu::TablesAnswer expected(const CompiledScene& scene, std::uint32_t i, std::uin
   a.left_bounds = scene.light_pairs[i].left_bounds;
   a.light_pair = scene.light_pairs[i];
   a.light_trail = scene.light_trails[scene.light_trails[i].turns + trail];
-  a.triangle = gpu::uvec4(glm::uvec3(scene.triangles[i]), 0u);
-  a.normal = gpu::vec4(glm::vec3(scene.normals[i]), 0.0f);
+  a.vertex_normals = scene.vertex_normals[i];
   a.filter_knot.x = knots[i];
   a.place = scene.places[i];
   a.place_again = gpu::vec4(scene.places[i].origin, std::bit_cast<float>(scene.instances[i].place));

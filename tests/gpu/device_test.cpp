@@ -37,7 +37,7 @@ std::shared_ptr<GpuDevice> device(std::string* reason = nullptr) {
 }  // namespace
 
 CompiledScene list_primitives(CompiledScene scene) {
-  const auto list = [&](std::uint32_t slot) { scene.triangles.push_back({slot, 0, 0, gpu::kListed}); };
+  const auto list = [&](std::uint32_t slot) { scene.vertex_normals.push_back({slot, 0, 0, gpu::kListed}); };
   for (std::uint32_t i = 0; i < scene.few_count; ++i) list(i * gpu::kPrimitiveSlots);
   const TreeReader<gpu::kBvhWidth> tree(scene.records);
   std::vector<std::uint32_t> pending;

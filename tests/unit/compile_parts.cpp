@@ -13,6 +13,7 @@
 #include "compile/discrete.h"
 #include "compile/filter_table.h"
 #include "compile/normalization.h"
+#include "compile/vertex_normals.h"
 
 namespace etendue {
 namespace {
@@ -243,7 +244,7 @@ TEST(CompileScene, LightsCarryTheirProbabilities) {
   EXPECT_NEAR(c.instances[1].light_area, 2.0 * scale * scale, 1e-7);
 }
 
-TEST(CompileScene, VertexNormalsAreIndexedAcrossMeshes) {
+TEST(CompileScene, VertexNormalsOfAllMeshesFollowEachOther) {
   Scene scene;
   for (int i = 0; i < 3; ++i) {
     add_triangle(scene, {i, 0, 0}, {i + 1, 0, 0}, {i, 1, 0});
@@ -254,10 +255,9 @@ TEST(CompileScene, VertexNormalsAreIndexedAcrossMeshes) {
   EXPECT_EQ(c.instances[0].first_triangle, 0u);
   EXPECT_EQ(c.instances[1].first_triangle, gpu::kNone);
   EXPECT_EQ(c.instances[2].first_triangle, 1u);
-  ASSERT_EQ(c.triangles.size(), 2u);
-  EXPECT_EQ(c.triangles[1], gpu::uvec4(3, 4, 5, 0));
-  ASSERT_EQ(c.normals.size(), 6u);
-  EXPECT_NEAR(c.normals[5].x, 2.0 / std::sqrt(6.0), 1e-6);
+  ASSERT_EQ(c.vertex_normals.size(), 2u);
+  const glm::dvec3 last = glm::normalize(glm::dvec3(2, 1, 1));
+  EXPECT_EQ(c.vertex_normals[1], pack_normals({0, 0, 1}, {0, 1, 0}, last));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ uint listed_count() { return uint(textureSize(geometry_texels)); }
 // Tests the i-th listed primitive.
 bool intersect_listed(RayFrame rf, uint i, inout Nearest nearest) {
   const uvec4 entry = load_geometry(i);
-  if (entry.w != kListed) return false;  // a triangle's vertices, a normal, or the one texel of an empty buffer
+  if (entry.w != kListed) return false;  // vertex normals, an attribute, or the one texel of an empty buffer
   return intersect_primitive(rf, fetch_record(entry.x), entry.x, fetch_record(entry.x).a.w, kNothingPassed, nearest);
 }
 

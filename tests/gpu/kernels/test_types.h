@@ -153,7 +153,7 @@ struct IntersectAnswer {
 };
 
 // The walk of the tree beside a loop over every primitive.
-const uint kListed = 0x600du;  // in w of the table of triangle indices: x is a primitive's slot, for brute_force.glsl
+const uint kListed = 0xc000600du;  // in w of the vertex normals: x is a primitive's slot, see brute_force.glsl
 struct TraceAnswer {
   float t;
   uint instance, primitive;  // kNone: no hit
@@ -227,6 +227,10 @@ struct TextureAnswer {
   vec4 value;
 };
 
+struct NormalsAnswer {
+  vec4 n0, n1, n2;
+};
+
 // One entry of each table of the scene, as the kernels fetch it.
 struct TablesAnswer {
   Record record;
@@ -240,8 +244,7 @@ struct TablesAnswer {
   LightBounds left_bounds;
   LightPair light_pair;
   LightTrail light_trail;
-  uvec4 triangle;
-  vec4 normal;
+  uvec4 vertex_normals;
   vec4 filter_knot;  // x
   Place place;
   vec4 place_again;  // xyz: its origin, w: that of the instance, each fetched alone
@@ -258,7 +261,8 @@ struct TablesAnswer {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TablesAnswer) == 944);
+static_assert(sizeof(TablesAnswer) == 928);
+static_assert(sizeof(NormalsAnswer) == 48);
 static_assert(sizeof(TextureCase) == 48 && sizeof(TextureAnswer) == 16);
 static_assert(sizeof(WordsAnswer) == 32);
 static_assert(sizeof(WarpCase) == 16 && sizeof(WarpAnswer) == 16);
