@@ -1,6 +1,7 @@
 #include "compile/coats.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -43,42 +44,100 @@ class Facets {
     return 0.5 * cosine * std::erfc(-a) + s * std::exp(-a * a) / (2.0 * std::sqrt(kPi));
   }
   double alpha() const { return alpha_; }
+  bool is_beckmann() const { return beckmann_; }
 
  private:
   bool beckmann_;
   double alpha_;
 };
 
-struct Shares {
-  double reflected = 0.0, passed = 0.0;
+/// Nodes and weights of the 8-point Gauss–Legendre rule on [0, 1].
+struct Node {
+  double at, weight;
+};
+constexpr Node kGauss[] = {{0.019855071751231856, 0.05061426814518813}, {0.10166676129318664, 0.11119051722668724},
+                           {0.2372337950418355, 0.15685332293894364},   {0.4082826787521751, 0.18134189168918100},
+                           {0.5917173212478249, 0.18134189168918100},   {0.7627662049581645, 0.15685332293894364},
+                           {0.8983332387068134, 0.11119051722668724},   {0.9801449282487681, 0.05061426814518813}};
+
+/// ∫ f over [a, b], where f may have a root's singularity at either end: both halves are integrated in the root of the
+/// distance from their end.
+template <typename F>
+double integrate_between_kinks(double a, double b, F&& f) {
+  const double half = 0.5 * (b - a);
+  double sum = 0.0;
+  for (const Node& node : kGauss) {
+    const double distance = half * node.at * node.at;
+    sum += node.weight * 2.0 * node.at * half * (f(a + distance) + f(b - distance));
+  }
+  return sum;
+}
+
+/// The microfacets whose normals have the slope ρ α, all around: their cosines with the light w are
+/// `scale · (cosine + spread cos φ)`, with φ from the azimuth of w.
+struct Ring {
+  double cosine, spread, scale;
+  double facet_cosine(double phi) const { return std::min(1.0, scale * (cosine + spread * std::cos(phi))); }
+  /// Where that cosine falls to `value`, in [0, π].
+  double azimuth(double value) const {
+    return spread > 0.0 ? std::acos(std::clamp((value / scale - cosine) / spread, -1.0, 1.0))
+                        : (value < scale * cosine ? kPi : 0.0);
+  }
 };
 
-/// The fractions of light from a direction of this cosine that the microfacets reflect and transmit, with eta = n_t /
-/// n_o; light that meets a second microfacet counts in neither. Midpoint rule over the slopes (q = ρ/(1 + ρ)) and half
-/// a turn, which suffices by symmetry.
-Shares shares(const Facets& facets, double cosine, double eta) {
-  constexpr int kRings = 200, kSectors = 64;
+/// ∫ f(ring) over the slopes, weighted by their distribution and relative to the area that w sees, in the logarithm of
+/// ρ: there both the lobe and the tail of GGX at ρ = 1/α are wide. `kinks` are angles of normals where f is not smooth.
+template <typename F>
+double over_rings(const Facets& facets, double cosine, std::array<double, 4> kinks, F&& f) {
+  constexpr double kFirst = -9.0, kPanel = 1.5;  // width of a panel, which has 16 nodes
+  const double last = facets.is_beckmann() ? 2.0 : 16.0;
   const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-  Shares sum;
-  for (int i = 0; i < kRings; ++i) {
-    const double q = (i + 0.5) / kRings, slope = q / (1.0 - q), ring = slope / ((1.0 - q) * (1.0 - q));
-    const double scale = 1.0 / std::sqrt(1.0 + facets.alpha() * facets.alpha() * slope * slope);  // h.z
-    const double density = facets.slope_density(slope) * ring;
-    for (int j = 0; j < kSectors; ++j) {
-      const double x = facets.alpha() * slope * std::cos(kPi * (j + 0.5) / kSectors);
-      const double across = cosine + sine * x;  // w·h / h.z
-      if (across <= 0.0) continue;
-      const double w_h = std::min(1.0, across * scale), f = fresnel(w_h, eta), weight = density * across;
-      const double reflected_z = 2.0 * w_h * scale - cosine;
-      if (reflected_z > 0.0) sum.reflected += weight * f * facets.masking(reflected_z);
-      if (f >= 1.0) continue;
-      const double bent = std::sqrt(1.0 - (1.0 - w_h * w_h) / (eta * eta));
-      const double passed_z = (w_h / eta - bent) * scale - cosine / eta;
-      if (passed_z < 0.0) sum.passed += weight * (1.0 - f) * facets.masking(-passed_z);
-    }
+  const auto weighted = [&](double x) {
+    const double slope = std::exp(x), spread = sine * facets.alpha() * slope;
+    const Ring ring{cosine, spread, 1.0 / std::sqrt(1.0 + facets.alpha() * facets.alpha() * slope * slope)};
+    return facets.slope_density(slope) * slope * slope * f(ring);
+  };
+  std::ranges::sort(kinks);
+  double sum = 0.0, from = kFirst;
+  for (std::size_t i = 0; i <= kinks.size(); ++i) {
+    const bool at_kink = i < kinks.size() && kinks[i] > 0.0 && kinks[i] < 0.5 * kPi;
+    const double to = at_kink ? std::clamp(std::log(std::tan(kinks[i]) / facets.alpha()), kFirst, last) : last;
+    if (!at_kink && i < kinks.size()) continue;
+    const int panels = static_cast<int>(std::ceil((to - from) / kPanel));
+    for (int k = 0; k < panels; ++k)
+      sum += integrate_between_kinks(from + (to - from) * k / panels, from + (to - from) * (k + 1) / panels, weighted);
+    from = to;
   }
-  const double norm = 2.0 * kPi / (kRings * kSectors) / facets.visible_area(cosine);
-  return {sum.reflected * norm, sum.passed * norm};
+  return 2.0 * sum / facets.visible_area(cosine);
+}
+
+/// The fraction of light from a direction of this cosine that the microfacets transmit, with eta = n_t / n_o > 1; light
+/// that meets a second microfacet does not count.
+double passed_share(const Facets& facets, double cosine, double eta) {
+  const double hidden = 0.5 * kPi - std::acos(cosine);  // normals that tilt further may face away from w
+  return over_rings(facets, cosine, {hidden}, [&](const Ring& ring) {
+    return integrate_between_kinks(0.0, ring.azimuth(0.0), [&](double phi) {
+      const double w_h = ring.facet_cosine(phi), bent = std::sqrt(1.0 - (1.0 - w_h * w_h) / (eta * eta));
+      const double z = (w_h / eta - bent) * ring.scale - cosine / eta;
+      return z < 0.0 ? w_h / ring.scale * (1.0 - fresnel(w_h, eta)) * facets.masking(-z) : 0.0;
+    });
+  });
+}
+
+/// The fraction that they reflect, with eta < 1.
+double reflected_share(const Facets& facets, double cosine, double eta) {
+  const double critical = std::sqrt(1.0 - eta * eta), angle = std::acos(cosine), limit = std::acos(critical);
+  // Where reflection is total, or goes down, at the azimuth of w or opposite to it.
+  const std::array kinks{std::abs(angle - limit), angle + limit, 0.5 * (0.5 * kPi - angle), 0.5 * (0.5 * kPi + angle)};
+  return over_rings(facets, cosine, kinks, [&](const Ring& ring) {
+    const auto light = [&](double phi) {
+      const double w_h = ring.facet_cosine(phi), z = 2.0 * w_h * ring.scale - cosine;
+      return z > 0.0 && w_h > 0.0 ? w_h / ring.scale * fresnel(w_h, eta) * facets.masking(z) : 0.0;
+    };
+    const double end = ring.azimuth(cosine / (2.0 * ring.scale));  // beyond it, light goes down
+    const double total = std::min(end, ring.azimuth(critical));    // beyond it, some is transmitted
+    return integrate_between_kinks(0.0, total, light) + integrate_between_kinks(total, end, light);
+  });
 }
 
 /// Masking of the microfibres of sheen [Estevez2017].
@@ -133,8 +192,8 @@ RoughCoat rough_coat(const Roughness& roughness, double eta) {
   RoughCoat coat;
   for (gpu::uint i = 0; i < gpu::kTransmittanceNodes; ++i) {
     const double cosine = std::max(1e-6, static_cast<double>(i) / (gpu::kTransmittanceNodes - 1));
-    coat.transmittances[i] = static_cast<float>(shares(facets, cosine, eta).passed);
-    coat.reflectance_inside += 2.0 * cosine * shares(facets, cosine, 1.0 / eta).reflected / gpu::kTransmittanceNodes;
+    coat.transmittances[i] = static_cast<float>(passed_share(facets, cosine, eta));
+    coat.reflectance_inside += 2.0 * cosine * reflected_share(facets, cosine, 1.0 / eta) / gpu::kTransmittanceNodes;
   }
   return coat;
 }

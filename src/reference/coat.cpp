@@ -16,15 +16,33 @@ namespace {
 
 enum class Way { reflected, passed };
 
+/// ∫ f over [a, b] by Simpson's rule, whose steps are halved until two of them agree with one to `tolerance`.
+template <typename F>
+double adaptive(F&& f, double a, double b, double fa, double fm, double fb, double tolerance, int halvings) {
+  const double m = 0.5 * (a + b), left = f(0.5 * (a + m)), right = f(0.5 * (m + b));
+  const double whole = (b - a) / 6.0 * (fa + 4.0 * fm + fb);
+  const double both = (b - a) / 12.0 * (fa + 4.0 * left + 2.0 * fm + 4.0 * right + fb);
+  if (halvings == 0 || std::abs(both - whole) <= 15.0 * tolerance) return both + (both - whole) / 15.0;
+  return adaptive(f, a, m, fa, left, fm, 0.5 * tolerance, halvings - 1) +
+         adaptive(f, m, b, fm, right, fb, 0.5 * tolerance, halvings - 1);
+}
+template <typename F>
+double integrate(F&& f, double a, double b, int panels, double tolerance) {
+  constexpr int kHalvings = 12;
+  double sum = 0.0;
+  for (int i = 0; i < panels; ++i) {
+    const double from = a + (b - a) * i / panels, to = a + (b - a) * (i + 1) / panels;
+    sum += adaptive(f, from, to, f(from), f(0.5 * (from + to)), f(to), tolerance / panels, kHalvings);
+  }
+  return sum;
+}
+
 /// Fraction of light from a direction of this cosine that the microfacets reflect, ∫ F G1(wi) over the visible normals,
-/// or transmit, ∫ (1 − F) G1(wt). Simpson's rule over half a turn and over the angle atan ρ, with ρ the slope of the
-/// normal in units of the roughness.
+/// or transmit, ∫ (1 − F) G1(wt): over half a turn, and over the angle atan ρ, with ρ the slope of the normal in units
+/// of the roughness.
 double share(const Roughness& roughness, double cosine, double n_o, double n_t, Way way) {
   const MicrofacetDistribution facets(roughness);
   const Vec3 w(std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), 0.0, cosine);
-  constexpr int kRings = 240, kSectors = 60;  // intervals, even numbers
-  const double step = 0.5 * kPi / kRings, turn = kPi / kSectors;
-  const auto simpson = [](int i, int n) { return i == 0 || i == n ? 1.0 : i % 2 == 1 ? 4.0 : 2.0; };
   const auto leaves = [&](const Vec3& h) {
     const double w_h = glm::dot(w, h);
     if (w_h <= 0.0) return 0.0;
@@ -36,18 +54,19 @@ double share(const Roughness& roughness, double cosine, double n_o, double n_t, 
     const Vec3 wt = (n_o / n_t * w_h - fresnel.cos_transmitted) * h - n_o / n_t * w;
     return wt.z < 0.0 ? (1.0 - fresnel.reflectance) * facets.masking(wt, h) : 0.0;
   };
-  double sum = 0.0;
-  for (int i = 0; i < kRings; ++i) {  // the last ring is at infinity and contributes nothing
-    const double angle = step * i, slope = roughness.alpha_u.value * std::tan(angle);
+  const auto ring = [&](double angle) {
+    const double slope = roughness.alpha_u.value * std::tan(angle);
     // dω of the normals: h.z³ · slope · d(slope) dφ.
     const double z = 1.0 / std::hypot(1.0, slope);
     const double area = z * z * z * slope * roughness.alpha_u.value / (std::cos(angle) * std::cos(angle));
-    for (int j = 0; j <= kSectors; ++j) {
-      const Vec3 h = z * Vec3(slope * std::cos(turn * j), slope * std::sin(turn * j), 1.0);
-      sum += simpson(i, kRings) * simpson(j, kSectors) * area * facets.visible_density(w, h) * leaves(h);
-    }
-  }
-  return 2.0 * sum * step * turn / 9.0;
+    const auto at = [&](double phi) {
+      const Vec3 h = z * Vec3(slope * std::cos(phi), slope * std::sin(phi), 1.0);
+      return area * facets.visible_density(w, h) * leaves(h);
+    };
+    return integrate(at, 0.0, kPi, 4, 2e-7);
+  };
+  constexpr double kAlmostFlat = 1e-7;  // there the tangent is no longer finite
+  return 2.0 * integrate(ring, 0.0, 0.5 * kPi - kAlmostFlat, 24, 1e-6);
 }
 
 /// The coat of a material, computed once per process for each set of parameters.
