@@ -27,7 +27,7 @@ void set_mesh(SceneObject& object, const Rows<double, 3>& positions, const Rows<
   mesh.positions = vectors<glm::dvec3>(positions);
   mesh.triangles = vectors<glm::uvec3>(triangles);
   if (normals) mesh.normals = vectors<glm::dvec3>(*normals);
-  for (glm::dvec3& normal : mesh.normals) normal = glm::normalize(normal);
+  for (glm::dvec3& normal : mesh.normals.edit()) normal = glm::normalize(normal);
   if (uvs) mesh.uv_sets.push_back(vectors<glm::vec2>(*uvs));
   if (colors) mesh.vertex_colors = vectors<glm::vec3>(*colors);
   object.mesh = std::move(mesh);

@@ -51,8 +51,9 @@ struct Getter {
     const glm::dmat4 rows = glm::transpose(value);
     return nb::cast(array_of(&rows[0].x, {4, 4}));
   }
-  static nb::object of(const std::vector<glm::dvec3>& value) {
-    return nb::cast(array_of(value.empty() ? nullptr : &value.front().x, {value.size(), 3}));
+  static nb::object of(const VectorList& value) {
+    const std::vector<glm::dvec3> rows(value.begin(), value.end());
+    return nb::cast(array_of(rows.empty() ? nullptr : &rows.front().x, {rows.size(), 3}));
   }
 };
 
@@ -96,12 +97,13 @@ struct Setter {
     if (numbers.size() != 16) refuse(name, kWanted);
     for (std::size_t i = 0; i < 16; ++i) target[static_cast<int>(i % 4)][static_cast<int>(i / 4)] = numbers[i];
   }
-  void to(std::vector<glm::dvec3>& target) const {
+  void to(VectorList& target) const {
     nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu> rows;
     if (!nb::try_cast(value, rows) || (rows.shape(0) != target.size() && !target.empty()))
       refuse(name, "an array of as many rows of three numbers as there are vertices");
-    target.resize(rows.shape(0));
-    if (!target.empty()) std::memcpy(target.data(), rows.data(), target.size() * sizeof(glm::dvec3));
+    std::vector<glm::dvec3> vectors(rows.shape(0));
+    if (!vectors.empty()) std::memcpy(vectors.data(), rows.data(), vectors.size() * sizeof(glm::dvec3));
+    target = std::move(vectors);
   }
 };
 

@@ -1,5 +1,6 @@
 #include "formats/mesh_formats.h"
 
+#include "formats/mesh/mesh_content.h"
 #include "formats/obj/obj_reader.h"
 #include "formats/ply/ply_reader.h"
 
@@ -22,7 +23,9 @@ const MeshFormat* find_mesh_format(std::string_view word) {
 
 std::optional<TriangleMesh> read_mesh_file(const MeshFormat& format, const std::string& path,
                                            const MeshContent& content, Diagnostics& diagnostics) {
-  return format.read(path, content, diagnostics);
+  std::optional<TriangleMesh> mesh = format.read(path, content, diagnostics);
+  if (mesh) narrow_vectors(*mesh);
+  return mesh;
 }
 
 }  // namespace etendue

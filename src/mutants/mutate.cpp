@@ -548,7 +548,7 @@ Scene room_of_gleams() {
   scene.name = scene.file = "room of gleams";
   scene.instances.resize(scene.instances.size() - 2);  // the spheres
   const Instance& lamp = scene.instances.back();
-  for (glm::dvec3& p : std::get<TriangleMesh>(scene.shapes[lamp.shape]).positions) p.y = 0.3;
+  for (glm::dvec3& p : std::get<TriangleMesh>(scene.shapes[lamp.shape]).positions.edit()) p.y = 0.3;
   scene.emitters[0].two_sided = true;
   const glm::dvec3 tilted(0.85, 0.5, 0.8);
   scene.textures = {{.source = CheckerboardTexture{tilted, tilted}}};

@@ -37,6 +37,10 @@ class Hasher {
     value(values.size());
     bytes(values.data(), values.size() * sizeof(T));
   }
+  void list(const VectorList& vectors) {
+    value(vectors.size());
+    for (const glm::dvec3& v : vectors) bytes(&v, sizeof v);
+  }
   std::uint64_t digest() const { return XXH3_64bits_digest(state_.get()); }
 
  private:

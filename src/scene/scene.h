@@ -20,6 +20,7 @@
 #include "scene/sky.h"
 #include "scene/source_position.h"
 #include "scene/texture.h"
+#include "scene/vector_list.h"
 
 namespace etendue {
 
@@ -93,8 +94,8 @@ struct DeltaLight {
 /// texture coordinates, `vertex_colors`, `vertex_alphas` and `tangents`. `face_colors` is empty or as long as
 /// `triangles`. Colours are linear Rec. 709.
 struct TriangleMesh {
-  std::vector<glm::dvec3> positions;
-  std::vector<glm::dvec3> normals;
+  VectorList positions;
+  VectorList normals;
   std::vector<std::vector<glm::vec2>> uv_sets;
   std::vector<glm::vec3> vertex_colors;
   std::vector<float> vertex_alphas;  ///< if empty, the colours are opaque

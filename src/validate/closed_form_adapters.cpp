@@ -227,7 +227,8 @@ ClosedFormScene seen_floor(Dice& dice, LightStrategy strategy) {
   // From just above the floor; a ball is large enough to hide the whole lamp, and its veil is crossed twice.
   scene.camera = look_along({0, 0.01, 0}, -up, kPointFov);
   const auto [s, t] = tangents(n);
-  Mean seen{scene, s, t, up, lamp.positions}, between{scene, s, t, up, lamp.positions};
+  const std::vector<dvec3> corners = corners_of(lamp);
+  Mean seen{scene, s, t, up, corners}, between{scene, s, t, up, corners};
   seen.add(floor.row, 1.0, n, 1.0, n);
   between.add(veil.row, 1.0, n, 1.0, n);
   const double veiled = between.pass > 0.0 && arrives ? std::pow(between.pass, ball ? 2 : 1) : 0.0;

@@ -177,7 +177,7 @@ ClosedFormScene metered_polygon(Dice& dice) {
     scene = Scene{};
     const dvec3 d = dice.direction_around({0, 0, 1}, 0.1);
     const TriangleMesh polygon = square(dice.between(0.5, 1.0) * d, -d, dice.between(0.3, 0.9));
-    irradiance = polygon_irradiance(polygon.positions, {0, 0, 1});
+    irradiance = polygon_irradiance(corners_of(polygon), {0, 0, 1});
     add_shape(scene, polygon, DiffuseBsdf{dvec3(0.0)}, dvec3(1.0, 0.7, 0.4));
   }
   scene.camera = look_along(dvec3(0.0), {0, 0, 1}, 1.0);

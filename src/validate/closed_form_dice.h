@@ -68,6 +68,10 @@ inline TriangleMesh polygon_mesh(const std::vector<dvec3>& vertices) {
   return mesh;
 }
 
+inline std::vector<dvec3> corners_of(const TriangleMesh& polygon) {
+  return {polygon.positions.begin(), polygon.positions.end()};
+}
+
 /// Square of half width `half` around `center` that faces `n`.
 inline TriangleMesh square(const dvec3& center, const dvec3& n, double half) {
   const auto [s, t] = tangents(n);

@@ -35,7 +35,7 @@ ClosedFormScene occlusion_by_polygon(Dice& dice) {
     scene = Scene{};
     const dvec3 d = dice.direction_around({0, 1, 0}, 0.1);
     const TriangleMesh polygon = square(dice.between(0.5, 1.0) * d, -d, dice.between(0.3, 0.9));
-    hidden = polygon_irradiance(polygon.positions, {0, 1, 0}) / kPi;
+    hidden = polygon_irradiance(corners_of(polygon), {0, 1, 0}) / kPi;
     add_shape(scene, polygon, DiffuseBsdf{});
   }
   add_shape(scene, square({1.1, 0, -0.7}, {0, 1, 0}, 12.0), DiffuseBsdf{});

@@ -345,7 +345,7 @@ TEST_F(DeviceTrace, ClosedSurfacesDoNotLeak) {
   }
   for (const glm::dvec3& offset : {glm::dvec3(0.0), glm::dvec3(0.1234567, -7.654321, 3.3)}) {
     TriangleMesh moved = mesh;
-    for (glm::dvec3& p : moved.positions) p += offset;
+    for (glm::dvec3& p : moved.positions.edit()) p += offset;
     const Scene scene =
         with_bodies({Body{moved, diffuse(0.5)}, Body{Sphere{offset + glm::dvec3(5.0, 0.0, 0.0), 0.5}, diffuse(0.5)}});
     const Normalization norm = find_normalization(scene);
@@ -372,7 +372,7 @@ class SpawnScene {
  public:
   SpawnScene(double scale, const glm::dvec3& offset) {
     TriangleMesh room = box({-1, -1, -1}, {1, 1, 1}, true);
-    for (glm::dvec3& p : room.positions) p = p * scale + offset;
+    for (glm::dvec3& p : room.positions.edit()) p = p * scale + offset;
     reference::test::add(scene_, room, diffuse(0.5));
     reference::test::add(scene_, Sphere{glm::dvec3(0.3, -0.4, 0.2) * scale + offset, 0.25 * scale}, diffuse(0.5));
     normalization_ = find_normalization(scene_);

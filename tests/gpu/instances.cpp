@@ -229,7 +229,7 @@ TEST_F(Instances, RaysLeaveFarTinyAndStretchedInstances) {
     scene.instancing = Instancing::always;
     // Convex, so that no light returns to it: albedo 0.5 under a sky of 1 is 0.5 everywhere.
     TriangleMesh ball = bumpy_ball(12, false);
-    for (glm::dvec3& p : ball.positions) p = glm::normalize(p);
+    for (glm::dvec3& p : ball.positions.edit()) p = glm::normalize(p);
     scene.shapes.emplace_back(ball);
     scene.materials.push_back({.bsdf = diffuse(0.5)});
     scene.instances.push_back({.world_from_object = c.m});

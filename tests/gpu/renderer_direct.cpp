@@ -132,7 +132,8 @@ TEST_F(RendererDirect, LampsOfVeryDifferentStrengthAndSize) {
   const Sphere near{.center = {0.02, 0.02, 0.0}, .radius = 0.005};
   const TriangleMesh far = triangle({-30, 500, -30}, {30, 500, -30}, {0, 500, 40});
   const double expected =
-      0.5 / kPi * (2.0 * sphere_irradiance(near, up) + 20.0 * polygon_irradiance(far.positions, up));
+      0.5 / kPi *
+      (2.0 * sphere_irradiance(near, up) + 20.0 * polygon_irradiance({far.positions.begin(), far.positions.end()}, up));
   add(scene, near, diffuse(0.0), glm::dvec3(2.0));
   add(scene, far, diffuse(0.0), glm::dvec3(20.0));
   for (const Strategy& strategy : {kStrategies[0], kStrategies[2]}) {

@@ -43,7 +43,7 @@ class RendererSides : public DeviceTest {
 constexpr double kMaxT = 4.8;  // |t| of a correct estimator exceeds it once in a million
 
 void give_normals(TriangleMesh& mesh, const glm::dvec3& n) {
-  mesh.normals.assign(mesh.positions.size(), n);
+  mesh.normals = std::vector<glm::dvec3>(mesh.positions.size(), n);
 }
 
 // A lamp over the floor that shines down by its winding, its vertex normals, or both.
@@ -83,7 +83,8 @@ TEST_F(RendererSides, StrategiesAgreeOnALampOfBentNormals) {
       Scene scene = lamp_scene(false, glm::dvec3(0, -1, 0), tree);
       auto& lamp = std::get<TriangleMesh>(scene.shapes.back());
       for (std::size_t i = 0; i < lamp.normals.size(); ++i)
-        lamp.normals[i] = glm::normalize(glm::dvec3(lamp.positions[i].x * 1.5, -0.25, lamp.positions[i].z * 1.5));
+        lamp.normals.edit()[i] =
+            glm::normalize(glm::dvec3(lamp.positions[i].x * 1.5, -0.25, lamp.positions[i].z * 1.5));
       std::vector<Estimate> estimates;
       for (const auto& [nee, mis] : {std::pair(false, false), std::pair(true, false), std::pair(true, true)}) {
         scene.integrator.nee = nee;

@@ -284,7 +284,7 @@ TEST(MeshFacts, SmoothNormalsAreWeightedByAngle) {
   EXPECT_LT(glm::length(mesh.normals[0] - glm::normalize(glm::dvec3(-1, -1, -1))), 1e-12);
   EXPECT_EQ(mesh.normals[2], glm::dvec3(0, 0, -1));
   EXPECT_EQ(mesh.normals[5], glm::dvec3(0, 0, 1)) << "no triangle has it";
-  mesh.normals[2] = {1, 0, 0};
+  mesh.normals.edit()[2] = {1, 0, 0};
   apply_mesh_facts({.smooth_without_normals = true}, true, mesh);
   EXPECT_EQ(mesh.normals[2], glm::dvec3(1, 0, 0)) << "a mesh with normals keeps them";
   mesh.normals.clear();

@@ -85,6 +85,21 @@ TEST(GltfGeometry, SparseRowsAndInterleavedOnes) {
   EXPECT_EQ(read.mesh().normals.at(2), glm::dvec3(0, 0, 1));  // of length 1
 }
 
+TEST(GltfGeometry, PositionsAndNormalsTakeNoMoreMemoryThanInTheFile) {
+  GltfBuffer buffer;
+  const int positions = buffer.accessor(std::vector<float>{0.1f, 0, 0, 1, 1e-7f, 0, 0, 1, 0.3f}, "VEC3", 3);
+  const int normals = buffer.accessor(std::vector<float>{0, 0, 2, 0, 0.3f, 0.9f, 0.5f, 0.6f, 0.7f}, "VEC3", 3);
+  const GltfRead read = read_asset(
+      glb(one_primitive(buffer, fmt::format(R"("attributes":{{"POSITION":{},"NORMAL":{}}})", positions, normals)),
+          buffer.bytes()));
+  ASSERT_TRUE(read.scene.has_value()) << read.messages();
+  const TriangleMesh& mesh = read.mesh();
+  EXPECT_EQ(mesh.positions.bytes(), 3 * sizeof(glm::vec3));
+  EXPECT_EQ(mesh.normals.bytes(), 3 * sizeof(glm::vec3));
+  EXPECT_EQ(mesh.positions, (std::vector<glm::dvec3>{{0.1f, 0, 0}, {1, 1e-7f, 0}, {0, 1, 0.3f}}));
+  for (const glm::dvec3& n : mesh.normals) EXPECT_NEAR(glm::length(n), 1.0, 1e-7);
+}
+
 /// What is said of a triangle whose accessor has those members.
 std::string complaint(const std::string& accessor, const std::string& view_more = "") {
   GltfBuffer buffer;

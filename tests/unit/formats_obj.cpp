@@ -140,7 +140,7 @@ TEST(Obj, BadElementsAfterTheFirstFewAreErrorsToo) {
 TEST(Obj, TextureCoordinatesNeverRefuseAMesh) {
   const std::string ignored = "; texture coordinates are ignored, here and below\n";
   const std::string face = "f 1/1 2/2 3/1\n";
-  const std::vector<glm::dvec3> wanted = read(kThree + "f 1 2 3\n").positions;
+  const VectorList wanted = read(kThree + "f 1 2 3\n").positions;
   const auto expect = [&](const std::string& text, const std::string& warnings) {
     EXPECT_EQ(read_with_warnings(kThree + text, warnings).positions, wanted);
   };

@@ -37,7 +37,7 @@ Scene random_soup(std::mt19937_64& random, int triangles, int spheres) {
     if (i % 10 == 2) v[2] = 0.5 * (v[0] + v[1]);
     if (i % 10 == 3) v[0].y = v[1].y = v[2].y = std::round(4 * v[0].y) / 4;  // flat boxes, coplanar neighbours
     const auto base = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.insert(mesh.positions.end(), v.begin(), v.end());
+    for (const Vec3& corner : v) mesh.positions.push_back(corner);
     mesh.triangles.push_back({base, base + 1, base + 2});
   }
   add(scene, mesh, diffuse(0.5));
@@ -195,7 +195,7 @@ Scene small_room(double scale, const Vec3& shift) {
   Scene scene;
   const auto at = [&](const Vec3& p) { return scale * (p + shift); };
   const auto mesh = [&](TriangleMesh m) {
-    for (Vec3& p : m.positions) p = at(p);
+    for (Vec3& p : m.positions.edit()) p = at(p);
     return m;
   };
   scene.camera.width = scene.camera.height = 16;

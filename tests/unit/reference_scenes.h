@@ -35,7 +35,7 @@ inline TriangleMesh box(const Vec3& lo, const Vec3& hi, bool inward) {
   const auto face = [&](const Vec3& p, const Vec3& u, const Vec3& v) {
     const TriangleMesh q = inward ? quad(p, v, u) : quad(p, u, v);
     const auto base = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.insert(mesh.positions.end(), q.positions.begin(), q.positions.end());
+    for (const glm::dvec3& corner : q.positions) mesh.positions.push_back(corner);
     for (const glm::uvec3& t : q.triangles) mesh.triangles.push_back(t + base);
   };
   const Vec3 x(d.x, 0, 0), y(0, d.y, 0), z(0, 0, d.z);

@@ -67,7 +67,7 @@ TEST(ReferenceTransport, AnOccluderHidesWhatItCovers) {
   const TriangleMesh lamp = quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
   add(scene, lamp, diffuse(0.0), Vec3(1.0));
   add(scene, quad({-5, 0.5, -5}, {5, 0, 0}, {0, 0, 10}), diffuse(0.0));
-  const double expected = 0.25 / kPi * polygon_irradiance(lamp.positions, {0, 1, 0});
+  const double expected = 0.25 / kPi * polygon_irradiance({lamp.positions.begin(), lamp.positions.end()}, {0, 1, 0});
   for (const Strategy& strategy : kStrategies) {
     set_strategy(scene, strategy);
     const Estimate e = estimate(scene, 200000);
@@ -139,7 +139,7 @@ TEST(ReferenceTransport, TheShadingNormalAloneDecidesTheSide) {
   // whatever strategy it is found, and all directions together are no more than the albedo.
   Scene scene = floor_scene(1.0);
   auto& floor = std::get<TriangleMesh>(scene.shapes[0]);
-  floor.normals.assign(floor.positions.size(), glm::normalize(Vec3(1.0, 0.5, 0.0)));
+  floor.normals = std::vector<glm::dvec3>(floor.positions.size(), glm::normalize(Vec3(1.0, 0.5, 0.0)));
   // Below the floor everything shines, above nothing does.
   add(scene, quad({-10, -1, -10}, {0, 0, 20}, {20, 0, 0}), diffuse(0.0), Vec3(1.0));
   std::vector<Estimate> estimates;

@@ -21,7 +21,7 @@ namespace {
 
 TriangleMesh inside_out(TriangleMesh mesh) {
   for (glm::uvec3& triangle : mesh.triangles) std::swap(triangle.y, triangle.z);
-  for (glm::dvec3& normal : mesh.normals) normal = -normal;
+  for (glm::dvec3& normal : mesh.normals.edit()) normal = -normal;
   return mesh;
 }
 

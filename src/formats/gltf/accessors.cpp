@@ -155,7 +155,7 @@ void read_floats(const Rows& rows, const Layout& layout, float* out) {
 }
 
 /// Reads rows of one unsigned integer each.
-void read_integers(const Rows& rows, std::uint32_t component_type, const JsonValue& where, std::uint32_t* out) {
+void read_rows(const Rows& rows, std::uint32_t component_type, const JsonValue& where, std::uint32_t* out) {
   const auto read = [&]<typename T>(T) {
     each_row(rows, sizeof(T), [&](std::uint64_t row, const std::byte* bytes) {
       T value;
@@ -206,7 +206,7 @@ std::optional<SparseRows> sparse_rows(Accessors& accessors, const JsonValue& acc
   const Rows places = packed_rows(accessors, *indices, count, bytes_of_component(type, *indices));
   result.values = packed_rows(accessors, *values, count, layout.element_bytes());
   result.places.resize(count);
-  read_integers(places, static_cast<std::uint32_t>(type), *indices, result.places.data());
+  read_rows(places, static_cast<std::uint32_t>(type), *indices, result.places.data());
   for (const std::uint32_t place : result.places) {
     if (place >= rows)
       throw GltfError{indices, fmt::format("a sparse index is {}; the accessor has {} rows", place, rows)};
@@ -270,21 +270,44 @@ FloatTable Accessors::floats(std::uint32_t index, const JsonValue& where,
   return table;
 }
 
-std::vector<std::uint32_t> Accessors::integers(std::uint32_t index, const JsonValue& where) {
+void Accessors::read_integers(std::uint32_t index, const JsonValue& where,
+                              const std::function<std::uint32_t*(std::uint64_t)>& room) {
   const JsonValue& accessor = document_.element("accessors", index, where);
   const Layout layout = layout_of(accessor);
   if (layout.components() != 1)
     throw GltfError{
         &where, fmt::format("the rows of accessor {} have {} numbers; indices have one", index, layout.components())};
   const std::optional<Rows> dense = dense_rows(*this, document_, accessor, layout);
-  std::vector<std::uint32_t> numbers(dense ? dense->count : count_of(accessor, AccessorLimits::kMaxZeroRows));
-  if (dense) read_integers(*dense, layout.component_type, accessor, numbers.data());
-  if (const auto sparse = sparse_rows(*this, accessor, numbers.size(), layout)) {
+  const std::uint64_t count = dense ? dense->count : count_of(accessor, AccessorLimits::kMaxZeroRows);
+  std::uint32_t* const numbers = room(count);
+  if (dense) read_rows(*dense, layout.component_type, accessor, numbers);
+  if (const auto sparse = sparse_rows(*this, accessor, count, layout)) {
     std::vector<std::uint32_t> values(sparse->places.size());
-    read_integers(sparse->values, layout.component_type, accessor, values.data());
+    read_rows(sparse->values, layout.component_type, accessor, values.data());
     for (std::size_t i = 0; i < values.size(); ++i) numbers[sparse->places[i]] = values[i];
   }
+}
+
+std::vector<std::uint32_t> Accessors::integers(std::uint32_t index, const JsonValue& where) {
+  std::vector<std::uint32_t> numbers;
+  read_integers(index, where, [&](std::uint64_t count) {
+    numbers.resize(count);
+    return numbers.data();
+  });
   return numbers;
+}
+
+std::vector<glm::uvec3> Accessors::triangles(std::uint32_t index, const JsonValue& where) {
+  static_assert(sizeof(glm::uvec3) == 3 * sizeof(std::uint32_t));
+  std::vector<glm::uvec3> triangles;
+  std::uint64_t whole = 0;
+  read_integers(index, where, [&](std::uint64_t count) {
+    whole = count / 3;
+    triangles.resize((count + 2) / 3);
+    return reinterpret_cast<std::uint32_t*>(triangles.data());
+  });
+  triangles.resize(whole);
+  return triangles;
 }
 
 }  // namespace etendue

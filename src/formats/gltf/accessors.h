@@ -3,10 +3,13 @@
 /// a byte is read, and memory is allocated only for what the file really contains.
 
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <memory>
 #include <vector>
+
+#include <glm/glm.hpp>
 
 #include "formats/gltf/gltf_document.h"
 
@@ -29,12 +32,18 @@ class Accessors {
   // integers are mapped to [0,1] or [-1,1]; other integers keep their values.
   FloatTable floats(std::uint32_t index, const JsonValue& where, std::initializer_list<std::uint32_t> components);
   std::vector<std::uint32_t> integers(std::uint32_t index, const JsonValue& where);
+  /// The same in threes. One or two that are left over are left out.
+  std::vector<glm::uvec3> triangles(std::uint32_t index, const JsonValue& where);
   /// The number of rows of an accessor, without reading them.
   std::uint64_t count(std::uint32_t index, const JsonValue& where) const;
   /// The bytes of bufferViews[index], decompressed.
   std::shared_ptr<const ByteStore> view(std::uint32_t index, const JsonValue& where);
 
  private:
+  /// Writes the integers to what `room` returns for their number.
+  void read_integers(std::uint32_t index, const JsonValue& where,
+                     const std::function<std::uint32_t*(std::uint64_t count)>& room);
+
   GltfDocument& document_;
   std::map<std::uint32_t, std::shared_ptr<const ByteStore>> decompressed_;
   std::uint64_t decompressed_bytes_ = 0;

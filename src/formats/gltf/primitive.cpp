@@ -167,6 +167,7 @@ class PrimitiveReader {
     read_triangles();
     finish_normals();
     if (needs_.tangents && mesh_.tangents.empty()) TangentMaker(mesh_, *needs_.tangents).make();
+    narrow_vectors(mesh_);
     if (!needs_.tangent_uv) return {std::move(mesh_), {}};
     return split();
   }
@@ -198,8 +199,8 @@ class PrimitiveReader {
     if (some > 0) sink_.warning(document_.position(primitive_), fmt::format("{} of {} {}", some, all, what));
   }
 
-  static std::vector<glm::dvec3> vectors(const FloatTable& table) {
-    std::vector<glm::dvec3> result(table.rows());
+  static std::vector<glm::vec3> vectors(const FloatTable& table) {
+    std::vector<glm::vec3> result(table.rows());
     for (std::size_t i = 0; i < result.size(); ++i) {
       const float* row = table.row(i);
       result[i] = {row[0], row[1], row[2]};
@@ -209,14 +210,19 @@ class PrimitiveReader {
 
   void read_positions() {
     if (!has("POSITION")) throw GltfError{&attributes_, "the primitive has no POSITION"};
-    mesh_.positions = vectors(attribute("POSITION", {3}));
+    mesh_.positions = VectorList(vectors(attribute("POSITION", {3})));
     if (mesh_.positions.size() > kMaxVertices)
       throw GltfError{&attributes_, fmt::format("the primitive has {} vertices; at most {} are supported",
                                                 mesh_.positions.size(), kMaxVertices)};
   }
 
   void read_normals() {
-    if (has("NORMAL")) mesh_.normals = vectors(attribute("NORMAL", {3}));
+    if (!has("NORMAL")) return;
+    std::vector<glm::vec3> normals = vectors(attribute("NORMAL", {3}));
+    if (!is_deformed()) {  // of unit length at once, as precise as the file's
+      for (glm::vec3& n : normals) n = glm::vec3(unit_or_same(n));
+    }
+    mesh_.normals = VectorList(std::move(normals));
   }
 
   void read_coordinates() {
@@ -298,8 +304,8 @@ class PrimitiveReader {
     const JsonValue::Array& targets = array_of(primitive_, "targets");
     for (std::size_t i = 0; i < std::min(targets.size(), pose_.weights.size()); ++i) {
       if (pose_.weights[i] == 0.0) continue;
-      add_target(targets[i], "POSITION", pose_.weights[i], mesh_.positions);
-      add_target(targets[i], "NORMAL", pose_.weights[i], mesh_.normals);
+      add_target(targets[i], "POSITION", pose_.weights[i], mesh_.positions.edit());
+      add_target(targets[i], "NORMAL", pose_.weights[i], mesh_.normals.edit());
       add_target(targets[i], "TANGENT", pose_.weights[i], mesh_.tangents);
     }
   }
@@ -310,18 +316,19 @@ class PrimitiveReader {
     for (int set = 0; has(fmt::format("JOINTS_{}", set)) && has(fmt::format("WEIGHTS_{}", set)); ++set)
       add_joints(set, blends);
     std::size_t still = 0;
+    std::vector<glm::dvec3>&positions = mesh_.positions.edit(), &normals = mesh_.normals.edit();
     for (std::size_t i = 0; i < blends.size(); ++i) {
       const double sum = blends[i][3][3];
       if (!(sum > 0.0)) ++still;
       const glm::dmat4 blend = sum > 0.0 ? blends[i] / sum : glm::dmat4(1.0);
-      mesh_.positions[i] = glm::dvec3(blend * glm::dvec4(mesh_.positions[i], 1.0));
+      positions[i] = glm::dvec3(blend * glm::dvec4(positions[i], 1.0));
       const glm::dmat3 linear(blend);
       if (!mesh_.tangents.empty()) {
         glm::vec4& t = mesh_.tangents[i];
         t = glm::vec4(glm::vec3(linear * glm::dvec3(t)), t.w);
       }
-      if (!mesh_.normals.empty() && glm::determinant(linear) != 0.0)
-        mesh_.normals[i] = glm::transpose(glm::inverse(linear)) * mesh_.normals[i];
+      if (!normals.empty() && glm::determinant(linear) != 0.0)
+        normals[i] = glm::transpose(glm::inverse(linear)) * normals[i];
     }
     warn_of(still, blends.size(), "vertices have no weight above 0; the skin does not move them");
   }
@@ -341,9 +348,9 @@ class PrimitiveReader {
     }
   }
 
-  std::vector<std::uint32_t> corners() {
+  std::vector<std::uint32_t> corners(const std::optional<std::uint32_t>& index) {
     if (packed_) return std::move(packed_->indices);
-    if (const auto index = find_index(primitive_, "indices")) return accessors_.integers(*index, primitive_);
+    if (index) return accessors_.integers(*index, primitive_);
     std::vector<std::uint32_t> all(mesh_.positions.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
     return all;
@@ -352,7 +359,10 @@ class PrimitiveReader {
   void read_triangles() {
     // Draco decodes to triangles, whatever the primitive was before.
     const std::uint64_t mode = packed_ ? kTriangles : count_or(primitive_, "mode", kTriangles);
-    mesh_.triangles = triangles_of(corners(), mode);
+    const auto index = find_index(primitive_, "indices");
+    // Without a copy where possible: a mesh may have millions.
+    mesh_.triangles = mode == kTriangles && index && !packed_ ? accessors_.triangles(*index, primitive_)
+                                                              : triangles_of(corners(index), mode);
     if (mesh_.triangles.size() > kMaxTriangles)
       throw GltfError{&primitive_, fmt::format("the primitive has {} triangles; at most {} are supported",
                                                mesh_.triangles.size(), kMaxTriangles)};
@@ -374,21 +384,27 @@ class PrimitiveReader {
                     fmt::format("{} of {} triangles {}; they are left out", count, before, why));
   }
 
+  bool is_deformed() const {
+    return !pose_.joints.empty() || std::ranges::any_of(pose_.weights, [](double w) { return w != 0.0; });
+  }
+
+  static bool has_direction(const glm::dvec3& v) {
+    const double length = glm::length(v);
+    return length > 0.0 && std::isfinite(length);
+  }
+  static glm::dvec3 unit_or_same(const glm::dvec3& v) { return has_direction(v) ? v / glm::length(v) : v; }
+
   void finish_normals() {
-    std::size_t bad = 0;
-    for (glm::dvec3& n : mesh_.normals) {
-      const double length = glm::length(n);
-      if (!(length > 0.0 && std::isfinite(length))) {
-        ++bad;
-      } else {
-        n /= length;
-      }
+    const auto bad = mesh_.normals.size() -
+                     static_cast<std::size_t>(std::ranges::count_if(mesh_.normals, &PrimitiveReader::has_direction));
+    if (bad > 0) {
+      sink_.warning(document_.position(primitive_),
+                    fmt::format("{} of {} normals have no direction; the primitive is shown with flat faces", bad,
+                                mesh_.normals.size()));
+      mesh_.normals.clear();
+    } else if (is_deformed()) {
+      for (glm::dvec3& n : mesh_.normals.edit()) n = unit_or_same(n);
     }
-    if (bad == 0) return;
-    sink_.warning(document_.position(primitive_),
-                  fmt::format("{} of {} normals have no direction; the primitive is shown with flat faces", bad,
-                              mesh_.normals.size()));
-    mesh_.normals.clear();
   }
 
   /// Separates the triangles with mirrored texture coordinates, whose bitangent is −(n × t).

@@ -9,7 +9,7 @@ namespace {
 /// the side from which u × v points to the eye, or away from it where `turned`.
 void add_face(TriangleMesh& mesh, const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v, bool turned) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  mesh.positions.insert(mesh.positions.end(), {corner, corner + u, corner + u + v, corner + v});
+  for (const glm::dvec3& p : {corner, corner + u, corner + u + v, corner + v}) mesh.positions.push_back(p);
   std::vector<glm::vec2>& uvs = mesh.uv_sets[0];
   uvs.insert(uvs.end(), {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}});
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {

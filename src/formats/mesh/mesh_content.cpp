@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -26,6 +27,11 @@ void compact(std::vector<T>& elements, const std::vector<std::uint32_t>& place, 
     if (place[i] != kUnused) elements[place[i]] = elements[i];
   }
   elements.resize(count);
+}
+
+void compact(VectorList& vectors, const std::vector<std::uint32_t>& place, std::size_t count) {
+  compact(vectors.edit(), place, count);
+  vectors.narrow();
 }
 
 }  // namespace
@@ -59,8 +65,13 @@ void drop_unused_vertices(TriangleMesh& mesh) {
   for (glm::uvec3& t : mesh.triangles) t = {place[t.x], place[t.y], place[t.z]};
 }
 
+void narrow_vectors(TriangleMesh& mesh) {
+  mesh.positions.narrow();
+  mesh.normals.narrow();
+}
+
 void make_smooth_normals(TriangleMesh& mesh) {
-  mesh.normals.assign(mesh.positions.size(), glm::dvec3(0.0));
+  std::vector<glm::dvec3> normals(mesh.positions.size(), glm::dvec3(0.0));
   for (const glm::uvec3& t : mesh.triangles) {
     const glm::dvec3 p[3] = {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
     const glm::dvec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
@@ -69,13 +80,14 @@ void make_smooth_normals(TriangleMesh& mesh) {
     for (int i = 0; i < 3; ++i) {
       const glm::dvec3 a = p[(i + 1) % 3] - p[i], b = p[(i + 2) % 3] - p[i];
       const double angle = std::atan2(doubled_area, glm::dot(a, b));
-      mesh.normals[t[i]] += angle / doubled_area * cross;
+      normals[t[i]] += angle / doubled_area * cross;
     }
   }
-  for (glm::dvec3& n : mesh.normals) {
+  for (glm::dvec3& n : normals) {
     const double length = glm::length(n);
     n = length > 0.0 ? n / length : glm::dvec3(0.0, 0.0, 1.0);
   }
+  mesh.normals = std::move(normals);
 }
 
 }  // namespace etendue

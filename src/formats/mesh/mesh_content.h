@@ -36,6 +36,9 @@ void warn_degenerate(const TriangleMesh& mesh, const std::string& file, Diagnost
 /// Leaves out the vertices that no triangle has; the others keep their order.
 void drop_unused_vertices(TriangleMesh& mesh);
 
+/// Positions and normals in single precision where that changes none of them.
+void narrow_vectors(TriangleMesh& mesh);
+
 /// A unit normal a vertex: the mean of the normals of its triangles, weighted by their angles there [Thurmer1998].
 /// Vertices at the same place are not joined. One without a triangle that has an area gets +z.
 void make_smooth_normals(TriangleMesh& mesh);

@@ -432,12 +432,12 @@ class PlyReader {
                          fmt::format("{} of {} vertex normals have no direction; {}", lacking, mesh_.normals.size(),
                                      lacking == std::ssize(mesh_.normals) ? "the faces' own are taken instead"
                                                                           : "the mean of the faces around is taken"));
-    std::vector<glm::dvec3> given;
-    given.swap(mesh_.normals);
+    const VectorList given = std::exchange(mesh_.normals, {});
     if (lacking == std::ssize(given)) return;
     make_smooth_normals(mesh_);
+    std::vector<glm::dvec3>& normals = mesh_.normals.edit();
     for (std::size_t i = 0; i < given.size(); ++i) {
-      if (given[i] != glm::dvec3(0.0)) mesh_.normals[i] = given[i];
+      if (given[i] != glm::dvec3(0.0)) normals[i] = given[i];
     }
   }
 

@@ -21,6 +21,10 @@ void put(std::vector<std::byte>& bytes, const void* from, std::size_t size) {
   std::memcpy(bytes.data() + end, from, size);
 }
 
+void put(std::vector<std::byte>& bytes, const glm::dvec3& vector) {
+  put(bytes, &vector, sizeof vector);
+}
+
 }  // namespace
 
 void write_ply(const std::string& path, const TriangleMesh& mesh) {
@@ -43,8 +47,8 @@ void write_ply(const std::string& path, const TriangleMesh& mesh) {
   std::vector<std::byte> bytes;
   put(bytes, header.data(), header.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    put(bytes, &mesh.positions[i], sizeof(glm::dvec3));
-    if (normals) put(bytes, &mesh.normals[i], sizeof(glm::dvec3));
+    put(bytes, mesh.positions[i]);
+    if (normals) put(bytes, mesh.normals[i]);
     if (uv) put(bytes, &mesh.uv_sets[0][i], sizeof(glm::vec2));
     if (colors) put(bytes, &mesh.vertex_colors[i], sizeof(glm::vec3));
     if (alphas) put(bytes, &mesh.vertex_alphas[i], sizeof(float));

@@ -10,6 +10,7 @@
 #include <zlib.h>
 
 #include "formats/input_file.h"
+#include "formats/mesh/mesh_content.h"
 #include "scene/limits.h"
 
 namespace etendue {
@@ -180,6 +181,7 @@ SerializedMesh decode(std::span<const std::byte> bytes, std::int64_t index) {
   TriangleMesh& mesh = result.mesh;
   mesh.positions = read_triples(stream, vertices, doubles);
   if ((flags & kNormals) != 0) mesh.normals = read_normals(stream, vertices, doubles);
+  narrow_vectors(mesh);
   if ((flags & kTexCoords) != 0) mesh.uv_sets = {read_uv(stream, vertices, doubles)};
   if ((flags & kColors) != 0) {
     for (const glm::dvec3& color : read_triples(stream, vertices, doubles)) mesh.vertex_colors.emplace_back(color);
