@@ -443,5 +443,44 @@ TEST(SceneWriter, MitsubaGetsMirroredMeshesInsideOut) {
   EXPECT_TRUE(read.instances[1].flip_normals);
 }
 
+/// A mesh file holds one set of texture coordinates: that which an instance shows its textures by.
+TEST(SceneWriter, MeshesGetTheTextureCoordinatesThatAreUsed) {
+  for (const bool mitsuba : {false, true}) {
+    const TemporaryFolder folder;
+    Scene scene;
+    scene.bitmaps = {bitmap(BitmapFormat::u8, 3, ColorSpace::srgb)};
+    for (std::uint32_t set = 0; set < 2; ++set)
+      scene.textures.push_back({.source = BitmapTexture{.bitmap = 0}, .uv_set = set, .name = set == 0 ? "a" : "b"});
+    TriangleMesh two = mesh();
+    two.uv_sets.push_back({{0.5f, 0.25f}, {1.0f, 0.0f}, {0.0f, 1.0f}});
+    scene.add(two, DiffuseBsdf{ColorParameter(glm::dvec3(1.0), 1)}).name = "cup";
+    scene.materials.push_back({.bsdf = DiffuseBsdf{ColorParameter(glm::dvec3(1.0), 0)}});
+    scene.materials.push_back({.bsdf = DiffuseBsdf{}});
+    for (const std::uint32_t material : {1u, 2u}) {
+      Instance other = scene.instances[0];
+      other.material = material;
+      scene.instances.push_back(other);
+    }
+    const Scene read = copy_of(scene, folder.path("s.xml"), mitsuba);
+    ASSERT_EQ(read.instances.size(), 3u);
+    const auto sets = [&](std::size_t i) { return std::get<TriangleMesh>(read.shape_of(read.instances[i])).uv_sets; };
+    EXPECT_EQ(sets(0), std::vector(1, two.uv_sets[1]));
+    EXPECT_EQ(sets(1), std::vector(1, two.uv_sets[0]));
+    scene.add(two, DiffuseBsdf{ColorParameter(glm::dvec3(1.0), 1)}, AreaEmitter{ColorParameter(glm::dvec3(1.0), 0)})
+        .name = "cup";
+    try {
+      copy_of(scene, folder.path("t.xml"), mitsuba);
+      FAIL() << "two sets do not fit";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what())
+                    .find("\"cup\" uses several sets of texture coordinates (set 0 for the texture "
+                          "\"a\", set 1 for the texture \"b\")"),
+                std::string::npos)
+          << error.what();
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder.path("t.xml")));
+  }
+}
+
 }  // namespace
 }  // namespace etendue::testing

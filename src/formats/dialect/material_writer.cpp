@@ -1,11 +1,13 @@
 #include "formats/dialect/material_writer.h"
 
 #include <algorithm>
+#include <map>
 #include <variant>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/printable.h"
 #include "scene/materials.h"
 
 namespace etendue {
@@ -23,6 +25,26 @@ void MaterialWriter::color(const char* name, const ColorParameter& parameter) {
 void MaterialWriter::number(const char* name, const ScalarParameter& parameter) {
   if (!parameter.texture) return number(name, parameter.value);
   write_texture(name, *parameter.texture, glm::dvec3(parameter.value), parameter.channel);
+}
+
+std::uint32_t MaterialWriter::uv_set_of(const Instance& instance) const {
+  std::map<std::uint32_t, std::string> users;  // one of each set
+  const auto look = [&](const char*, const auto& parameter) {
+    if (!parameter.texture) return;
+    const Texture& texture = scene_.textures[*parameter.texture];
+    if (!std::holds_alternative<AttributeTexture>(texture.source))
+      users.try_emplace(texture.uv_set, "the texture " + text::quoted(texture.name));
+  };
+  each_material(scene_, instance.material, [&](const Material& material) {
+    each_parameter(material, look);
+    if (is_aligned(material)) users.try_emplace(0, "the direction of " + text::quoted(material.name));
+  });
+  if (const AreaEmitter* emitter = scene_.emitter_of(instance)) each_parameter(*emitter, look);
+  if (users.size() > 1)
+    refuse(fmt::format("{} uses several sets of texture coordinates (set {} for {}, set {} for {})",
+                       text::quoted(instance.name), users.begin()->first, users.begin()->second, users.rbegin()->first,
+                       users.rbegin()->second));
+  return users.empty() ? 0 : users.begin()->first;
 }
 
 std::string MaterialWriter::material_id(std::uint32_t row) const {

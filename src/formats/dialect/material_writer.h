@@ -51,6 +51,14 @@ class MaterialWriter {
     });
   }
 
+  /// The set of texture coordinates by which an instance shows its textures. Refuses instances with several, because
+  /// mesh files hold one.
+  std::uint32_t uv_set_of(const Instance& instance) const;
+  /// Refuses a texture that does not use the first set, if there is no mesh file to hold that set in its place.
+  void require_first_set(const Texture& texture) const {
+    if (keeps_names_ && texture.uv_set > 0) refuse("a texture uses the second texture coordinates of a mesh");
+  }
+
   /// Writes all materials of instances, in the order of their first use.
   void write_materials();
   /// A material and what it chooses from, to be pasted into a file: known by the names that they have there, and so are

@@ -19,10 +19,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-TriangleMesh inside_out(TriangleMesh mesh) {
+void turn_inside_out(TriangleMesh& mesh) {
   for (glm::uvec3& triangle : mesh.triangles) std::swap(triangle.y, triangle.z);
   for (glm::dvec3& normal : mesh.normals.edit()) normal = -normal;
-  return mesh;
+}
+
+void write_mesh(const std::string& path, const TriangleMesh& mesh, std::uint32_t uv_set, bool turned) {
+  if (mesh.uv_sets.size() <= 1 && !turned) return write_ply(path, mesh);
+  TriangleMesh written = mesh;
+  if (mesh.uv_sets.size() > 1) written.uv_sets = {mesh.uv_sets[uv_set]};
+  if (turned) turn_inside_out(written);
+  write_ply(path, written);
 }
 
 }  // namespace
@@ -31,8 +38,8 @@ std::string SceneFiles::folder() const {
   return fs::path(path_).stem().string() + "-files";
 }
 
-std::string SceneFiles::mesh(std::uint32_t shape, bool turned) {
-  const auto [known, is_new] = meshes_.try_emplace({shape, turned});
+std::string SceneFiles::mesh(std::uint32_t shape, std::uint32_t uv_set, bool turned) {
+  const auto [known, is_new] = meshes_.try_emplace({shape, uv_set, turned});
   if (is_new) known->second = fmt::format("{}/mesh-{}.ply", folder(), meshes_.size() - 1);
   return known->second;
 }
@@ -52,10 +59,9 @@ void SceneFiles::write(const std::string& text, ExistingFiles existing) const {
   const fs::path beside = fs::path(path_).parent_path();
   std::vector<std::pair<std::string, std::function<void(const std::string& path)>>> files;
   for (const auto& [key, name] : meshes_) {
-    const auto& mesh = std::get<TriangleMesh>(scene_.shapes[key.first]);
-    files.emplace_back((beside / name).string(), [&mesh, turned = key.second](const std::string& path) {
-      turned ? write_ply(path, inside_out(mesh)) : write_ply(path, mesh);
-    });
+    const auto& mesh = std::get<TriangleMesh>(scene_.shapes[key.shape]);
+    files.emplace_back((beside / name).string(),
+                       [&mesh, key](const std::string& path) { write_mesh(path, mesh, key.uv_set, key.turned); });
   }
   for (const auto& [bitmap, name] : pictures_)
     files.emplace_back((beside / name).string(), [&bitmap](const std::string& path) { write_bitmap(path, *bitmap); });

@@ -1,6 +1,7 @@
 #pragma once
 /// A scene file being written, with the files that it names: meshes and pictures next to it.
 
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -20,8 +21,8 @@ class SceneFiles {
   SceneFiles(const std::string& path, const Scene& scene) : path_(path), scene_(scene) {}
 
   // Names relative to the folder of the scene file; nothing is written yet.
-  /// `turned`: with its sides exchanged.
-  std::string mesh(std::uint32_t shape, bool turned = false);
+  /// `uv_set`: which of its sets of texture coordinates the file holds; `turned`: with its sides exchanged.
+  std::string mesh(std::uint32_t shape, std::uint32_t uv_set, bool turned = false);
   std::string picture(const std::shared_ptr<const Bitmap>& bitmap);
   /// Lets a picture keep the name that it already has.
   void know(const std::shared_ptr<const Bitmap>& bitmap, const std::string& name);
@@ -35,7 +36,12 @@ class SceneFiles {
 
   std::string path_;
   const Scene& scene_;
-  std::map<std::pair<std::uint32_t, bool>, std::string> meshes_;  ///< by shape, and whether it is turned
+  struct MeshKey {
+    std::uint32_t shape, uv_set;
+    bool turned;
+    auto operator<=>(const MeshKey&) const = default;
+  };
+  std::map<MeshKey, std::string> meshes_;
   std::map<std::shared_ptr<const Bitmap>, std::string>
       pictures_;  ///< kept, so that no other comes to lie where one was
 };

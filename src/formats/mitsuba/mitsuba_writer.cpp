@@ -347,7 +347,7 @@ class MitsubaWriter : MaterialWriter {
       xml_.boolean("raw", true);
       return xml_.close();
     }
-    if (texture.uv_set > 0) refuse("a texture uses the second texture coordinates of a mesh");
+    require_first_set(texture);
     // See mitsuba_textures.cpp.
     auto* board = std::get_if<CheckerboardTexture>(&texture.source);
     if (channel && board != nullptr) {
@@ -467,7 +467,7 @@ class MitsubaWriter : MaterialWriter {
       if (mesh->normals.empty()) flip = flip != is_mirrored(instance.world_from_object);
       // Writes a mesh that is itself inside out: Mitsuba (3.9) joins meshes of one material, and fails if only some of
       // them are flipped.
-      xml_.text("filename", files_.mesh(instance.shape, std::exchange(flip, false)));
+      xml_.text("filename", files_.mesh(instance.shape, uv_set_of(instance), std::exchange(flip, false)));
       if (!mesh->uv_sets.empty()) xml_.boolean("flip_tex_coords", true);
       if (mesh->normals.empty()) xml_.boolean("face_normals", true);
     } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {

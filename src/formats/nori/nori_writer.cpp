@@ -266,7 +266,7 @@ class NoriWriter : MaterialWriter {
     const auto [known, is_new] = textures_.try_emplace({row, factor.x, factor.y, factor.z, channel}, id);
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
     const Texture& texture = scene_.textures[row];
-    if (texture.uv_set > 0) refuse("a texture uses the second texture coordinates of a mesh");
+    require_first_set(texture);
     std::visit([&](const auto& source) { write_source(name, known->second, source); }, texture.source);
     if (factor != glm::dvec3(1.0)) color("scale", factor);
     if (texture.vertex_tint) xml_.boolean("vertex_tint", true);
@@ -341,7 +341,7 @@ class NoriWriter : MaterialWriter {
   }
   void write_shape(const Instance& instance, const TriangleMesh&) {
     xml_.open("mesh", {{"type", "ply"}});
-    xml_.text("filename", files_.mesh(instance.shape));
+    xml_.text("filename", files_.mesh(instance.shape, uv_set_of(instance)));
   }
   void write_shape(const Instance&, const Sphere& sphere) {
     xml_.open("mesh", {{"type", "sphere"}});
