@@ -122,10 +122,10 @@ LightLeaf light_leaf(const Placed& placed, std::size_t i) {
 
 class Compiler {
  public:
-  explicit Compiler(const Scene& scene)
+  Compiler(const Scene& scene, const Normalization& normalization)
       : scene_(scene),
         sharing_(scene),
-        normalization_(find_normalization(scene)),
+        normalization_(normalization),
         meshes_(scene.shapes.size()),
         texture_facts_(scene),
         lamp_parts_(lamp_parts(scene)) {}
@@ -137,10 +137,24 @@ class Compiler {
     flatten_materials();
     flatten_instances();
     build_tree();
+    light();
+    out_.normalization = normalization_;
+    out_.bounds = bounds_of(scene_);
+    return std::move(out_);
+  }
+
+  CompiledLights compile_lights(const CompiledScene& base) {
+    out_.instances = base.instances;
+    flatten_emitters();
+    light();
+    return std::move(static_cast<CompiledLights&>(out_));
+  }
+
+ private:
+  void light() {
     make_lights();
     if (wants_light_tree(scene_)) make_light_tree();
     if (out_.lamp_parts && out_.light_tree_depth == 0) make_part_trails();
-    out_.normalization = normalization_;
     out_.environment = compile_environment(scene_, lights_power_);
     for (std::uint32_t i = 0; i < out_.distant_lights; ++i) {
       const std::vector<std::uint64_t>& thresholds = out_.environment.distant_thresholds;
@@ -148,11 +162,8 @@ class Compiler {
       out_.delta_lights[i].prob = static_cast<float>(static_cast<double>(thresholds[i + 1] - thresholds[i]) * 0x1p-32);
     }
     out_.radiance_exponent = radiance_exponent(scene_);
-    out_.bounds = bounds_of(scene_);
-    return std::move(out_);
   }
 
- private:
   // The tree would refuse a scene that it cannot address; checking here costs neither time nor memory.
   void check_size() const {
     std::size_t primitives = 0;
@@ -174,9 +185,8 @@ class Compiler {
 
   void flatten_instances() {
     for (const Instance& instance : scene_.instances) {
-      const AreaEmitter* emitter = scene_.emitter_of(instance);
       gpu::Instance flat{};
-      flat.radiance = emitter != nullptr ? glm::vec3(emitter->radiance.value) : glm::vec3(0.0f);
+      flat.radiance = radiance_of(instance);
       flat.material = instance.material;
       flat.first_triangle = gpu::kNone;
       flat.place = gpu::kNone;
@@ -191,6 +201,31 @@ class Compiler {
     if (flat_primitives_.empty())
       flat_primitives_.push_back({});  // a triangle of size 0: bindings are never empty, and nothing is hit
     if (out_.instances.empty()) out_.instances.push_back({.place = gpu::kNone});
+  }
+
+  glm::vec3 radiance_of(const Instance& instance) const {
+    const AreaEmitter* emitter = scene_.emitter_of(instance);
+    return emitter != nullptr ? glm::vec3(emitter->radiance.value) : glm::vec3(0.0f);
+  }
+
+  // Only the primitives that emit, but numbered as if all were there.
+  void flatten_emitters() {
+    for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+      const Instance& instance = scene_.instances[i];
+      gpu::Instance& flat = out_.instances[i];
+      flat.radiance = radiance_of(instance);
+      flat.light_prob = flat.light_area = 0.0f;
+      first_primitive_.push_back(flat_primitives_.size());
+      if (sharing_.has_instance(i)) {
+        std::unique_ptr<SharedMesh>& mesh = meshes_[instance.shape];
+        if (instance.emitter && !mesh)
+          mesh = std::make_unique<SharedMesh>(prepare_shared_primitives(scene_.shapes[instance.shape]));
+      } else if (instance.emitter) {
+        add_primitives(Placed(scene_, instance), static_cast<gpu::uint>(i));
+      } else {
+        order_ += primitive_count(scene_.shape_of(instance));
+      }
+    }
   }
 
   const SharedMesh& shared_mesh(std::uint32_t shape) {
@@ -267,14 +302,15 @@ class Compiler {
     shared_boxes_.resize(kept);
   }
 
-  void add_primitive(gpu::Primitive p) {
-    p.kind |= order_bits(flat_primitives_.size());
-    flat_primitives_.push_back(p);
-  }
   static gpu::uint order_bits(std::size_t order) { return static_cast<gpu::uint>(order) << gpu::kPrimitiveOrderShift; }
 
   void flatten_shape(const Placed& placed, gpu::uint index, gpu::Instance& flat) {
-    if (placed.mesh) return flatten_mesh(*placed.mesh, index, flat);
+    add_primitives(placed, index);
+    if (placed.mesh && placed.mesh->has_normals()) add_normals(*placed.mesh, flat);
+  }
+
+  void add_primitives(const Placed& placed, gpu::uint index) {
+    if (placed.mesh) return add_triangles(*placed.mesh, index);
     gpu::Primitive p{};
     p.instance = index;
     if (placed.disk) {
@@ -299,10 +335,11 @@ class Compiler {
       out_.has_spheres = true;
       out_.inward_spheres |= placed.inward;
     }
-    add_primitive(p);
+    p.kind |= order_bits(order_++);
+    flat_primitives_.push_back(p);
   }
 
-  void flatten_mesh(const PlacedMesh& mesh, gpu::uint index, gpu::Instance& flat) {
+  void add_triangles(const PlacedMesh& mesh, gpu::uint index) {
     const std::size_t first = flat_primitives_.size();
     flat_primitives_.resize(first + mesh.triangle_count());
     parallel_for(mesh.triangle_count(), kFlattenGrain, [&](std::uint64_t begin, std::uint64_t end) {
@@ -314,10 +351,13 @@ class Compiler {
         p.p2 = normalization_.point(p2);
         p.instance = index;
         p.primitive = static_cast<gpu::uint>(i);
-        p.kind = order_bits(first + i);
+        p.kind = order_bits(order_ + i);
       }
     });
-    if (!mesh.has_normals()) return;
+    order_ += mesh.triangle_count();
+  }
+
+  void add_normals(const PlacedMesh& mesh, gpu::Instance& flat) {
     flat.first_triangle = static_cast<gpu::uint>(out_.vertex_normals.size());
     add_vertex_normals(mesh.triangle_count(), [&](std::size_t i) {
       const glm::uvec3 t = mesh.indices(i);
@@ -685,6 +725,7 @@ class Compiler {
   CompiledScene out_;
   std::vector<gpu::Primitive> flat_primitives_;  // instance by instance, before the tree reorders them
   std::vector<std::size_t> first_primitive_;     // of each instance, into flat_primitives_
+  std::size_t order_ = 0;                        // of the next primitive in the scene
   double lights_power_ = 0.0;                    // Σ luminance · area
 };
 
@@ -712,7 +753,11 @@ CompiledMaterials compile_materials(std::span<const Material> materials, bool ha
 CompiledScene compile_scene(const Scene& scene) {
   ++g_compilations;
   require_invariants(scene);
-  return Compiler(scene).compile();
+  return Compiler(scene, find_normalization(scene)).compile();
+}
+
+CompiledLights compile_lights(const Scene& scene, const CompiledScene& base) {
+  return Compiler(scene, base.normalization).compile_lights(base);
 }
 
 }  // namespace etendue

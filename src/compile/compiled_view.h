@@ -17,13 +17,15 @@ struct SceneFacts {
   Bounds bounds;
   std::uint32_t light_instance_count = 0, distant_light_count = 0;
 
-  explicit SceneFacts(const CompiledScene& scene)
+  explicit SceneFacts(const CompiledScene& scene) : SceneFacts(scene, scene) {}
+  /// With other lights than those it was compiled with.
+  SceneFacts(const CompiledScene& scene, const CompiledLights& lights)
       : normalization(scene.normalization),
-        environment(scene.environment.facts),
-        radiance_exponent(scene.radiance_exponent),
+        environment(lights.environment.facts),
+        radiance_exponent(lights.radiance_exponent),
         bounds(scene.bounds),
-        light_instance_count(static_cast<std::uint32_t>(scene.light_instances.size())),
-        distant_light_count(scene.distant_lights) {}
+        light_instance_count(static_cast<std::uint32_t>(lights.light_instances.size())),
+        distant_light_count(lights.distant_lights) {}
 };
 
 struct CompiledView {

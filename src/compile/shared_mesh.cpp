@@ -66,12 +66,11 @@ bool is_conformal(const glm::dmat3& c) {
 
 }  // namespace
 
-SharedMesh prepare_shared_mesh(const Shape& shape) {
+SharedMesh prepare_shared_primitives(const Shape& shape) {
   const auto& mesh = std::get<TriangleMesh>(shape);
   SharedMesh shared;
   shared.bounds = bounds_of(shape);
   shared.normalization = object_normalization(shared.bounds.min, shared.bounds.max);
-  std::vector<Box> boxes;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const glm::uvec3 t = mesh.triangles[i];
     gpu::Primitive p{};
@@ -81,8 +80,14 @@ SharedMesh prepare_shared_mesh(const Shape& shape) {
     p.primitive = i;
     p.kind = gpu::kPrimitiveTriangle | i << gpu::kPrimitiveOrderShift;
     shared.primitives.push_back(p);
-    boxes.push_back(triangle_box(p));
   }
+  return shared;
+}
+
+SharedMesh prepare_shared_mesh(const Shape& shape) {
+  SharedMesh shared = prepare_shared_primitives(shape);
+  std::vector<Box> boxes;
+  for (const gpu::Primitive& p : shared.primitives) boxes.push_back(triangle_box(p));
   std::vector<std::uint32_t> outside;
   for (const Twin& twin : find_twins(shared.primitives)) outside.push_back(twin.primitive);
   if (outside.size() == boxes.size()) return shared;

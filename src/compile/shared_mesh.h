@@ -36,6 +36,8 @@ struct SharedMesh {
 
 /// `shape` is a mesh.
 SharedMesh prepare_shared_mesh(const Shape& shape);
+/// The same without a tree and its parts: what its lights need.
+SharedMesh prepare_shared_primitives(const Shape& shape);
 MeshLight measure_mesh_light(const TriangleMesh& mesh);
 
 /// The leaf of the light tree for a mesh placed by an instance, with the power for radiance 1. `area` is not set.

@@ -50,9 +50,9 @@ Table table(const char* what, std::uint32_t at, const Entries& entries) {
   return {what, at, std::as_bytes(std::span(entries))};
 }
 
-// Everything that shaders/scene.glsl reads. The materials may differ from those of the scene. `records` are the tree,
-// or what replaces it.
-std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMaterials& m,
+// Everything that shaders/scene.glsl reads. The materials and lights may differ from those of the scene. `records` are
+// the tree, or what replaces it.
+std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMaterials& m, const CompiledLights& l,
                                        const PageVector<gpu::uvec4>& records) {
   const CompiledTextures& t = s.textures;
   std::array<TableGroup, 3> groups{
@@ -63,19 +63,19 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMat
          table("attributes", gpu::kConstantAttributesAt, t.attributes)}},
        {gpu::kBindingTables,
         "instances, materials, lights and environment",
-        {table("instances", kFirst, s.instances), table("materials", gpu::kConstantMaterialsAt, m.materials),
+        {table("instances", kFirst, l.instances), table("materials", gpu::kConstantMaterialsAt, m.materials),
          table("places of instances", gpu::kConstantPlacesAt, s.places),
          table("textures of materials", gpu::kConstantMaterialTexturesAt, m.material_textures),
          table("uses of textures", gpu::kConstantTextureUsesAt, m.texture_uses),
-         table("emitters", gpu::kConstantLightInstancesAt, s.light_instances),
-         table("lights without extent", gpu::kConstantDeltaLightsAt, s.delta_lights),
-         table("emitting primitives", gpu::kConstantLightPrimitivesAt, s.light_primitives),
+         table("emitters", gpu::kConstantLightInstancesAt, l.light_instances),
+         table("lights without extent", gpu::kConstantDeltaLightsAt, l.delta_lights),
+         table("emitting primitives", gpu::kConstantLightPrimitivesAt, l.light_primitives),
          table("transmittances", gpu::kConstantTransmittancesAt, m.transmittances),
-         table("light tree", gpu::kConstantLightPairsAt, s.light_pairs),
-         table("trails of the light tree", gpu::kConstantLightTrailsAt, s.light_trails),
-         table("rows of the environment", gpu::kConstantEnvironmentRowsAt, s.environment.rows),
-         table("picture of the environment", gpu::kConstantEnvironmentTexelsAt, s.environment.texels),
-         table("search in the environment", gpu::kConstantEnvironmentSearchAt, s.environment.search),
+         table("light tree", gpu::kConstantLightPairsAt, l.light_pairs),
+         table("trails of the light tree", gpu::kConstantLightTrailsAt, l.light_trails),
+         table("rows of the environment", gpu::kConstantEnvironmentRowsAt, l.environment.rows),
+         table("picture of the environment", gpu::kConstantEnvironmentTexelsAt, l.environment.texels),
+         table("search in the environment", gpu::kConstantEnvironmentSearchAt, l.environment.search),
          table("textures", gpu::kConstantTexturesAt, t.textures),
          table("attributes of instances", gpu::kConstantInstanceAttributesAt, t.instances)}}}};
   for (const auto& bitmap : t.bitmaps)
@@ -83,12 +83,13 @@ std::array<TableGroup, 3> table_groups(const CompiledScene& s, const CompiledMat
                                 std::as_bytes(std::span(bitmap->texels))});
   return groups;
 }
-std::array<TableGroup, 3> table_groups(const CompiledScene& scene, const CompiledMaterials& materials) {
-  return table_groups(scene, materials, scene.records);
+std::array<TableGroup, 3> table_groups(const CompiledScene& scene, const CompiledMaterials& materials,
+                                       const CompiledLights& lights) {
+  return table_groups(scene, materials, lights, scene.records);
 }
 
 std::array<TableGroup, 3> table_groups(const CompiledScene& scene) {
-  return table_groups(scene, scene);
+  return table_groups(scene, scene, scene);
 }
 
 std::vector<DeviceNeed> needs_of(std::span<const TableGroup> groups) {
@@ -138,9 +139,9 @@ std::vector<vulkan::AccelerationStructure> build_structures(GpuDevice& device, c
 
 // The properties of the materials on surfaces: kernels are specialised for exactly these.
 struct MaterialsUsed {
-  MaterialsUsed(const CompiledScene& scene, const CompiledMaterials& materials)
+  MaterialsUsed(std::span<const gpu::Instance> instances, const CompiledMaterials& materials)
       : depths(materials.materials.size(), kUnknown) {
-    for (const gpu::Instance& instance : scene.instances)
+    for (const gpu::Instance& instance : instances)
       adapter_depth = std::max(adapter_depth, look_at(materials, instance.material));
   }
 
@@ -174,16 +175,16 @@ struct MaterialsUsed {
   std::uint32_t flags_some = 0, flags_all = ~gpu::kMaterialTypeMask;
 };
 
-bool has_lights(const CompiledScene& scene, gpu::uint kind) {
+bool has_lights(const CompiledLights& lights, gpu::uint kind) {
   return std::any_of(
-      scene.light_primitives.begin(), scene.light_primitives.end(),
+      lights.light_primitives.begin(), lights.light_primitives.end(),
       [kind](const gpu::LightPrimitive& light) { return (light.primitive.kind & gpu::kPrimitiveKindMask) == kind; });
 }
 
-bool has_light_normals(const CompiledScene& scene) {
-  return std::any_of(scene.light_instances.begin(), scene.light_instances.end(), [&](const gpu::LightInstance& light) {
+bool has_light_normals(const CompiledLights& all) {
+  return std::ranges::any_of(all.light_instances, [&](const gpu::LightInstance& light) {
     const bool delta = (light.instance & gpu::kLightLeafDelta) != 0;
-    return !delta && scene.instances[light.instance].first_triangle != gpu::kNone;
+    return !delta && all.instances[light.instance].first_triangle != gpu::kNone;
   });
 }
 
@@ -194,21 +195,22 @@ std::uint32_t most_texture_uses(const CompiledMaterials& materials) {
   return most;
 }
 
-std::uint32_t delta_light_kinds(const CompiledScene& scene) {
+std::uint32_t delta_light_kinds(const CompiledLights& lights) {
   std::uint32_t kinds = 0;
-  for (const gpu::DeltaLight& light : scene.delta_lights) kinds |= light.header;
+  for (const gpu::DeltaLight& light : lights.delta_lights) kinds |= light.header;
   return kinds;
 }
 
 }  // namespace
 
-LoopRounds::LoopRounds(const CompiledScene& scene) {
+LoopRounds::LoopRounds(const CompiledScene& scene, const CompiledLights& lights) {
   std::uint32_t most = 1;
-  for (const gpu::LightInstance& light : scene.light_instances) most = std::max(most, light.primitive_count);
-  instances = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(scene.light_instances.size(), 1) - 1));
+  for (const gpu::LightInstance& light : lights.light_instances) most = std::max(most, light.primitive_count);
+  instances = static_cast<std::uint32_t>(std::bit_width(std::max<std::size_t>(lights.light_instances.size(), 1) - 1));
   primitives = static_cast<std::uint32_t>(std::bit_width(most - 1));
-  distant = static_cast<std::uint32_t>(std::bit_width(scene.distant_lights));
-  const std::uint32_t adapters = MaterialsUsed(scene, scene).adapter_depth, textures = most_texture_uses(scene);
+  distant = static_cast<std::uint32_t>(std::bit_width(lights.distant_lights));
+  const std::uint32_t adapters = MaterialsUsed(lights.instances, scene).adapter_depth,
+                      textures = most_texture_uses(scene);
   // Includes the adapters at hits of shadow rays, and those of the half that a blend has not chosen; each loop tests
   // its end once more.
   const std::uint32_t adapter_steps = adapters > 0 ? 3 * (adapters + 2) : 0;
@@ -217,14 +219,16 @@ LoopRounds::LoopRounds(const CompiledScene& scene) {
   // and for an emitter.
   if ((scene.textures.features & gpu::kTexturesNested) != 0)
     materials += (adapter_steps + 2 * (textures + 1) + 1) * (kMaxNestedTextures + 1);
-  if (scene.environment.facts.kind == gpu::kEnvironmentNone) return;
-  environment_rows = SearchTree(scene.environment.facts.cell_rows).levels;
-  environment_columns = SearchTree(scene.environment.facts.columns).levels;
+  const EnvironmentFacts& sky = lights.environment.facts;
+  if (sky.kind == gpu::kEnvironmentNone) return;
+  environment_rows = SearchTree(sky.cell_rows).levels;
+  environment_columns = SearchTree(sky.columns).levels;
 }
 
-TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
+namespace {
+
+TableLoads choose_table_loads(const vulkan::Context& context, std::span<const TableGroup> groups,
                               std::optional<TableLoads> wanted) {
-  const auto groups = table_groups(scene);
   const TableGroup& longest = *std::ranges::max_element(groups, {}, &TableGroup::bytes);
   const std::uint64_t texels = longest.bytes() / sizeof(gpu::uvec4);
   const std::string unbound = kernel_requirements(TableLoads::storage_buffer).missing(context.limits());
@@ -248,6 +252,13 @@ TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScen
                   context.limits().maxStorageBufferRange, unbound.empty() ? "" : ", and for the latter " + unbound));
 }
 
+}  // namespace
+
+TableLoads choose_table_loads(const vulkan::Context& context, const CompiledScene& scene,
+                              std::optional<TableLoads> wanted) {
+  return choose_table_loads(context, table_groups(scene), wanted);
+}
+
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene) {
   return needs_of(table_groups(scene));
 }
@@ -268,9 +279,10 @@ DeviceNeed least_scene_need(const Scene& scene) {
   return {"vertex normals", texels * sizeof(gpu::uvec4), DeviceNeed::Kind::memory};
 }
 
-std::vector<vulkan::Specialization> table_places(const CompiledScene& scene, const CompiledMaterials& materials) {
+std::vector<vulkan::Specialization> table_places(const CompiledScene& scene, const CompiledMaterials& materials,
+                                                 const CompiledLights& lights) {
   std::vector<vulkan::Specialization> places;
-  for (const TableGroup& group : table_groups(scene, materials)) {
+  for (const TableGroup& group : table_groups(scene, materials, lights)) {
     std::size_t texels = 0;
     for (const Table& table : group.tables) {
       if (table.at != kFirst) places.push_back({table.at, static_cast<std::uint32_t>(texels)});
@@ -280,10 +292,11 @@ std::vector<vulkan::Specialization> table_places(const CompiledScene& scene, con
   return places;
 }
 
-std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, const CompiledMaterials& materials) {
-  const LoopRounds loop_rounds(scene);
-  const MaterialsUsed used(scene, materials);
-  std::vector<vulkan::Specialization> constants = table_places(scene, materials);
+std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, const CompiledMaterials& materials,
+                                                    const CompiledLights& lights) {
+  const LoopRounds loop_rounds(scene, lights);
+  const MaterialsUsed used(lights.instances, materials);
+  std::vector<vulkan::Specialization> constants = table_places(scene, materials, lights);
   constants.insert(constants.end(), {{gpu::kConstantStackSize, std::max(1u, scene.tree_depth)},
                                      {gpu::kConstantHasSpheres, scene.has_spheres ? 1u : 0u},
                                      {gpu::kConstantInwardSpheres, scene.inward_spheres ? 1u : 0u},
@@ -297,13 +310,13 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, 
                                      {gpu::kConstantAdapters, used.adapters},
                                      {gpu::kConstantAdapterDepth, used.adapter_depth},
                                      {gpu::kConstantVertexNormals, scene.vertex_normals.empty() ? 0u : 1u},
-                                     {gpu::kConstantSphereLights, has_lights(scene, gpu::kPrimitiveSphere) ? 1u : 0u},
-                                     {gpu::kConstantLightNormals, has_light_normals(scene) ? 1u : 0u},
+                                     {gpu::kConstantSphereLights, has_lights(lights, gpu::kPrimitiveSphere) ? 1u : 0u},
+                                     {gpu::kConstantLightNormals, has_light_normals(lights) ? 1u : 0u},
                                      {gpu::kConstantInstanced, scene.places.empty() ? 0u : 1u},
                                      {gpu::kConstantTextureFeatures, scene.textures.features},
                                      {gpu::kConstantTextureUses, most_texture_uses(materials)},
                                      {gpu::kConstantTreeRoot, scene.tree_root}});
-  const EnvironmentFacts& sky = scene.environment.facts;
+  const EnvironmentFacts& sky = lights.environment.facts;
   constants.insert(constants.end(), {{gpu::kConstantEnvironment, sky.kind},
                                      {gpu::kConstantEnvironmentAlone, sky.alone ? 1u : 0u},
                                      {gpu::kConstantEnvironmentColumns, sky.columns},
@@ -316,11 +329,11 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, 
                     {gpu::kConstantHasCylinders, scene.has_cylinders ? 1u : 0u},
                     {gpu::kConstantFewDisks, scene.few_disks},
                     {gpu::kConstantFewCylinders, scene.few_cylinders},
-                    {gpu::kConstantCylinderLights, has_lights(scene, gpu::kPrimitiveCylinder) ? 1u : 0u},
-                    {gpu::kConstantTwoSidedLights, scene.two_sided_lights ? 1u : 0u},
-                    {gpu::kConstantLampParts, scene.lamp_parts ? 1u : 0u},
-                    {gpu::kConstantDeltaLights, delta_light_kinds(scene)},
-                    {gpu::kConstantDistantLights, scene.distant_lights}});
+                    {gpu::kConstantCylinderLights, has_lights(lights, gpu::kPrimitiveCylinder) ? 1u : 0u},
+                    {gpu::kConstantTwoSidedLights, lights.two_sided_lights ? 1u : 0u},
+                    {gpu::kConstantLampParts, lights.lamp_parts ? 1u : 0u},
+                    {gpu::kConstantDeltaLights, delta_light_kinds(lights)},
+                    {gpu::kConstantDistantLights, lights.distant_lights}});
   for (std::uint32_t i = 0; i < scene.few_count; ++i) {
     for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
       const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];
@@ -337,10 +350,10 @@ DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const std::shared_pt
       loads_(choose_table_loads(*device_->context, *compiled, wanted)),
       queries_(queries),
       facts_(*compiled),
-      loop_rounds_(*compiled),
+      loop_rounds_(*compiled, *compiled),
       has_tree_(compiled->tree_root != gpu::kNone),
       light_tree_depth_(compiled->light_tree_depth),
-      constants_(scene_constants(*compiled, *compiled)),
+      constants_(scene_constants(*compiled, *compiled, *compiled)),
       layouts_(like && like->loads == loads_ && like->queries == queries
                    ? like
                    : std::make_shared<const SceneLayouts>(*device_->context, loads_, queries)),
@@ -353,7 +366,7 @@ DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const std::shared_pt
     return;
   }
   const QueryScene query = query_scene(scene);
-  const std::array<TableGroup, 3> groups = table_groups(scene, scene, query.records);
+  const std::array<TableGroup, 3> groups = table_groups(scene, scene, scene, query.records);
   std::vector<DeviceNeed> needs = needs_of(groups);
   needs.push_back(structures_need(*device_->context, query));
   check_room(std::move(needs), planned, *device_->context);
@@ -362,19 +375,22 @@ DeviceScene::DeviceScene(std::shared_ptr<GpuDevice> device, const std::shared_pt
   use_structures(query.instances_at);
 }
 
-DeviceScene::DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials)
+DeviceScene::DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials,
+                         const CompiledLights& lights)
     : device_(base.device_),
       loads_(base.loads_),
       queries_(base.queries_),
-      facts_(base.facts_),
-      loop_rounds_(base.loop_rounds_),
+      facts_(scene, lights),
+      loop_rounds_(scene, lights),
       has_tree_(base.has_tree_),
-      light_tree_depth_(base.light_tree_depth_),
-      constants_(scene_constants(scene, materials)),
+      light_tree_depth_(lights.light_tree_depth),
+      constants_(scene_constants(scene, materials, lights)),
       layouts_(base.layouts_),
       structures_(base.structures_),
       set_(*device_->context, layouts_->set) {
-  for (const TableGroup& group : table_groups(scene, materials)) {
+  const auto groups = table_groups(scene, materials, lights);
+  choose_table_loads(*device_->context, groups, loads_);  // may throw: a sky that was dark takes room, too
+  for (const TableGroup& group : groups) {
     const bool others = group.binding == gpu::kBindingTables;
     bind(group.binding, others ? upload(group) : base.entries_.at(group.binding));
   }

@@ -29,15 +29,17 @@ struct LoopRounds {
   std::uint32_t environment_rows = 0, environment_columns = 0;
   std::uint32_t distant = 0;
   std::uint32_t materials = 0;
-  explicit LoopRounds(const CompiledScene& scene);
+  LoopRounds(const CompiledScene& scene, const CompiledLights& lights);
 };
 
 /// Start of each table in the shared buffers: specialization constants of every kernel.
-std::vector<vulkan::Specialization> table_places(const CompiledScene& scene, const CompiledMaterials& materials);
+std::vector<vulkan::Specialization> table_places(const CompiledScene& scene, const CompiledMaterials& materials,
+                                                 const CompiledLights& lights);
 
 /// Specialization constants of every kernel that traces rays: those places, tree, lights, and the few primitives
 /// outside the tree. The depth of the light tree is missing, because the view decides whether that tree is used.
-std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, const CompiledMaterials& materials);
+std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, const CompiledMaterials& materials,
+                                                    const CompiledLights& lights);
 
 /// Device memory of a scene.
 std::vector<DeviceNeed> scene_needs(const CompiledScene& scene);
@@ -69,9 +71,10 @@ class DeviceScene {
   DeviceScene(std::shared_ptr<GpuDevice> device, const std::shared_ptr<const CompiledScene>& compiled,
               std::optional<TableLoads> wanted = {}, std::span<const DeviceNeed> planned = {}, const Layouts& like = {},
               bool queries = false);
-  /// The same scene as `base`, which was made from `scene`, but with other numbers in its materials; both share the
-  /// tree and the geometry.
-  DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials);
+  /// The same scene as `base`, which was made from `scene`, but with other numbers in its materials and lights; both
+  /// share the tree and the geometry. Throws Error(lost) if the device cannot read the tables.
+  DeviceScene(const DeviceScene& base, const CompiledScene& scene, const CompiledMaterials& materials,
+              const CompiledLights& lights);
 
   DeviceScene(const DeviceScene&) = delete;
   DeviceScene& operator=(const DeviceScene&) = delete;

@@ -145,6 +145,7 @@ class GpuRenderer final : public Renderer {
   struct Source {
     SharedScene scene;
     std::shared_ptr<const CompiledScene> compiled;
+    std::shared_ptr<const CompiledLights> lights = compiled;  // as they are now
   };
 
   GpuRenderer(std::shared_ptr<const DeviceScene> scene, std::optional<Source> source, const View& view,
@@ -170,6 +171,7 @@ class GpuRenderer final : public Renderer {
 
   void set_view(const View& view, const RenderSettings& settings) override;
   void set_materials(const std::vector<Material>& materials) override;
+  void set_lights(const SharedScene& scene, const RenderSettings& settings) override;
   void set_scene(const SharedScene& scene, const RenderSettings& settings) override;
   std::uint32_t render(SampleRange range, Film& film, const Progress& progress,
                        std::vector<RejectedSample>& rejected) override;
@@ -241,6 +243,8 @@ class GpuRenderer final : public Renderer {
   };
   RenderKernel& present_kernel();
 
+  const Source& source() const;
+  void exchange(const std::vector<Material>& materials, const CompiledLights& lights);
   void use_constants();
 
   GpuOptions options_;
@@ -312,20 +316,35 @@ void GpuRenderer::set_view(const View& view, const RenderSettings& settings) {
   use_constants();
 }
 
-// The tree and the geometry stay where they are; a table of materials is small.
 void GpuRenderer::set_materials(const std::vector<Material>& materials) {
-  if (!source_)
-    throw Error(ErrorKind::usage,
-                "A renderer of what lies on a device already does not know its materials; make one of the scene.");
-  if (const std::string complaint = exchange_complaint(source_->scene.scene().materials, materials); !complaint.empty())
+  exchange(materials, *source().lights);
+  use_constants();
+}
+
+void GpuRenderer::set_lights(const SharedScene& shared, const RenderSettings& settings) {
+  const Scene& scene = shared.scene();
+  auto lights = std::make_shared<const CompiledLights>(compile_lights(scene, *source().compiled));
+  exchange(scene.materials, *lights);
+  source_ = Source{shared, source_->compiled, std::move(lights)};
+  set_view(view_of(scene), settings);
+}
+
+const GpuRenderer::Source& GpuRenderer::source() const {
+  if (source_) return *source_;
+  throw Error(ErrorKind::usage,
+              "A renderer of what lies on a device already does not know its materials; make one of the scene.");
+}
+
+// The tree and the geometry stay where they are; the tables of materials and lights are small.
+void GpuRenderer::exchange(const std::vector<Material>& materials, const CompiledLights& lights) {
+  if (const std::string complaint = exchange_complaint(source().scene.scene().materials, materials); !complaint.empty())
     throw Error(ErrorKind::usage, fmt::format("The materials cannot be exchanged: {}.", complaint));
   Diagnostics diagnostics;
   check_materials(materials, diagnostics);
   diagnostics.throw_first_error();
-  const CompiledScene& compiled = *source_->compiled;
+  const CompiledScene& compiled = *source().compiled;
   scene_ = std::make_shared<const DeviceScene>(*scene_, compiled,
-                                               compile_materials(materials, compiled.textures.features != 0));
-  use_constants();
+                                               compile_materials(materials, compiled.textures.features != 0), lights);
 }
 
 // Kernels are kept, whatever constants they were built for, and so are the film and its bindings.
@@ -336,7 +355,7 @@ void GpuRenderer::set_scene(const SharedScene& shared, const RenderSettings& set
   scene_.reset();
   Made made = make_device_scene(device, shared, options_, layouts);
   timings_ = made.timings;
-  source_ = Source{shared, std::move(made.compiled)};
+  source_ = Source{shared, made.compiled, made.compiled};
   scene_ = std::move(made.scene);
   if (scene_->layouts() != layouts) {
     forget_film();

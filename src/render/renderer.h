@@ -92,6 +92,11 @@ class Renderer {
   /// Error(lost).
   virtual void set_materials(const std::vector<Material>& materials) = 0;
 
+  /// From now on, renders a scene that differs from the present one only in the radiance and intensity of its lights,
+  /// in its sky and in numbers of its materials, with its own view. Its shapes are not compiled again. Throws what
+  /// set_scene() and set_materials() throw; after that, the renderer must not be used.
+  virtual void set_lights(const SharedScene& scene, const RenderSettings& settings) { set_scene(scene, settings); }
+
   /// From now on, renders another scene, with its own view, on the same open device. A kernel is built only if the
   /// scenes differ in constants of kernels. Throws what making a renderer throws; after that, the renderer must not be
   /// used.

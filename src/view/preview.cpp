@@ -225,21 +225,25 @@ Palette Preview::palette() const {
   return palette_;
 }
 
-// The lights are a part of the compiled scene, and if a surface becomes anisotropic or ceases to be, the tables of
-// directions change: then the scene is compiled again, for the same device and kernels.
+// If a surface becomes anisotropic or ceases to be, the tables of directions change: then the scene is compiled again,
+// for the same device and kernels.
 void Preview::take_numbers(bool going_on) {
   if (!opened_) return;
   const Palette wanted = palette();
   const bool materials = wanted.materials != opened_->palette.materials;
   const bool lights = wanted.lights != opened_->palette.lights;
   if (!materials && !lights) return;
-  if (!lights && exchange_complaint(*opened_->palette.materials, *wanted.materials).empty()) {
+  const bool same_tables = exchange_complaint(*opened_->palette.materials, *wanted.materials).empty();
+  if (same_tables && !lights) {
     opened_->renderer->set_materials(*wanted.materials);
   } else {
     auto scene = std::make_shared<Scene>(*wanted.scene);
     scene->materials = *wanted.materials;
     set_light_sources(*scene, *wanted.lights);
-    opened_ = open(std::move(scene));
+    if (same_tables)
+      set_lights(std::move(scene));
+    else
+      opened_ = open(std::move(scene));
   }
   opened_->palette = wanted;
   {
@@ -249,6 +253,20 @@ void Preview::take_numbers(bool going_on) {
   }
   moving_until_ = going_on ? Clock::now() + kStillMoving : Clock::time_point{};
   restart();
+}
+
+// The shapes and their tree stay as they are.
+void Preview::set_lights(std::shared_ptr<const Scene> scene) {
+  SharedScene shared(scene);
+  try {
+    opened_->renderer->set_lights(shared, {.seed = options_.seed});
+  } catch (...) {
+    open_again();
+    throw;
+  }
+  opened_->radiance = radiance_exponent(*scene);
+  opened_->scene = std::move(scene);
+  opened_->shared = std::move(shared);
 }
 
 void Preview::set_paused(bool paused) {

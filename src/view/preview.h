@@ -194,6 +194,7 @@ class Preview {
   void answer_questions();
   void take_own_camera();
   void take_numbers(bool going_on);
+  void set_lights(std::shared_ptr<const Scene> scene);
   void restart();
   void go_on();
   void work();

@@ -328,7 +328,7 @@ TEST_F(Lifetimes, TheTreeIsReadWhereItIs) {
   auto compiled = std::make_shared<const CompiledScene>(compile_scene(scene));
   const std::weak_ptr<const CompiledScene> watched = compiled;
   auto on_device = std::make_shared<const DeviceScene>(device, compiled);
-  auto others = std::make_shared<const DeviceScene>(*on_device, *compiled, *compiled);
+  auto others = std::make_shared<const DeviceScene>(*on_device, *compiled, *compiled, *compiled);
   compiled.reset();
   EXPECT_EQ(watched.expired(), device->context->host_memory_alignment() == 0);
   if (is_lavapipe()) EXPECT_NE(device->context->host_memory_alignment(), 0u);

@@ -322,6 +322,7 @@ TEST(ViewPreview, NumbersOfMaterialsCompileNothingOfTheScene) {
 }
 
 TEST(ViewPreview, NumbersOfLightsAreThoseOfTheFile) {
+  const std::uint64_t before = scene_compilations();
   Preview preview({.read_scene = small_scene, .device = {}});
   const State own = until(preview, [](const State& s) { return s.phase == Phase::done; });
   const auto done = [&](std::uint64_t lights) {
@@ -333,6 +334,7 @@ TEST(ViewPreview, NumbersOfLightsAreThoseOfTheFile) {
   const State bright = done(own.lights);
   preview.change_light({.row = sky, .name = "top", .value = glm::dvec3(0.0, 0.0, 4.0)});
   const State both = done(bright.lights);
+  EXPECT_EQ(scene_compilations() - before, 1u) << "the tree of the shapes was built once";
   Scene scene = small_scene();
   scene.emitters[0].radiance.value = {300.0, 20.0, 1.0};
   EXPECT_EQ(*bright.mean, *packed(render(scene, {}).film, Channel::mean));
@@ -347,6 +349,12 @@ TEST(ViewPreview, NumbersOfLightsAreThoseOfTheFile) {
   ASSERT_EQ(device.path.size(), reference.path.size());
   EXPECT_LT(glm::length(device.path.back().radiance - reference.path.back().radiance),
             1e-3f * glm::length(reference.path.back().radiance) + 1e-6f);
+  preview.change({.row = 0, .name = "albedo", .value = glm::dvec3(0.9, 0.1, 0.2)});
+  ASSERT_TRUE(set_number(scene.materials[0], "albedo", {0.9, 0.1, 0.2}));
+  const State painted =
+      until(preview, [&](const State& s) { return s.materials > both.materials && s.phase == Phase::done; });
+  EXPECT_EQ(*painted.mean, *packed(render(scene, {}).film, Channel::mean)) << "materials change beside lights";
+  preview.change(NumberChange{.row = 0});
   for (const std::uint32_t row : {0u, sky}) preview.change_light(NumberChange{.row = row});
   EXPECT_EQ(*done(both.lights).mean, *own.mean) << "as in the file";
 }
@@ -500,8 +508,9 @@ TEST(ViewPreview, ASceneThatDoesNotFitLeavesTheLastGoodOne) {
   Preview preview({.read_scene = read, .device = {}, .open = open});
   const State own = until(preview, [](const State& s) { return s.phase == Phase::done; });
   preview.change({.row = 0, .name = "albedo", .value = glm::dvec3(0.1, 0.8, 0.3)});
-  const State good =
-      until(preview, [&](const State& s) { return s.materials > own.materials && s.phase == Phase::done; });
+  until(preview, [&](const State& s) { return s.materials > own.materials; });
+  preview.change_light({.row = 0, .name = "radiance", .value = glm::dvec3(9.0, 20.0, 1.0)});
+  const State good = until(preview, [&](const State& s) { return s.lights > own.lights && s.phase == Phase::done; });
   height = 241;
   preview.reload();
   const State state = until(preview, [](const State& s) { return !s.problem.empty() && s.phase == Phase::done; });
