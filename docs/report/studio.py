@@ -133,6 +133,12 @@ class Studio:
             return self.variant(path, f"{path.stem}-small", self.shrink_meshes)
         return path
 
+    def asset(self, name):
+        """The file of a glTF asset that the build makes, here made once more: a quick run has none."""
+        path = self.scratch / name
+        self.run(self.sculptor, "--kind", path.stem, "-o", path)
+        return path
+
     def shrink_meshes(self, root):
         for entry in root.iter("string"):
             value = entry.get("value")
