@@ -6,12 +6,13 @@ FOLDER = "build/release/share/etendue/meshes"  # where the build puts the robot
 # scene: (size, samples per pixel, further options), as docs/gallery.md tells its readers to make them
 PICTURES = {
     "gallery/window": (LARGE, 256, "--tonemap aces"),
+    "robot.glb": (LARGE, 48, "--tonemap aces"),
     "gallery/glass": (LARGE, 64, "--tonemap aces"),
     "gallery/hall": (LARGE, 64, "--tonemap aces --exposure 0.7"),
     "gallery/terrace": (LARGE, 48, "--tonemap aces"),
     "forest": (LARGE, 128, "-D sampler.type=sobol"),
     "still-life": (LARGE, 48, "-D sampler.type=sobol --camera 0.55,1.9,2.75,0.05,0.3,0.1,36"),
-    "material-gallery": ((640, 352), 128, ""),
+    "material-gallery": (LARGE, 80, "-D sampler.type=sobol"),
     "materials": (MATERIALS, 160, ""),
 }
 
