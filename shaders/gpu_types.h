@@ -685,13 +685,16 @@ struct PathProfile {
   uvec4 camera, scattered, shadow;
   vec4 shares;  // x: this lane's share of its subgroup's traversal steps, y: its own steps; z, w: the same for shading
 };
-// bsdf_samples: push constants and results of one material's probe. Queries are directions, one vec4 each.
+// bsdf_samples: push constants and results of one material's probe. Queries are directions, one vec4 each, with the number of a sample in w.
+const uint kProbeSamples = 0u;  // samples
+const uint kProbeMixed = 1u;    // eval and pdf at the queries, with the choices of those samples
+const uint kProbeChosen = 2u;   // the same of the chosen material alone, without what it is mixed with
 struct BsdfProbePass {
   vec3 wo;
   uint seed;
-  uint first;     // number of the first sample
+  uint first;  // number of the first sample
   uint count;
-  uint evaluate;  // 1: eval and pdf at the queries; 0: samples
+  uint mode;   // kProbe…
   uint pad0;
 };
 struct BsdfProbeResult {

@@ -10,6 +10,7 @@
 #include "../camera.glsl"
 #include "../emitter/emitter.glsl"
 #include "../mutants.h"
+#include "../scatterer.glsl"
 #include "../trace.glsl"
 
 FEATURE(uint, kIntegrator, kConstantIntegrator, kIntegratorPath)
@@ -167,21 +168,6 @@ LightSample sample_environment_or_light(Path path, Surface s, vec3 n) {
   return light;
 }
 
-// A material, the surface in its frame, and the direction toward which it scatters.
-struct Scatterer {
-  Surface s;
-  Material material;
-  vec3 wo;
-};
-
-// The other half of a mixture: a blend chose one of the two with a probability equal to its share, and the mixture reflects `share f₁ + (1 − share)
-// f₂`, whichever was chosen.
-struct OtherHalf {
-  Scatterer scatterer;
-  float share;  // of the chosen half; below 0 if there is no other half
-};
-#define is_mixed(other) (kBlended && (other).share >= 0.0)
-
 // The normal by which lights are chosen: 0 where light from both sides counts.
 vec3 light_normal(Surface s, Material material) { return material_has(material, kMaterialTransmissive) ? vec3(0.0) : s.frame.n; }
 // For a mixture it does not depend on which half was chosen.
@@ -189,47 +175,6 @@ vec3 light_normal(Scatterer chosen, OtherHalf other) {
   const vec3 n = light_normal(chosen.s, chosen.material);
   if (!is_mixed(other)) return n;
   return n == light_normal(other.scatterer.s, other.scatterer.material) ? n : vec3(0.0);
-}
-
-// If a map has turned the normal, directions on different sides of it and of the normal before carry no light, ...
-bool sides_agree(Surface s, vec3 w, float cosine) {
-  MUTATE(kMutantMapsShineThrough, return true);
-  return !kPerturbed || dot(w, s.base) * cosine > 0.0;
-}
-
-// ... and the others are shadowed like microfacets as steep as the turned normal [Conty2019].
-float turned_share(Surface s, vec3 w) {
-  if (!kPerturbed || (kLooseMaps && !s.shadowed)) return 1.0;
-  const float turn = dot(s.base, s.frame.n), across = dot(s.base, w);
-  const float slope2 = max(0.0, 1.0 - turn * turn) / (turn * turn), tan2 = max(0.0, 1.0 - across * across) / (across * across);
-  return 2.0 / (1.0 + sqrt(1.0 + min(0.125 * slope2, 1.0) * tan2));
-}
-
-// f · |cos θ_i| toward w in the world.
-vec3 scattering(Scatterer m, vec3 w) {
-  const vec3 wi = to_local(m.s.frame, w);
-  return sides_agree(m.s, w, wi.z) ? bsdf_eval(m.material, m.wo, wi) * turned_share(m.s, w) : vec3(0.0);
-}
-float scattering_pdf(Scatterer m, vec3 w) { return bsdf_pdf(m.material, m.wo, to_local(m.s.frame, w)); }
-
-// For a mixture, one number for each half.
-float mixed(OtherHalf other, float a, float b) { return other.share * a + (1.0 - other.share) * b; }
-vec3 mixed(OtherHalf other, vec3 a, vec3 b) { return other.share * a + (1.0 - other.share) * b; }
-
-// The material chosen at a surface, and the part of it seen from w.
-Scatterer scatterer_of(Choice choice, Surface s, SurfacePoint at, Primitive geometry, vec3 w) {
-  Material material = evaluate_material(choice.material, at);
-  s.frame = choice.frame;
-  s.base = choice.base;
-  s.shadowed = choice.shadowed;
-  if (textures_have(kTexturesTangents) && material_has(material, kMaterialAligned)) s.frame = aligned_frame(s.frame.n, at, geometry);
-  if (kCoatNormals && material_has(material, kMaterialCoatNormal)) material.coat = to_local(s.frame, coat_normal(choice, at, geometry, w));
-  return Scatterer(s, material, to_local(s.frame, w));
-}
-
-// Whether nothing scatters toward w.
-bool is_black(Scatterer m, vec3 w) {
-  return (material_has(m.material, kMaterialOneSided) && m.wo.z <= 0.0) || !sides_agree(m.s, w, m.wo.z);
 }
 
 // A dispersing material refracts each colour differently: from there on a path carries one of the three, chosen by `u`.
@@ -242,18 +187,6 @@ void disperse(inout Path path, inout Material m, float u) {
   float part = float(path.channel) - 2.0;
   MUTATE(kMutantDispersionReversed, part = -part);
   m.eta.x = max(m.eta.x + part * (m.volume.w - 1.0) * (m.eta.x - 1.0), 1.001);
-}
-
-bool absorbs_behind(Material m) { return kVolumes && material_has(m, kMaterialVolume) && material_has(m, kMaterialTransmissive); }
-
-// The half that a blend has not chosen, for a mixture. There is none if it lets the ray pass or is black, or if light is absorbed behind either half.
-OtherHalf other_half(Scatterer chosen, OtherChoice choice, SurfacePoint at, Primitive geometry, vec3 w, uvec4 words) {
-  OtherChoice nested = choice;
-  go_to_material(choice.choice, nested, at, geometry, w, words);
-  const bool passes = choice.choice.material == kNone;
-  if (passes) choice.choice.material = 0u;
-  const Scatterer other = scatterer_of(choice.choice, chosen.s, at, geometry, w);
-  return OtherHalf(other, passes || absorbs_behind(chosen.material) || absorbs_behind(other.material) || is_black(other, w) ? -1.0 : choice.share);
 }
 
 // Step 4: one sampled light, left pending until its shadow ray has been traced.
@@ -346,15 +279,8 @@ bool survive_roulette(inout Path path, float u) {
 void scatter(inout Path path, Scatterer chosen, OtherHalf other, inout Decisions decisions) {
   const Surface s = chosen.s;
   const uvec4 words = random_words(frame.seed, path.pixel, path.sample_index, block_bsdf(path.segment - 1u));
-  BsdfSample bs = bsdf_sample(chosen.material, chosen.wo, to_unit(words.x), to_unit(words.yz));
-  const vec3 wi = to_world(s.frame, bs.wi);
-  bs.weight *= sides_agree(s, wi, bs.wi.z) ? turned_share(s, wi) : 0.0;
-  if (is_mixed(other) && bs.pdf > 0.0 && !is_delta(bs.lobe)) {
-    float pdf = mixed(other, bs.pdf, scattering_pdf(other.scatterer, wi));
-    MUTATE(kMutantMixtureHalfDense, pdf = bs.pdf);
-    bs.weight = mixed(other, bs.pdf * bs.weight, scattering(other.scatterer, wi)) / pdf;
-    bs.pdf = pdf;
-  }
+  vec3 wi;
+  const BsdfSample bs = sample_scattering(chosen, other, to_unit(words.x), to_unit(words.yz), wi);
   if (bs.pdf == 0.0 || max_component(bs.weight) == 0.0) {
     decisions.lobe = kLobeNone;
     return;

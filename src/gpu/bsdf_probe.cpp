@@ -1,8 +1,10 @@
 #include "gpu/bsdf_probe.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "gpu/device_scene.h"
+#include "gpu/device_view.h"
 #include "gpu/kernel_set.h"
 
 namespace etendue {
@@ -10,13 +12,6 @@ namespace {
 
 constexpr std::size_t kProbesAtATime = 1u << 18;  // samples or queries of one dispatch
 constexpr double kProbeTimeout = 60.0;            // seconds
-
-// A scene that contains only the material, so that it reaches the device in the same way as every material.
-CompiledScene compile_material(const Bsdf& bsdf) {
-  Scene scene;
-  scene.add(Sphere{}, bsdf).name = "sphere";
-  return compile_scene(scene);
-}
 
 std::vector<vulkan::Specialization> joined(std::vector<vulkan::Specialization> a,
                                            const std::vector<vulkan::Specialization>& b) {
@@ -26,10 +21,11 @@ std::vector<vulkan::Specialization> joined(std::vector<vulkan::Specialization> a
 
 class GpuBsdfProbe final : public BsdfProbe {
  public:
-  GpuBsdfProbe(const Bsdf& bsdf, const GpuOptions& options)
+  GpuBsdfProbe(const Scene& patch, const GpuOptions& options)
       : kernels_(kernel_set(options, TableLoads::texel_buffer)),
-        scene_(open_device(options), std::make_shared<const CompiledScene>(compile_material(bsdf)),
+        scene_(open_device(options), std::make_shared<const CompiledScene>(compile_scene(patch)),
                TableLoads::texel_buffer),
+        view_(scene_.device()),
         kernel_(context(), scene_.request_kernels().pipeline, kernels_.bsdf_samples,
                 joined(scene_.constants(), kernels_.constants), "bsdf_samples"),
         queries_(context(), kProbesAtATime * sizeof(gpu::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
@@ -37,6 +33,8 @@ class GpuBsdfProbe final : public BsdfProbe {
         results_(context(), kProbesAtATime * sizeof(gpu::BsdfProbeResult), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                  vulkan::Buffer::Memory::device, "material samples"),
         set_(context(), scene_.request_kernels().set) {
+    view_.set(scene_.device(), compile_view(scene_.facts(), view_of(patch), 0));
+    view_.bind(set_);
     set_.bind(gpu::kBindingRequests, queries_);
     set_.bind(gpu::kBindingResults, results_);
   }
@@ -50,22 +48,24 @@ class GpuBsdfProbe final : public BsdfProbe {
     draws.reserve(count);
     for (std::uint32_t done = 0; done < count; done += kProbesAtATime) {
       const auto n = static_cast<std::uint32_t>(std::min<std::size_t>(kProbesAtATime, count - done));
-      for (const gpu::BsdfProbeResult& r : run({wo, seed, first + done, n, 0, 0})) {
+      for (const gpu::BsdfProbeResult& r : run({wo, seed, first + done, n, gpu::kProbeSamples, 0})) {
         draws.push_back({r.wi, r.pdf, r.weight, static_cast<ProbeLobe>(r.lobe)});
       }
     }
     return draws;
   }
 
-  std::vector<BsdfValue> evaluate(const glm::dvec3& wo, std::span<const glm::dvec3> wi) override {
+  std::vector<BsdfValue> evaluate(const glm::dvec3& wo, std::uint32_t seed, std::span<const BsdfQuery> queries,
+                                  Part part) override {
     std::vector<BsdfValue> values;
-    values.reserve(wi.size());
-    for (std::size_t done = 0; done < wi.size(); done += kProbesAtATime) {
-      const auto chunk = wi.subspan(done, std::min(kProbesAtATime, wi.size() - done));
+    values.reserve(queries.size());
+    for (std::size_t done = 0; done < queries.size(); done += kProbesAtATime) {
+      const auto chunk = queries.subspan(done, std::min(kProbesAtATime, queries.size() - done));
       std::vector<gpu::vec4> directions;
-      for (const glm::dvec3& w : chunk) directions.emplace_back(w, 0.0);
+      for (const BsdfQuery& q : chunk) directions.emplace_back(q.wi, std::bit_cast<float>(q.sample));
       commands().upload(queries_, 0, std::as_bytes(std::span(directions)));
-      for (const gpu::BsdfProbeResult& r : run({wo, 0, 0, static_cast<std::uint32_t>(chunk.size()), 1, 0})) {
+      const gpu::uint mode = part == Part::mixture ? gpu::kProbeMixed : gpu::kProbeChosen;
+      for (const gpu::BsdfProbeResult& r : run({wo, seed, 0, static_cast<std::uint32_t>(chunk.size()), mode, 0})) {
         values.push_back({r.weight, r.pdf});
       }
     }
@@ -86,6 +86,7 @@ class GpuBsdfProbe final : public BsdfProbe {
 
   KernelSet kernels_;
   DeviceScene scene_;
+  DeviceView view_;
   vulkan::Kernel kernel_;
   vulkan::Buffer queries_, results_;
   vulkan::BindingSet set_;
@@ -93,8 +94,8 @@ class GpuBsdfProbe final : public BsdfProbe {
 
 }  // namespace
 
-std::unique_ptr<BsdfProbe> make_gpu_bsdf_probe(const Bsdf& bsdf, const GpuOptions& options) {
-  return std::make_unique<GpuBsdfProbe>(bsdf, options);
+std::unique_ptr<BsdfProbe> make_gpu_bsdf_probe(const Scene& patch, const GpuOptions& options) {
+  return std::make_unique<GpuBsdfProbe>(patch, options);
 }
 
 }  // namespace etendue

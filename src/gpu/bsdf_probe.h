@@ -6,7 +6,7 @@
 
 namespace etendue {
 
-/// Opens the device for one material. Throws Error(device, lost).
-std::unique_ptr<BsdfProbe> make_gpu_bsdf_probe(const Bsdf& bsdf, const GpuOptions& options = {});
+/// Opens the device for the material on a patch. Throws Error(device, lost).
+std::unique_ptr<BsdfProbe> make_gpu_bsdf_probe(const Scene& patch, const GpuOptions& options = {});
 
 }  // namespace etendue

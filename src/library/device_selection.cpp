@@ -74,7 +74,7 @@ GpuOptions gpu_options(const DeviceSelection& device) {
 
 BsdfProbeFactory bsdf_probe_factory(const DeviceSelection& device) {
   if (device.selector == kReference) return make_reference_bsdf_probe;
-  return [options = gpu_options(device)](const Bsdf& bsdf) { return make_gpu_bsdf_probe(bsdf, options); };
+  return [options = gpu_options(device)](const Scene& patch) { return make_gpu_bsdf_probe(patch, options); };
 }
 
 std::vector<DeviceDescription> list_devices() {

@@ -19,6 +19,7 @@
 #include "mutants.h"
 #include "reference/material_probe.h"
 #include "reference/reference_renderer.h"
+#include "scene/test_patch.h"
 #include "validate/chi2.h"
 #include "validate/closed_form.h"
 #include "validate/image_tests.h"
@@ -190,10 +191,8 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "a projector's picture is used as intensity instead of irradiance of a plane", "picture under points"},
     {gpu::kMutantDistantChoiceForgotten, "direction's choice forgotten",
      "the probability of choosing a directional light is missing", "points, 1"},
-    {gpu::kMutantSidesSwapped, "sides swapped", "a two-sided material shows its back in front",
-     "adapters, floor t(dd)"},
-    {gpu::kMutantBlendSwapped, "blend swapped", "a mixture exchanges the shares of its materials",
-     "adapters, floor b(dd)"},
+    {gpu::kMutantSidesSwapped, "sides swapped", "a two-sided material shows its back in front", "chi2, adapters"},
+    {gpu::kMutantBlendSwapped, "blend swapped", "a mixture exchanges the shares of its materials", "chi2, adapters"},
     {gpu::kMutantMaskShadowsAll, "masks cast full shadows", "shadow rays end at surfaces that light may pass",
      "adapters, floor d"},
     {gpu::kMutantMaskSidesTogether, "mask decided once", "both walls of a masked ball pass the same rays",
@@ -201,7 +200,7 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
     {gpu::kMutantPassesFree, "passes not counted", "shadow rays pass surfaces regardless of the path's limit",
      "adapters, floor m(d)"},
     {gpu::kMutantNormalMapMirrored, "normal map mirrored", "a normal map's green channel counts backward",
-     "adapters, floor o(d)"},
+     "chi2, adapters"},
     {gpu::kMutantRetroReflectionLost, "retro-reflection lost", "a rough base has no retro-reflection",
      "albedo, principled"},
     {gpu::kMutantAovFilterIgnored, "coverage without filter",
@@ -234,7 +233,7 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
     {gpu::kMutantMixtureHalfWhole, "half of a mixture whole",
      "the half of a mixture that was chosen reflects all of a sampled light", "adapters, floor b(dd)"},
     {gpu::kMutantMixtureHalfDense, "half of a mixture dense",
-     "a direction's density is that of the half of a mixture that was chosen", "picture of mixtures"},
+     "a direction's density is that of the half of a mixture that was chosen", "chi2, adapters"},
     {gpu::kMutantCoatInsideForgotten, "varying coat's inside forgotten",
      "a coat whose roughness varies reflects nothing back inside", "picture of coats"},
     {gpu::kMutantTintOnce, "tint of the mirror", "tinted glass gives transmitted light the colour of reflected light",
@@ -302,15 +301,17 @@ class SceneTrial final : public Trial {
 class MaterialTrial final : public Trial {
  public:
   MaterialTrial(const Bsdf& bsdf, const glm::dvec3& wo, const GpuOptions& gpu)
-      : bsdf_(bsdf), wo_(wo), probe_(make_gpu_bsdf_probe(bsdf, gpu)) {}
+      : MaterialTrial(test_patch(bsdf), wo, gpu) {}
+  MaterialTrial(Scene patch, const glm::dvec3& wo, const GpuOptions& gpu)
+      : patch_(std::move(patch)), wo_(wo), probe_(make_gpu_bsdf_probe(patch_, gpu)) {}
 
   double p_value(std::uint32_t samples) override {
-    const BsdfChi2 result = test_bsdf(*probe_, bsdf_, wo_, Chi2Test{}, samples, 1, 0.0);
+    const BsdfChi2 result = test_bsdf(*probe_, patch_, wo_, Chi2Test{}, samples, 1, 0.0);
     return result.fault.empty() ? result.test.p_value : 0.0;
   }
 
  private:
-  Bsdf bsdf_;
+  Scene patch_;
   glm::dvec3 wo_;
   std::unique_ptr<BsdfProbe> probe_;
 };
@@ -320,7 +321,7 @@ class MaterialTrial final : public Trial {
 class AlbedoTrial final : public Trial {
  public:
   AlbedoTrial(const Bsdf& bsdf, const glm::dvec3& wo, const GpuOptions& gpu)
-      : wo_(wo), expected_(reference_albedo(bsdf, wo)), probe_(make_gpu_bsdf_probe(bsdf, gpu)) {}
+      : wo_(wo), expected_(reference_albedo(bsdf, wo)), probe_(make_gpu_bsdf_probe(test_patch(bsdf), gpu)) {}
 
   double p_value(std::uint32_t samples) override {
     RunningMoments weight;
@@ -333,10 +334,13 @@ class AlbedoTrial final : public Trial {
   static constexpr glm::dvec3 kEven{1.0 / 3.0};
 
   static double reference_albedo(const Bsdf& bsdf, const glm::dvec3& wo) {
-    const std::unique_ptr<BsdfProbe> reference = make_reference_bsdf_probe(bsdf);
+    const std::unique_ptr<BsdfProbe> reference = make_reference_bsdf_probe(test_patch(bsdf));
     const SphereDensity value = [&](std::span<const glm::dvec3> wi) {
       std::vector<double> values;
-      for (const BsdfValue& v : reference->evaluate(wo, wi)) values.push_back(glm::dot(v.eval, kEven));
+      std::vector<BsdfQuery> queries;
+      for (const glm::dvec3& w : wi) queries.push_back({w, 0});
+      for (const BsdfValue& v : reference->evaluate(wo, 1, queries, BsdfProbe::Part::mixture))
+        values.push_back(glm::dot(v.eval, kEven));
       return values;
     };
     double sum = 0.0;
@@ -755,6 +759,23 @@ const PrincipledBsdf kLacquer{.base_color = glm::dvec3(0.0), .clearcoat = 1.0};
 const glm::dvec3 kGrazing = glm::normalize(glm::dvec3(0.8, -0.3, 0.1));
 const glm::dvec3 kSlanted = glm::normalize(glm::dvec3(0.8, -0.3, 0.4));
 
+/// In front a mixture of metal and a tilted half mirror, behind matt.
+Scene patch_of_adapters() {
+  Scene scene;
+  const glm::dvec3 tilt(0.75, 0.35, 0.9);
+  scene.textures.push_back({.source = CheckerboardTexture{tilt, tilt}});
+  scene.materials = {{.bsdf = kRoughGold}, {.bsdf = MirrorBsdf{}}, {.bsdf = DiffuseBsdf{glm::dvec3(0.8)}}};
+  const auto adapt = [&](Adapter adapter) {
+    scene.materials.push_back({.bsdf = DiffuseBsdf{}, .adapter = std::move(adapter)});
+    return static_cast<std::uint32_t>(scene.materials.size() - 1);
+  };
+  const std::uint32_t half = adapt(BlendAdapter{0.6, 1, 2});
+  const std::uint32_t map = adapt(NormalMapAdapter{.normals = ColorParameter(glm::dvec3(1.0), 0), .inner = half});
+  adapt(TwoSidedAdapter{adapt(BlendAdapter{0.3, 0, map}), 2});
+  add_test_patch(scene);
+  return scene;
+}
+
 using enum LightStrategy;
 
 /// Closed-form scenes: the first of a family whose description contains these words.
@@ -850,6 +871,8 @@ std::vector<SuiteTest> material_tests() {
       albedo_test("albedo, principled", kPrincipled, kSlanted),
       material_test("chi2, principledthin", kSheet, kSlanted),
       material_test("chi2, gltf", kGltf, kSlanted),
+      {"chi2, adapters",
+       [](const GpuOptions& gpu) { return std::make_unique<MaterialTrial>(patch_of_adapters(), kSlanted, gpu); }},
       albedo_test("albedo, coat", kLacquer, kGrazing),
       albedo_test("albedo, gltf", kGltf, kSlanted),
       albedo_test("albedo, film", kFilm, kSlanted),

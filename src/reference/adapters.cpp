@@ -47,10 +47,10 @@ struct Chooser : Place {
   const Scene& scene;
   const Surface& surface;
   const Vec3& d;
-  const SampleRandom& random;
-  SampleRandom::Decision decision;
+  Decider& decider;
   double share = 1.0;
-  std::optional<Place> other = {};  ///< the branch that the first blend did not take
+  std::optional<std::uint32_t> blended = {};  ///< row of the first blend
+  std::optional<Place> other = {};            ///< the branch that the first blend did not take
 
   // Each continues with a row, or says that the ray passes.
   bool step(const TwoSidedAdapter& adapter) {
@@ -64,14 +64,15 @@ struct Chooser : Place {
     return true;
   }
   bool step(const MaskAdapter& mask) {
-    if (!(random.choice(decision, row) < at_point(scene, mask.opacity, surface))) return false;
+    if (!decider.happens(row, at_point(scene, mask.opacity, surface))) return false;
     row = mask.inner;
     return true;
   }
   bool step(const BlendAdapter& blend) {
     const double weight = std::clamp(at_point(scene, blend.weight, surface), 0.0, 1.0);
-    const bool second = random.choice(decision, row) < weight;
+    const bool second = decider.happens(row, weight);
     if (!other) {
+      blended = row;
       other = *this;
       other->row = second ? blend.first : blend.second;
       share = second ? weight : 1.0 - weight;
@@ -127,10 +128,8 @@ std::optional<ChosenMaterial> arrive(Chooser& chooser) {
   }
 }
 
-Chooser begin(const Scene& scene, const Surface& surface, const Vec3& d, const SampleRandom& random, std::uint32_t k,
-              bool shadow_ray) {
-  return {{.row = scene.instances[surface.instance].material, .frame = Frame(surface.ns)},    scene, surface, d, random,
-          {k, surface.instance, surface.primitive, glm::dot(d, surface.ng) > 0.0, shadow_ray}};
+Chooser begin(const Scene& scene, const Surface& surface, const Vec3& d, Decider& decider) {
+  return {{.row = scene.instances[surface.instance].material, .frame = Frame(surface.ns)}, scene, surface, d, decider};
 }
 
 }  // namespace
@@ -154,19 +153,27 @@ Bsdf material_at(const Scene& scene, const ChosenMaterial& chosen, const Surface
 
 std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface& surface, const Vec3& d,
                                               const SampleRandom& random, std::uint32_t k, bool shadow_ray) {
-  Chooser chooser = begin(scene, surface, d, random, k, shadow_ray);
+  RandomDecider decider(surface, d, random, k, shadow_ray);
+  Chooser chooser = begin(scene, surface, d, decider);
   return arrive(chooser);
 }
 
 std::optional<ChosenMaterials> choose_materials(const Scene& scene, const Surface& surface, const Vec3& d,
-                                                const SampleRandom& random, std::uint32_t k) {
-  Chooser chooser = begin(scene, surface, d, random, k, false);
+                                                Decider& decider) {
+  Chooser chooser = begin(scene, surface, d, decider);
   const std::optional<ChosenMaterial> chosen = arrive(chooser);
   if (!chosen) return std::nullopt;
   if (!chooser.other) return ChosenMaterials{*chosen};
   const double share = chooser.share;
   static_cast<Place&>(chooser) = Place(*chooser.other);
-  return ChosenMaterials{*chosen, share, arrive(chooser)};
+  const std::optional<std::uint32_t> blend = chooser.blended;
+  return ChosenMaterials{*chosen, share, blend, arrive(chooser)};
+}
+
+std::optional<ChosenMaterials> choose_materials(const Scene& scene, const Surface& surface, const Vec3& d,
+                                                const SampleRandom& random, std::uint32_t k) {
+  RandomDecider decider(surface, d, random, k, false);
+  return choose_materials(scene, surface, d, decider);
 }
 
 }  // namespace etendue::reference

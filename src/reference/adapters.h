@@ -25,14 +25,41 @@ struct ChosenMaterial {
 struct ChosenMaterials {
   ChosenMaterial chosen;
   double share = 1.0;                        ///< the probability of that blend's choice
+  std::optional<std::uint32_t> blend = {};   ///< its row
   std::optional<ChosenMaterial> other = {};  ///< nothing if there is no blend, or if light would pass
+};
+
+/// Decides for adapters that choose by chance.
+class Decider {
+ public:
+  /// Whether an event of this probability happens to the adapter in a row of the table.
+  virtual bool happens(std::uint32_t row, double probability) = 0;
+
+ protected:
+  ~Decider() = default;
+};
+
+/// By the random numbers of a path that has met a surface in direction `d` at vertex `k`, or of a shadow ray from
+/// there.
+class RandomDecider final : public Decider {
+ public:
+  RandomDecider(const Surface& surface, const Vec3& d, const SampleRandom& random, std::uint32_t k, bool shadow_ray)
+      : random_(random), decision_{k, surface.instance, surface.primitive, glm::dot(d, surface.ng) > 0.0, shadow_ray} {}
+  bool happens(std::uint32_t row, double probability) override { return random_.choice(decision_, row) < probability; }
+
+ private:
+  const SampleRandom& random_;
+  SampleRandom::Decision decision_;
 };
 
 /// The material where a ray in direction `d` has hit a surface: at vertex `k`, or at a hit of a shadow ray from there.
 /// Nothing if the ray passes.
 std::optional<ChosenMaterial> choose_material(const Scene& scene, const Surface& surface, const Vec3& d,
                                               const SampleRandom& random, std::uint32_t k, bool shadow_ray);
-/// The same, with the alternative that a blend did not choose, for a path that arrives at vertex `k`.
+/// The same, with the alternative that a blend did not choose.
+std::optional<ChosenMaterials> choose_materials(const Scene& scene, const Surface& surface, const Vec3& d,
+                                                Decider& decider);
+/// The same for a path that arrives at vertex `k`.
 std::optional<ChosenMaterials> choose_materials(const Scene& scene, const Surface& surface, const Vec3& d,
                                                 const SampleRandom& random, std::uint32_t k);
 

@@ -5,6 +5,6 @@
 
 namespace etendue {
 
-std::unique_ptr<BsdfProbe> make_reference_bsdf_probe(const Bsdf& bsdf);
+std::unique_ptr<BsdfProbe> make_reference_bsdf_probe(const Scene& patch);
 
 }  // namespace etendue

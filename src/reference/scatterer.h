@@ -38,6 +38,9 @@ class Scatterer {
   /// Nothing scatters toward `wo`.
   bool black() const { return unseen_ || (is_one_sided(bsdf_) && wo_.z <= 0.0); }
 
+  /// The fraction of light from `w` that a turned normal leaves.
+  double carried(const Vec3& w) const { return agrees(w) ? share(w) : 0.0; }
+
   Vec3 eval(const Vec3& wi) const {
     return agrees(wi) ? share(wi) * reference::eval(bsdf_, wo_, frame_.to_local(wi)) : Vec3(0.0);
   }
@@ -47,7 +50,7 @@ class Scatterer {
     BsdfSample sample = reference::sample(bsdf_, wo_, random.lobe, {random.u, random.v});
     if (sample.lobe == Lobe::none) return {};
     sample.wi = frame_.to_world(sample.wi);
-    sample.weight *= agrees(sample.wi) ? share(sample.wi) : 0.0;
+    sample.weight *= carried(sample.wi);
     return sample;
   }
   /// Light is absorbed behind it.
@@ -101,6 +104,11 @@ class Mixture {
   }
   /// A direction by the chosen one; lobe `none` unless its weight is positive somewhere.
   BsdfSample sample(const SampleRandom::Material& random) const {
+    const BsdfSample sample = draw(random);
+    return is_zero(sample.weight) ? BsdfSample{} : sample;
+  }
+  /// The same, whether it carries light or not.
+  BsdfSample draw(const SampleRandom::Material& random) const {
     BsdfSample sample = chosen_.sample(random);
     if (sample.lobe == Lobe::none) return {};
     if (other_ && !is_delta(sample.lobe)) {
@@ -108,7 +116,6 @@ class Mixture {
       sample.weight = (share_ * sample.pdf * sample.weight + (1.0 - share_) * other_->eval(sample.wi)) / density;
       sample.pdf = density;
     }
-    if (is_zero(sample.weight)) return {};
     return sample;
   }
 

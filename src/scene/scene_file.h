@@ -12,7 +12,7 @@ namespace etendue {
 
 /// A material under test, with a name for the report.
 struct TestBsdf {
-  Bsdf bsdf;
+  Scene patch;              ///< the material on its own, see add_test_patch()
   std::string name;         ///< the type and its position in the file, "diffuse 1"
   SourcePosition position;  ///< the <bsdf> tag
 };

@@ -66,7 +66,7 @@ TTestReport run_bsdf_ttest(const TTest& test, const std::string& file, const Bsd
   if (count > std::numeric_limits<std::uint32_t>::max())
     throw Error(ErrorKind::usage, fmt::format("{}: sampleCount {} is more than 2^32 − 1", file, count));
   for (const TestBsdf& bsdf : test.bsdfs) {
-    const std::unique_ptr<BsdfProbe> probe = make_probe(bsdf.bsdf);
+    const std::unique_ptr<BsdfProbe> probe = make_probe(bsdf.patch);
     report.device = probe->device_name();
     report.driver = probe->driver_name();
     for (const double angle : test.angles) {

@@ -1,11 +1,11 @@
 #include "validate/chi2.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include <fmt/format.h>
@@ -13,10 +13,9 @@
 #include "core/errors.h"
 #include "core/printable.h"
 #include "reference/bsdf.h"
-#include "reference/material_probe.h"
-#include "validate/closed_form.h"
-#include "validate/facet_cells.h"
+#include "scene/materials.h"
 #include "validate/sphere_quadrature.h"
+#include "validate/test_leaves.h"
 
 namespace etendue {
 namespace {
@@ -35,194 +34,115 @@ constexpr std::size_t kContractSamples = 16384;  // samples whose pdf and weight
 double largest(const dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
-
-/// A delta lobe as theory has it.
-struct DeltaLobe {
-  ProbeLobe kind;
-  dvec3 wi;
-  double prob;
-  dvec3 weight;
-};
-
-std::vector<DeltaLobe> delta_lobes(const Bsdf& bsdf, const dvec3& wo) {
-  const dvec3 mirrored(-wo.x, -wo.y, wo.z);
-  if (std::holds_alternative<MirrorBsdf>(bsdf)) {
-    return wo.z > 0.0 ? std::vector<DeltaLobe>{{ProbeLobe::delta_reflection, mirrored, 1.0, dvec3(1.0)}}
-                      : std::vector<DeltaLobe>{};
-  }
-  if (std::holds_alternative<NullBsdf>(bsdf)) return {{ProbeLobe::delta_transmission, -wo, 1.0, dvec3(1.0)}};
-  if (const auto* metal = std::get_if<ConductorBsdf>(&bsdf)) {
-    if (wo.z <= 0.0) return {};
-    dvec3 weight = metal->specular_reflectance.value;
-    for (int c = 0; c < 3; ++c)
-      weight[c] *= closed_form::fresnel_reflectance_of_metal(wo.z, metal->index.eta.value[c], metal->index.k.value[c]);
-    return {{ProbeLobe::delta_reflection, mirrored, 1.0, weight}};
-  }
-  if (const auto* pane = std::get_if<ThinDielectricBsdf>(&bsdf)) {
-    const double f = closed_form::fresnel_reflectance(std::abs(wo.z), pane->ext_ior, pane->int_ior);
-    // F + (1 − F)² F (1 + F² + F⁴ + …): all that leaves after an odd number of reflections between the faces.
-    const double reflected = f < 1.0 ? f + (1.0 - f) * (1.0 - f) * f / (1.0 - f * f) : 1.0;
-    std::vector<DeltaLobe> lobes{{ProbeLobe::delta_reflection, mirrored, reflected, pane->specular_reflectance.value}};
-    if (reflected < 1.0)
-      lobes.push_back({ProbeLobe::delta_transmission, -wo, 1.0 - reflected, pane->specular_transmittance.value});
-    return lobes;
-  }
-  if (const auto* plastic = std::get_if<PlasticBsdf>(&bsdf)) {
-    if (wo.z <= 0.0) return {};
-    const auto sum = [](const dvec3& c) { return c.x + c.y + c.z; };
-    const double f = closed_form::fresnel_reflectance(wo.z, plastic->ext_ior, plastic->int_ior);
-    const double coat = f * sum(plastic->specular_reflectance.value);
-    const double share = coat / (coat + (1.0 - f) * sum(plastic->diffuse_reflectance.value));
-    return {{ProbeLobe::delta_reflection, mirrored, share, plastic->specular_reflectance.value * (f / share)}};
-  }
-  const auto* glass = std::get_if<DielectricBsdf>(&bsdf);
-  if (glass == nullptr || wo.z == 0.0) return {};
-  const double n_o = wo.z > 0.0 ? glass->ext_ior : glass->int_ior, n_t = wo.z > 0.0 ? glass->int_ior : glass->ext_ior;
-  const double f = closed_form::fresnel_reflectance(std::abs(wo.z), n_o, n_t), ratio = n_o / n_t;
-  std::vector<DeltaLobe> lobes{{ProbeLobe::delta_reflection, mirrored, f, glass->specular_reflectance.value}};
-  if (f < 1.0) {
-    const double x = -ratio * wo.x, y = -ratio * wo.y;
-    const double z = std::copysign(std::sqrt(1.0 - x * x - y * y), -wo.z);
-    lobes.push_back(
-        {ProbeLobe::delta_transmission, {x, y, z}, 1.0 - f, ratio * ratio * glass->specular_transmittance.value});
-  }
-  return lobes;
+/// The larger of two errors; NaN is the largest.
+double larger(double a, double b) {
+  return std::isnan(b) ? std::numeric_limits<double>::infinity() : std::max(a, b);
 }
 
-/// Relative index n_i/n_o of what passes the surface; 1 where nothing does.
-double relative_index(const Bsdf& bsdf, const dvec3& wo) {
-  double index = 1.0;
-  if (const auto* glass = std::get_if<RoughDielectricBsdf>(&bsdf)) index = glass->int_ior / glass->ext_ior;
-  if (const auto* principled = std::get_if<PrincipledBsdf>(&bsdf)) index = principled->eta.value;
-  if (const auto* gltf = std::get_if<GltfBsdf>(&bsdf)) index = gltf->thin ? 1.0 : std::max(1.001, gltf->ior.value);
-  return wo.z > 0.0 ? index : 1.0 / index;
+/// The largest allowed deviation of a sample's density from that of its direction, which is rounded to single
+/// precision.
+double rounding_of(const Bsdf& bsdf) {
+  const std::optional<Roughness> narrow = narrow_roughness(bsdf);
+  double rounding = kRounding;
+  if (narrow) rounding *= std::max(1.0, kSharp / std::min(narrow->alpha_u.value, narrow->alpha_v.value));
+  // Near the critical angle Fresnel's factor is steep, and what is bent by little has a half vector of little length.
+  return reference::traits(bsdf).transmissive ? std::max(rounding, 20.0 * kRounding) : rounding;
 }
 
-bool has_two_sides(const Bsdf& bsdf) {
-  const reference::BsdfTraits traits = reference::traits(bsdf);
-  return !traits.one_sided;
+/// Whether a material, or one that its adapters may choose, scatters on both sides, or lets light pass.
+bool has_two_sides(const Scene& patch) {
+  bool two_sided = may_pass(patch);
+  each_material(patch, patch.instances.front().material, [&](const Material& material) {
+    two_sided = two_sided || (material.adapter ? std::holds_alternative<TwoSidedAdapter>(*material.adapter)
+                                               : !reference::traits(material.bsdf).one_sided);
+  });
+  return two_sided;
 }
 
-/// Place of a direction in the grid of cells, even over the sphere, or over the microfacets' normals of a narrow lobe.
-FacetCell cell_of(const std::optional<FacetCells>& facets, const dvec3& wi) {
-  return facets ? facets->cell_of(wi) : FacetCell{wi.z, std::atan2(wi.y, wi.x)};
-}
-
-/// Counts of one test: the cells of the sphere, then one per delta lobe, then the samples without a direction.
-class Histogram {
- public:
-  Histogram(int rings, int sectors, std::optional<FacetCells> facets, std::vector<DeltaLobe> lobes)
-      : rings_(rings),
-        sectors_(sectors),
-        facets_(std::move(facets)),
-        lobes_(std::move(lobes)),
-        counts_(static_cast<std::size_t>(rings) * sectors + lobes_.size() + 1) {}
-
-  void add(const BsdfDraw& draw) {
-    if (draw.pdf == 0.0 || draw.lobe == ProbeLobe::none) {
-      ++counts_.back();
-    } else if (!is_delta(draw.lobe)) {
-      const FacetCell cell = cell_of(facets_, draw.wi);
-      const double turn = cell.phi / (2.0 * std::numbers::pi);
-      const int ring = std::clamp(static_cast<int>(0.5 * (cell.height + 1.0) * rings_), 0, rings_ - 1);
-      const int sector = std::clamp(static_cast<int>((turn < 0.0 ? turn + 1.0 : turn) * sectors_), 0, sectors_ - 1);
-      ++counts_[static_cast<std::size_t>(ring) * sectors_ + sector];
-    } else {
-      add_delta(draw);
-    }
-  }
-  int rings() const { return rings_; }
-  int sectors() const { return sectors_; }
-  const std::optional<FacetCells>& facets() const { return facets_; }
-  const std::vector<double>& counts() const { return counts_; }
-  const std::vector<DeltaLobe>& lobes() const { return lobes_; }
-  double delta_error() const { return delta_error_; }
-
- private:
-  void add_delta(const BsdfDraw& draw) {
-    const auto lobe =
-        std::find_if(lobes_.begin(), lobes_.end(), [&](const DeltaLobe& l) { return l.kind == draw.lobe; });
-    if (lobe == lobes_.end()) {  // a lobe the material does not have
-      delta_error_ = std::numeric_limits<double>::infinity();
-      return;
-    }
-    ++counts_[counts_.size() - 1 - lobes_.size() + static_cast<std::size_t>(lobe - lobes_.begin())];
-    const double error = std::max({largest(draw.wi - lobe->wi), std::abs(draw.pdf - lobe->prob),
-                                   largest(draw.weight - lobe->weight) / largest(lobe->weight)});
-    delta_error_ = std::isnan(error) ? std::numeric_limits<double>::infinity() : std::max(delta_error_, error);
-  }
-
-  int rings_, sectors_;
-  std::optional<FacetCells> facets_;
-  std::vector<DeltaLobe> lobes_;
-  std::vector<double> counts_;
-  double delta_error_ = 0;
-};
-
-/// Integrals over the cells of the histogram. Those of facets are quartered twice beforehand: the horizon cuts them
-/// anywhere, and a corner beyond it must not be missed.
-std::vector<double> integrate_histogram(const SphereDensity& density, const Histogram& histogram) {
-  if (!histogram.facets()) return integrate_cells(density, histogram.rings(), histogram.sectors());
-  constexpr int kParts = 4;
-  const std::vector<double> parts = integrate_cells(density, kParts * histogram.rings(), kParts * histogram.sectors());
-  const auto sectors = static_cast<std::size_t>(histogram.sectors());
-  std::vector<double> cells(static_cast<std::size_t>(histogram.rings()) * sectors, 0.0);
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    cells[i / (kParts * sectors) / kParts * sectors + i % (kParts * sectors) / kParts] += parts[i];
-  return cells;
-}
-
-/// Expectations in the order of the histogram. Fills in the integral, and the fault when it is more than 1.
-std::vector<double> expectations(BsdfProbe& probe, const dvec3& wo, const Histogram& histogram, double samples,
-                                 double rounding, BsdfChi2& result) {
-  const SphereDensity density = [&](std::span<const dvec3> places) {
-    std::vector<FacetCells::Direction> directions;
-    std::vector<dvec3> wi;
-    for (const dvec3& place : places) {
-      directions.push_back(histogram.facets()
-                               ? histogram.facets()->direction_of({place.z, std::atan2(place.y, place.x)})
-                               : FacetCells::Direction{place, 1.0});
-      wi.push_back(directions.back().solid_angle > 0.0 ? directions.back().wi : dvec3(0, 0, 1));
-    }
-    const std::vector<BsdfValue> answers = probe.evaluate(wo, wi);
+/// Expectations in the order of the leaf's counts, as shares of the leaf's samples. Adds the leaf's part to the
+/// integral, and fills in the fault when its own is more than 1.
+std::vector<double> leaf_expectations(BsdfProbe& probe, const dvec3& wo, std::uint32_t seed, const TestLeaf& leaf,
+                                      BsdfChi2& result) {
+  std::vector<double> expected(leaf.counts.counts().size(), 0.0);
+  expected.back() = 1.0;
+  // Without an example it is so rare that no sample has chosen it.
+  if (leaf.black || !leaf.example) return expected;
+  const SphereDensity density = [&](std::span<const dvec3> directions) {
+    std::vector<BsdfQuery> queries;
+    for (const dvec3& wi : directions) queries.push_back({leaf.chosen.frame.to_world(wi), *leaf.example});
     std::vector<double> values;
-    for (std::size_t i = 0; i < answers.size(); ++i)
-      values.push_back(directions[i].solid_angle > 0.0 ? answers[i].pdf * directions[i].solid_angle : 0.0);
+    for (const BsdfValue& value : probe.evaluate(wo, seed, queries, BsdfProbe::Part::chosen))
+      values.push_back(value.pdf);
     return values;
   };
-  std::vector<double> expected = integrate_histogram(density, histogram);
-  for (const double share : expected) result.pdf_integral += share;
-  double total = result.pdf_integral;
-  for (const DeltaLobe& lobe : histogram.lobes()) {
-    expected.push_back(lobe.prob);
-    total += lobe.prob;
+  std::vector<double> cells = leaf.counts.grid().integrate(density);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (cells[i] == 0.0 && leaf.counts.counts()[i] > 0.0) cells[i] = leaf.counts.grid().integrate_finely(density, i);
+  std::ranges::copy(cells, expected.begin());
+  double total = std::accumulate(cells.begin(), cells.end(), 0.0);
+  result.pdf_integral += leaf.probability * total;
+  for (std::size_t i = 0; i < leaf.counts.lobes().size(); ++i) {
+    expected[cells.size() + i] = leaf.counts.lobes()[i].prob;
+    total += leaf.counts.lobes()[i].prob;
   }
+  const double rounding = rounding_of(leaf.bsdf);
   if (!(total <= 1.0 + rounding)) result.fault = fmt::format("the density integrates to {:.6g}, more than 1", total);
-  // The rest up to 1 is the probability of no direction; a difference below rounding counts as 0.
-  expected.push_back(total < 1.0 - rounding ? 1.0 - total : 0.0);
-  for (double& share : expected) share *= samples;
+  // The rest up to 1 is the probability of no direction. If it is below rounding, as many may be without as it
+  // explains.
+  const double drawn = leaf.probability * static_cast<double>(result.samples);
+  const double rest = std::max(0.0, 1.0 - total), lost = leaf.counts.counts().back() / drawn;
+  constexpr double kDeviations = 4.0;
+  const bool explained = lost <= rest + kDeviations * std::sqrt(rest / drawn);
+  expected.back() = rest > rounding ? rest : explained ? lost : 0.0;
   return expected;
 }
 
-/// pdf and weight of samples against pdf and eval at their directions.
-void check_contract(BsdfProbe& probe, const dvec3& wo, std::span<const BsdfDraw> draws, double rounding,
-                    BsdfChi2& result) {
-  std::vector<dvec3> directions;
-  std::vector<const BsdfDraw*> smooth;
-  for (const BsdfDraw& draw : draws) {
-    if (draw.pdf == 0.0 || is_delta(draw.lobe)) continue;
-    directions.push_back(draw.wi);
-    smooth.push_back(&draw);
+/// The counts of all materials that may be chosen against their expectations.
+ChiSquareResult test_counts(BsdfProbe& probe, const dvec3& wo, std::uint32_t seed, const TestLeaves& leaves,
+                            const Chi2Test& settings, BsdfChi2& result) {
+  std::vector<double> observed, expected;
+  bool narrow = false;
+  const auto samples = static_cast<double>(result.samples);
+  for (const TestLeaf& leaf : leaves.leaves()) {
+    narrow = narrow || leaf.counts.grid().narrow();
+    observed.insert(observed.end(), leaf.counts.counts().begin(), leaf.counts.counts().end());
+    for (const double share : leaf_expectations(probe, wo, seed, leaf, result))
+      expected.push_back(leaf.probability * share * samples);
+    result.without_direction += static_cast<std::uint64_t>(leaf.counts.counts().back());
+    result.delta_error = std::max(result.delta_error, leaf.counts.delta_error());
   }
-  const std::vector<BsdfValue> values = probe.evaluate(wo, directions);
+  result.passed_through = static_cast<std::uint64_t>(leaves.passed());
+  if (leaves.passing() > 0.0 || leaves.passed() > 0.0) {
+    observed.push_back(leaves.passed());
+    expected.push_back(leaves.passing() * samples);
+  }
+  if (leaves.unforeseen() > 0.0) {
+    observed.push_back(leaves.unforeseen());
+    expected.push_back(0.0);
+  }
+  return chi_square_test(observed, expected,
+                         {.min_expected = settings.min_exp_frequency,
+                          .impossible_share = std::max(narrow ? kCutOff : 1e-5, kStrays / samples)});
+}
+
+/// A sample that has a direction of finite density.
+struct SmoothDraw {
+  BsdfDraw draw;
+  std::uint32_t sample = 0;
+};
+
+/// pdf and weight of samples against pdf and eval at their directions.
+void check_contract(BsdfProbe& probe, const dvec3& wo, std::uint32_t seed, std::span<const SmoothDraw> draws,
+                    double rounding, BsdfChi2& result) {
+  std::vector<BsdfQuery> queries;
+  for (const auto& [draw, sample] : draws) queries.push_back({draw.wi, sample});
+  const std::vector<BsdfValue> values = probe.evaluate(wo, seed, queries, BsdfProbe::Part::mixture);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const BsdfDraw& draw = *smooth[i];
+    const BsdfDraw& draw = draws[i].draw;
     const double pdf_error = std::abs(draw.pdf - values[i].pdf) / draw.pdf;
     const double weight_error = largest(draw.weight - values[i].eval / draw.pdf);
-    result.pdf_error =
-        std::isnan(pdf_error) ? std::numeric_limits<double>::infinity() : std::max(result.pdf_error, pdf_error);
-    result.weight_error = std::isnan(weight_error) ? std::numeric_limits<double>::infinity()
-                                                   : std::max(result.weight_error, weight_error);
+    result.pdf_error = larger(result.pdf_error, pdf_error);
+    result.weight_error = larger(result.weight_error, weight_error);
   }
   if (result.pdf_error > rounding) {
     result.fault = fmt::format("the pdf of a sample differs from pdf(wo, wi) by {:.3g} of itself", result.pdf_error);
@@ -231,14 +151,75 @@ void check_contract(BsdfProbe& probe, const dvec3& wo, std::span<const BsdfDraw>
   }
 }
 
+/// A blend's samples come from one material or the other, and have the density of their mixture: on average over its
+/// choice both are the same.
+void check_mixtures(BsdfProbe& probe, const dvec3& wo, std::uint32_t seed, std::span<const SmoothDraw> draws,
+                    const TestLeaves& leaves, double rounding, BsdfChi2& result) {
+  std::vector<BsdfQuery> queries;
+  std::vector<std::pair<std::size_t, std::size_t>> terms;  // draws, and outcomes that could have been
+  for (std::size_t i = 0; i < draws.size(); ++i) {
+    const TestLeaves::Pair& pair = leaves.pairs()[leaves.pair_of(draws[i].sample)];
+    if (!pair.complete) continue;
+    for (const std::size_t outcome : pair.outcomes) {
+      queries.push_back({draws[i].draw.wi, leaves.example(outcome)});
+      terms.emplace_back(i, outcome);
+    }
+  }
+  const std::vector<BsdfValue> mixed = probe.evaluate(wo, seed, queries, BsdfProbe::Part::mixture);
+  const std::vector<BsdfValue> chosen = probe.evaluate(wo, seed, queries, BsdfProbe::Part::chosen);
+  std::vector<double> density(draws.size(), 0.0), expected(draws.size(), 0.0);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    density[terms[i].first] += leaves.probability(terms[i].second) * mixed[i].pdf;
+    expected[terms[i].first] += leaves.probability(terms[i].second) * chosen[i].pdf;
+  }
+  for (std::size_t i = 0; i < draws.size(); ++i) {
+    if (density[i] != expected[i])
+      result.mixture_error =
+          larger(result.mixture_error, std::abs(density[i] - expected[i]) / std::max(density[i], expected[i]));
+  }
+  if (result.mixture_error > rounding && result.fault.empty())
+    result.fault = fmt::format("the density of a mixture differs from that of what is chosen by {:.3g} of itself",
+                               result.mixture_error);
+}
+
+/// The materials chosen have to be those that the scene's adapters should choose: by the density at their samples, of
+/// which the median tells one material from another, whatever rounding does to narrow lobes.
+void check_choices(BsdfProbe& probe, const dvec3& wo, std::uint32_t seed, std::span<const SmoothDraw> draws,
+                   const TestLeaves& leaves, BsdfChi2& result) {
+  constexpr double kAnother = 0.01;
+  constexpr std::size_t kFew = 16;
+  std::vector<BsdfQuery> queries;
+  for (const auto& [draw, sample] : draws) queries.push_back({draw.wi, sample});
+  const std::vector<BsdfValue> chosen = probe.evaluate(wo, seed, queries, BsdfProbe::Part::chosen);
+  std::vector<std::vector<double>> differences(leaves.leaves().size());
+  for (std::size_t i = 0; i < draws.size(); ++i) {
+    const std::optional<std::size_t> leaf = leaves.leaf_of(draws[i].sample);
+    if (!leaf) continue;
+    const TestLeaf& of = leaves.leaves()[*leaf];
+    const reference::Frame& frame = of.chosen.frame;
+    const double expected = reference::pdf(of.bsdf, frame.to_local(wo), frame.to_local(draws[i].draw.wi));
+    differences[*leaf].push_back(std::abs(chosen[i].pdf - expected) / std::max(chosen[i].pdf, expected));
+  }
+  for (std::vector<double>& of_leaf : differences) {
+    if (of_leaf.size() < kFew) continue;
+    const auto median = of_leaf.begin() + static_cast<std::ptrdiff_t>(of_leaf.size() / 2);
+    std::nth_element(of_leaf.begin(), median, of_leaf.end());
+    if (!(*median <= kAnother) && result.fault.empty())
+      result.fault = fmt::format(
+          "the density of a material that was chosen is {:.3g} off in the median: it is another, "
+          "or has another normal",
+          *median);
+  }
+}
+
 /// At `angle` degrees, or even over the hemisphere a material is lit from; materials with two sides are seen from both
 /// in turn.
-dvec3 incident_direction(const Bsdf& bsdf, std::optional<double> angle, std::uint32_t seed) {
+dvec3 incident_direction(const Scene& patch, std::optional<double> angle, std::uint32_t seed) {
   std::mt19937_64 engine(seed);
   const auto unit = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
   const double cosine = 0.02 + 0.98 * unit(), phi = 2.0 * std::numbers::pi * unit();
   if (angle) return spherical_direction(std::cos(*angle * std::numbers::pi / 180.0), phi);
-  const bool behind = has_two_sides(bsdf) && seed % 2 == 1;
+  const bool behind = has_two_sides(patch) && seed % 2 == 1;
   return spherical_direction(behind ? -cosine : cosine, phi);
 }
 
@@ -253,50 +234,37 @@ std::string direction_text(const dvec3& d) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", d.x, d.y, d.z);
 }
 
-/// The largest allowed deviation of a sample's density from that of its direction, which is rounded to single
-/// precision.
-double rounding_of(const Bsdf& bsdf, const std::optional<Roughness>& narrow) {
-  double rounding = kRounding;
-  if (narrow) rounding *= std::max(1.0, kSharp / std::min(narrow->alpha_u.value, narrow->alpha_v.value));
-  // Near the critical angle Fresnel's factor is steep, and what is bent by little has a half vector of little length.
-  return reference::traits(bsdf).transmissive ? std::max(rounding, 20.0 * kRounding) : rounding;
-}
-
 }  // namespace
 
 bool Chi2Report::passed() const {
   return std::all_of(tests.begin(), tests.end(), [](const BsdfChi2& t) { return t.passed; });
 }
 
-BsdfChi2 test_bsdf(BsdfProbe& probe, const Bsdf& bsdf, const dvec3& wo, const Chi2Test& settings, std::uint64_t samples,
-                   std::uint32_t seed, double level) {
+BsdfChi2 test_bsdf(BsdfProbe& probe, const Scene& patch, const glm::dvec3& wo, const Chi2Test& settings,
+                   std::uint64_t samples, std::uint32_t seed, double level) {
   const auto start = std::chrono::steady_clock::now();
   BsdfChi2 result;
   result.wo = wo;
   result.samples = samples;
-  const std::optional<Roughness> narrow = narrow_roughness(bsdf);
-  std::optional<FacetCells> facets;
-  if (narrow) facets.emplace(*narrow, wo, relative_index(bsdf, wo));
-  // Half of a sphere is reflection, so that the normals of its facets need twice the rings.
-  const int rings = static_cast<int>(narrow ? 2 * settings.resolution : settings.resolution);
-  const double rounding = rounding_of(bsdf, narrow);
-  Histogram histogram(rings, static_cast<int>(2 * settings.resolution), facets, delta_lobes(bsdf, wo));
+  TestLeaves leaves(patch, wo, settings.resolution, seed);
+  std::vector<SmoothDraw> smooth;  // of the first samples
   for (std::uint64_t done = 0; done < samples; done += kChunk) {
     const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(kChunk, samples - done));
     const std::vector<BsdfDraw> draws = probe.sample(wo, seed, static_cast<std::uint32_t>(done), count);
-    for (const BsdfDraw& draw : draws) histogram.add(draw);
-    if (done == 0)
-      check_contract(probe, wo, std::span(draws).first(std::min<std::size_t>(kContractSamples, count)), rounding,
-                     result);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto sample = static_cast<std::uint32_t>(done) + i;
+      leaves.add(draws[i], sample);
+      const bool scattered = draws[i].pdf != 0.0 && draws[i].lobe != ProbeLobe::passed;
+      result.without_light += scattered && draws[i].weight == dvec3(0.0);
+      if (sample < kContractSamples && scattered && !is_delta(draws[i].lobe)) smooth.push_back({draws[i], sample});
+    }
   }
-  result.without_direction = static_cast<std::uint64_t>(histogram.counts().back());
-  const std::vector<double> expected =
-      expectations(probe, wo, histogram, static_cast<double>(samples), rounding, result);
-  result.test =
-      chi_square_test(histogram.counts(), expected,
-                      {.min_expected = settings.min_exp_frequency,
-                       .impossible_share = std::max(narrow ? kCutOff : 1e-5, kStrays / static_cast<double>(samples))});
-  result.delta_error = histogram.delta_error();
+  double rounding = kRounding;
+  for (const TestLeaf& leaf : leaves.leaves()) rounding = std::max(rounding, rounding_of(leaf.bsdf));
+  check_contract(probe, wo, seed, smooth, rounding, result);
+  check_mixtures(probe, wo, seed, smooth, leaves, rounding, result);
+  if (leaves.adapted()) check_choices(probe, wo, seed, smooth, leaves, result);
+  result.test = test_counts(probe, wo, seed, leaves, settings, result);
   if (result.delta_error > kRounding)
     result.fault = fmt::format("a delta sample differs from its closed form by {:.3g}", result.delta_error);
   result.tested = !result.fault.empty() || result.test.p_value < level || result.test.made;
@@ -320,15 +288,15 @@ Chi2Report run_chi2(const Chi2Test& test, const std::string& file, const BsdfPro
                 fmt::format("{}: {} samples a test is not between 1 and 2^32 − 1; set sampleCount", file, samples));
   }
   for (const TestBsdf& bsdf : test.bsdfs) {
-    const std::unique_ptr<BsdfProbe> probe = make_probe(bsdf.bsdf);
+    const std::unique_ptr<BsdfProbe> probe = make_probe(bsdf.patch);
     report.device = probe->device_name();
     report.driver = probe->driver_name();
     for (std::uint64_t i = 0; i < directions; ++i) {
       std::optional<double> angle;
       if (!test.angles.empty()) angle = test.angles[i / test.test_count];
       const std::uint32_t seed = options.seed + static_cast<std::uint32_t>(report.tests.size());
-      const dvec3 wo = incident_direction(bsdf.bsdf, angle, seed);
-      BsdfChi2 result = test_bsdf(*probe, bsdf.bsdf, wo, test, samples, seed, report.test_level);
+      const dvec3 wo = incident_direction(bsdf.patch, angle, seed);
+      BsdfChi2 result = test_bsdf(*probe, bsdf.patch, wo, test, samples, seed, report.test_level);
       result.name = fmt::format("{}, wo {}", bsdf.name, direction_text(wo));
       result.passed = result.passed || (!result.tested && options.allow_untested);
       report.tests.push_back(std::move(result));
@@ -362,6 +330,8 @@ Json chi2_json(const Chi2Report& report) {
                      {"wo", {t.wo.x, t.wo.y, t.wo.z}},
                      {"samples", t.samples},
                      {"withoutDirection", t.without_direction},
+                     {"withoutLight", t.without_light},
+                     {"passedThrough", t.passed_through},
                      {"chi2", t.test.statistic},
                      {"cells", t.test.cells},
                      {"pooled", t.test.pooled},
@@ -371,6 +341,7 @@ Json chi2_json(const Chi2Report& report) {
                      {"pdfIntegral", t.pdf_integral},
                      {"pdfError", t.pdf_error},
                      {"weightError", t.weight_error},
+                     {"mixtureError", t.mixture_error},
                      {"deltaError", t.delta_error},
                      {"fault", t.fault},
                      {"seconds", t.seconds},

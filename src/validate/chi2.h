@@ -27,10 +27,13 @@ struct BsdfChi2 {
   glm::dvec3 wo{0.0};
   std::uint64_t samples = 0;
   std::uint64_t without_direction = 0;  ///< samples of pdf 0
+  std::uint64_t without_light = 0;      ///< samples with a direction, but of weight 0
+  std::uint64_t passed_through = 0;     ///< samples for which an adapter let light pass
   ChiSquareResult test;                 ///< histogram over (cos θ, φ) and the delta lobes against their probabilities
   double pdf_integral = 0;              ///< of the smooth part over the sphere
   double pdf_error = 0;                 ///< largest relative difference between the pdf of a sample and pdf(wo, wi)
   double weight_error = 0;              ///< the same of weight · pdf against eval(wo, wi)
+  double mixture_error = 0;             ///< the same of a mixture's mean density against that of what is chosen
   double delta_error =
       0;              ///< largest difference of a delta sample from its closed form: direction, probability, weight
   std::string fault;  ///< a contract broken beyond rounding; such a test fails without statistics
@@ -53,8 +56,8 @@ struct Chi2Report {
 Chi2Report run_chi2(const Chi2Test& test, const std::string& file, const BsdfProbeFactory& make_probe,
                     const Chi2Options& options = {});
 
-/// One test. `level` is its significance.
-BsdfChi2 test_bsdf(BsdfProbe& probe, const Bsdf& bsdf, const glm::dvec3& wo, const Chi2Test& settings,
+/// One test of the probe of a patch. `level` is its significance.
+BsdfChi2 test_bsdf(BsdfProbe& probe, const Scene& patch, const glm::dvec3& wo, const Chi2Test& settings,
                    std::uint64_t samples, std::uint32_t seed, double level);
 
 std::string chi2_table(const Chi2Report& report);

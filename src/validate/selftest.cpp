@@ -1,4 +1,5 @@
 #include "validate/selftest.h"
+#include "scene/test_patch.h"
 
 #include <algorithm>
 #include <chrono>
@@ -53,9 +54,11 @@ SelftestCase material_case(const BsdfProbeFactory& make_probe, bool dielectric, 
   Chi2Test settings;
   settings.test_count = 1;
   settings.significance_level = 0.5;  // the verdict is the suite's
-  settings.bsdfs.push_back({.bsdf = DiffuseBsdf{{unit(), unit(), unit()}}, .name = "diffuse", .position = {}});
+  settings.bsdfs.push_back(
+      {.patch = test_patch(DiffuseBsdf{{unit(), unit(), unit()}}), .name = "diffuse", .position = {}});
   if (dielectric)
-    settings.bsdfs[0] = {.bsdf = DielectricBsdf{1.0 + unit(), 1.0 + unit()}, .name = "dielectric", .position = {}};
+    settings.bsdfs[0] = {
+        .patch = test_patch(DielectricBsdf{1.0 + unit(), 1.0 + unit()}), .name = "dielectric", .position = {}};
   const BsdfChi2 test =
       run_chi2(settings, "", make_probe,
                {.seed = static_cast<std::uint32_t>(seed), .significance_level = {}, .sample_count = options.samples})

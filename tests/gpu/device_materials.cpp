@@ -9,6 +9,7 @@
 #include "gpu/bsdf_probe.h"
 #include "reference/material_probe.h"
 #include "scene/metals.h"
+#include "scene/test_patch.h"
 
 namespace etendue::test {
 namespace {
@@ -137,8 +138,8 @@ double largest(const glm::dvec3& v) {
 
 TEST_F(DeviceMaterials, SampleLikeTheReference) {
   for (const Named& material : materials()) {
-    const auto device = make_gpu_bsdf_probe(material.bsdf, renderer_options());
-    const auto reference = make_reference_bsdf_probe(material.bsdf);
+    const auto device = make_gpu_bsdf_probe(test_patch(material.bsdf), renderer_options());
+    const auto reference = make_reference_bsdf_probe(test_patch(material.bsdf));
     for (const glm::dvec3& wo : directions()) {
       constexpr std::uint32_t kSamples = 20000;
       const auto a = device->sample(wo, 3, 0, kSamples), b = reference->sample(wo, 3, 0, kSamples);
@@ -169,17 +170,18 @@ TEST_F(DeviceMaterials, SampleLikeTheReference) {
 
 TEST_F(DeviceMaterials, HaveTheReferencesValueAndDensity) {
   for (const Named& material : materials()) {
-    const auto device = make_gpu_bsdf_probe(material.bsdf, renderer_options());
-    const auto reference = make_reference_bsdf_probe(material.bsdf);
+    const auto device = make_gpu_bsdf_probe(test_patch(material.bsdf), renderer_options());
+    const auto reference = make_reference_bsdf_probe(test_patch(material.bsdf));
     for (const glm::dvec3& wo : directions()) {
-      std::vector<glm::dvec3> wi;
-      for (const BsdfDraw& draw : reference->sample(wo, 5, 0, 2000)) wi.push_back(draw.wi);
+      std::vector<BsdfQuery> queries;
+      for (const BsdfDraw& draw : reference->sample(wo, 5, 0, 2000)) queries.push_back({draw.wi, 0});
       Random random(9);
-      for (int i = 0; i < 500; ++i) wi.push_back(random.direction());
-      const auto a = device->evaluate(wo, wi), b = reference->evaluate(wo, wi);
+      for (int i = 0; i < 500; ++i) queries.push_back({random.direction(), 0});
+      const auto a = device->evaluate(wo, 5, queries, BsdfProbe::Part::mixture),
+                 b = reference->evaluate(wo, 5, queries, BsdfProbe::Part::mixture);
       std::vector<double> eval, pdf;
-      for (std::size_t i = 0; i < wi.size(); ++i) {
-        if (std::abs(wi[i].z) < 1e-6) continue;
+      for (std::size_t i = 0; i < queries.size(); ++i) {
+        if (std::abs(queries[i].wi.z) < 1e-6) continue;
         ASSERT_TRUE(std::isfinite(a[i].pdf) && a[i].pdf >= 0.0) << material.name << ' ' << wo.z;
         eval.push_back(largest(a[i].eval - b[i].eval) / (largest(b[i].eval) + 1e-3));
         pdf.push_back(std::abs(a[i].pdf - b[i].pdf) / (b[i].pdf + 1e-3));

@@ -191,7 +191,7 @@ const std::map<std::string, Layout> kHostLayouts = {
       sizeof(RayResult)}},
     {"BsdfProbePass",
      {{MEMBER(BsdfProbePass, wo), MEMBER(BsdfProbePass, seed), MEMBER(BsdfProbePass, first),
-       MEMBER(BsdfProbePass, count), MEMBER(BsdfProbePass, evaluate), MEMBER(BsdfProbePass, pad0)},
+       MEMBER(BsdfProbePass, count), MEMBER(BsdfProbePass, mode), MEMBER(BsdfProbePass, pad0)},
       sizeof(BsdfProbePass)}},
     {"BsdfProbeResult",
      {{MEMBER(BsdfProbeResult, wi), MEMBER(BsdfProbeResult, pdf), MEMBER(BsdfProbeResult, weight),

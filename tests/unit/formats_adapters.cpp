@@ -67,9 +67,29 @@ TEST(FormatsAdapters, MistakesAreNamed) {
       R"(<bsdf type="mask"><texture name="opacity" type="checkerboard"><string name="channel" value="luma"/></texture>
       <bsdf type="diffuse"/></bsdf>)",
       "\"luma\" is not a texture channel");
-  const Parsed test = parse(R"(<test type="chi2test"><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></test>)");
-  EXPECT_FALSE(test.file);
-  EXPECT_THAT(all_messages(test.diagnostics), HasSubstr("test those"));
+}
+
+TEST(FormatsAdapters, AreTestedOnAPatch) {
+  const Parsed test = parse(R"(<test type="chi2test"><string name="uv" value="0.7, 0.1"/>
+    <bsdf type="blend"><bsdf type="diffuse"/><bsdf type="mask"><bsdf type="mirror"/></bsdf></bsdf>
+    <bsdf type="diffuse"><texture name="albedo" type="checkerboard"/></bsdf></test>)");
+  ASSERT_TRUE(test.file) << all_messages(test.diagnostics);
+  const std::vector<TestBsdf>& bsdfs = std::get<Chi2Test>(*test.file).bsdfs;
+  ASSERT_EQ(bsdfs.size(), 2u);
+  EXPECT_EQ(bsdfs[0].name, "blend 1");
+  ASSERT_EQ(bsdfs[0].patch.materials.size(), 4u);
+  EXPECT_EQ(bsdfs[0].patch.instances.front().material, 3u);
+  EXPECT_TRUE(std::holds_alternative<BlendAdapter>(*bsdfs[0].patch.materials[3].adapter));
+  EXPECT_EQ(bsdfs[1].patch.materials.size(), 1u);
+  EXPECT_EQ(bsdfs[1].patch.textures.size(), 1u);
+  EXPECT_EQ(std::get<TriangleMesh>(bsdfs[1].patch.shapes.front()).uv_sets[0][0], glm::vec2(0.7f, 0.1f));
+  const auto refused = [](const std::string& test_file, const std::string& words) {
+    const Parsed parsed = parse(test_file);
+    EXPECT_FALSE(parsed.file);
+    EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr(words));
+  };
+  refused(R"(<test type="chi2test"><bsdf type="twosided"><bsdf type="dielectric"/></bsdf></test>)", "transmits light");
+  refused(R"(<test type="chi2test"><string name="uv" value="1"/><bsdf type="diffuse"/></test>)", "give two, u and v");
 }
 
 }  // namespace

@@ -495,7 +495,7 @@ Value Object::get_value(const char* name) const {
   const auto found = given_.find(name);
   if (found != given_.end() && !named_children_.contains(name)) return found->second.value;
   if (parameter->default_text == nullptr) return substitute(parameter->type);
-  if (parameter->type == ParameterType::number_list) return std::vector<double>{};
+  if (parameter->type == ParameterType::number_list && parameter->default_text[0] == '\0') return std::vector<double>{};
   return parse_value(parameter->type, parameter->range, parameter->default_text);
 }
 

@@ -31,6 +31,7 @@
 #include "scene/metals.h"
 #include "scene/parameters.h"
 #include "scene/similarity.h"
+#include "scene/test_patch.h"
 
 namespace etendue {
 namespace {
@@ -96,11 +97,15 @@ class SceneReader {
     check_unused_definitions(object);
     remember_fields(object, {"sky_top", "sky_horizon"});
     round_to_similarities(scene);
+    check_scene(scene);
+    return scene;
+  }
+
+  void check_scene(const Scene& scene) {
     check_invariants(scene, sink_, [this](const SourcePosition& where, std::string_view field) {
       const auto found = fields_.find({where.line, where.column, std::string(field)});
       return found == fields_.end() ? std::nullopt : std::optional(found->second);
     });
-    return scene;
   }
 
   /// Where the file gives fields of scene.h that are checked once the scene is whole; properties have the same names
@@ -631,7 +636,7 @@ class SceneReader {
       material.name = id != nullptr ? id->value : object->plugin().type;
       material.position = object->position();
       material.adapter = read_adapter(*object, scene);
-      if (!material.adapter) material.bsdf = read_bsdf(*object, &scene);
+      if (!is_adapter(object->plugin().type)) material.bsdf = read_bsdf(*object, &scene);
     }
     const std::uint32_t row = add_material(std::move(material), scene);
     materials_.emplace(&element, row);
@@ -754,14 +759,8 @@ class SceneReader {
     }
   }
 
-  /// Without a scene, which has the textures, parameters are constants.
   Bsdf read_bsdf(const Object& object, Scene* scene) {
     const std::string_view type = object.plugin().type;
-    if (is_adapter(type)) {
-      sink_.error(object.position(),
-                  fmt::format("a test is for one material at a time, and {} contains others; test those", type));
-      return DiffuseBsdf{};
-    }
     if (type == "null") return NullBsdf{};
     if (type == "principled") return read_principled(object, scene);
     if (type == "gltf") return read_gltf(object, scene);
@@ -923,11 +922,6 @@ class SceneReader {
   /// A colour given by a texture.
   ColorParameter read_textured(const Object& object, const char* property, Scene* scene) {
     remember_fields(object, {property});
-    if (scene == nullptr) {
-      sink_.error(object.position_of(property),
-                  "a test of materials has no surface to look up a texture on; use a color");
-      return glm::dvec3(1.0);
-    }
     const XmlElement* element = object.child_of(property);
     if (context_.approximate && element != nullptr && is_unknown(*element)) {
       context_.approximated(fmt::format("texture {}", element->find("type")->value), "grey, 0.5",
@@ -1154,13 +1148,30 @@ class SceneReader {
     return true;
   }
 
+  /// The place on a test's patch whose texture coordinates are these.
+  glm::dvec2 read_patch_place(const Object& test) {
+    const auto uv = test.get<std::vector<double>>("uv");
+    if (uv.size() == 2) return {uv[0], uv[1]};
+    sink_.error(test.position_of("uv"), fmt::format("\"uv\" has {} numbers; give two, u and v", uv.size()));
+    return {};
+  }
+
   std::vector<TestBsdf> read_test_bsdfs(const Object& test) {
     std::vector<TestBsdf> bsdfs;
+    const glm::dvec2 uv = read_patch_place(test);
     for (const XmlElement* element : test.children("bsdf")) {
       const auto object = Object::read(*element, context_);
       if (!object) continue;
-      bsdfs.push_back({read_bsdf(*object, nullptr), fmt::format("{} {}", object->plugin().type, bsdfs.size() + 1),
-                       object->position()});
+      Scene patch;
+      patch.file = path_;
+      patch.position = object->position();
+      materials_.clear();
+      textures_.begin_scene();
+      material_row(*element, patch);
+      add_test_patch(patch, uv);
+      check_scene(patch);
+      bsdfs.push_back(
+          {std::move(patch), fmt::format("{} {}", object->plugin().type, bsdfs.size() + 1), object->position()});
     }
     return bsdfs;
   }

@@ -351,6 +351,11 @@ std::vector<Plugin> object_plugins() {
         {"toWorld", transform, "", any(),
          "rotates or reflects the picture, whose axes are described above; scale and translation have no effect"}},
        {}},
+  };
+}
+
+std::vector<Plugin> test_plugins() {
+  return {
       {"test",
        "ttest",
        "Do mean values agree with references? Run with `etendue ttest`. There is one reference for each scene, or for "
@@ -358,6 +363,7 @@ std::vector<Plugin> object_plugins() {
        {{"references", number_list, nullptr, any(), "expected mean luminance, in the order of the children"},
         {"angles", number_list, "", between(0, 180),
          "angles of incidence in degrees from the normal, above 90 from behind, not 90 itself; only with bsdfs"},
+        {"uv", number_list, "0.3, 0.6", any(), "texture coordinates at which the bsdfs are tested"},
         {"significanceLevel", real, "0.01", inside(0, 1), "probability of a false alarm for the whole test"},
         {"sampleCount", integer, "100000", between(2, 1e12), "samples per scene, or per bsdf and angle"}},
        {{"scene", 0, kAnyNumber, ChildUse::element}, {"bsdf", 0, kAnyNumber}}},
@@ -372,7 +378,8 @@ std::vector<Plugin> object_plugins() {
         {"testCount", integer, "5", between(1, 1e6), "directions of incidence per bsdf, or per angle"},
         {"angles", number_list, "", between(0, 180),
          "angles of incidence in degrees from the normal, above 90 from behind, not 90 itself; none: random, on the "
-         "sides from which a bsdf reflects light"}},
+         "sides from which a bsdf reflects light"},
+        {"uv", number_list, "0.3, 0.6", any(), "texture coordinates at which the bsdfs are tested"}},
        {{"bsdf", 1, kAnyNumber}}},
   };
 }
@@ -444,6 +451,7 @@ std::vector<Plugin> make_plugins() {
   for (Plugin& row : shape_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : instance_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : object_plugins()) rows.push_back(std::move(row));
+  for (Plugin& row : test_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : delta_light_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : daylight_plugins()) rows.push_back(std::move(row));
   for (Plugin& row : bsdf_plugins()) rows.push_back(std::move(row));
