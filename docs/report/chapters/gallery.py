@@ -6,6 +6,7 @@ FOLDER = "build/release/share/etendue/meshes"  # where the build puts the robot
 # scene: (size, samples per pixel, further options), as docs/gallery.md tells its readers to make them
 PICTURES = {
     "gallery/window": (LARGE, 256, "--tonemap aces"),
+    "gallery/row": (LARGE, 96, "--tonemap aces"),
     "robot.glb": (LARGE, 48, "--tonemap aces"),
     "gallery/glass": (LARGE, 64, "--tonemap aces"),
     "gallery/hall": (LARGE, 64, "--tonemap aces --exposure 0.7"),
