@@ -73,14 +73,21 @@ struct ScaledRay {
   vec3 unit;
   float size;
 };
+vec3 unit_of(vec3 d, float size) {
+  const vec3 unit = d / size;
+  return unit * (1.5 - 0.5 * dot(unit, unit));  // once more, where length() is not exact
+}
+// `ray` has the direction of unit length.
+RayFrame make_scaled_frame(Ray ray, float size) {
+  const ShadingFrame f = make_frame(ray.d);
+  MUTATE(kMutantInstanceRayNormalised, size = 1.0);
+  ray.d /= size;
+  return RayFrame(ray, f.s, f.t);
+}
 ScaledRay make_scaled_ray(Ray ray) {
   const float size = length(ray.d);
-  vec3 unit = ray.d / size;
-  unit *= 1.5 - 0.5 * dot(unit, unit);  // once more, where length() is not exact
-  const ShadingFrame f = make_frame(unit);
-  Ray scaled = Ray(ray.o, ray.t_min, unit / size, ray.t_max);
-  MUTATE(kMutantInstanceRayNormalised, scaled.d = unit);
-  return ScaledRay(RayFrame(scaled, f.s, f.t), unit, size);
+  ray.d = unit_of(ray.d, size);
+  return ScaledRay(make_scaled_frame(ray, size), ray.d, size);
 }
 
 // Barycentric weights of the point where the ray hits a triangle's plane; a, b, c are its vertices relative to the ray's origin. None of them is

@@ -9,13 +9,13 @@
 #include "profile.glsl"
 #include "surface.glsl"
 
-// Levels of the tree, so that the stack cannot overflow; if meshes are shared, plus one for the entry into a mesh's tree and the levels of the
-// deepest.
+// Levels of the tree, so that the stack cannot overflow; if meshes are shared, plus those of the deepest.
 layout(constant_id = kConstantStackSize) const uint kStackSize = 16u;
 layout(constant_id = kConstantTreeRoot) const uint kTreeRoot = 0u;   // slot of the root; kNone for a scene without a tree
 
 const bool kHasFew = kFewCount > 0u;
 const uint kBeforeTree = 0xfffffffeu;
+const uint kBorderNone = 0u, kBorderIn = 1u, kBorderOut = 2u;
 
 #ifdef ETENDUE_RAY_QUERY
 #include "trace_query.glsl"
@@ -31,8 +31,10 @@ struct Walk {
   bool any_hit;
   Passed passed;
   // If meshes are shared: the instance whose mesh's tree the walk is in, or kNone in the world, and the ray in the world. Inside, rf and inv_d are
-  // those of the ray in the mesh's space, and one entry of the stack leads out again.
+  // those of the ray in the mesh's space, and the upper `inner` entries of the stack are of the mesh's tree.
   uint instance;
+  uint inner;
+  uint border;  // kBorder…: which way `current` is about to cross
   vec3 world_o, world_d;
 };
 
@@ -63,6 +65,8 @@ Walk begin_walk(Ray ray, bool any_hit, Passed passed) {
   walk.any_hit = any_hit;
   walk.passed = passed;
   walk.instance = kNone;
+  walk.inner = 0u;
+  walk.border = kBorderNone;
   walk.world_o = ray.o;
   walk.world_d = ray.d;
   walk_stack[0] = StackEntry(0u);  // an entry without children ends the walk; entries below it are never reached
@@ -100,33 +104,50 @@ void test_few_primitives(inout Walk walk) {
 
 #ifndef ETENDUE_RAY_QUERY
 
-// Enters the tree of the mesh named by an instance's record. The caller pushes an entry without children onto the stack.
-void enter_instance(inout Walk walk, Record record) {
-  const vec3 r0 = uintBitsToFloat(record.a.xyz), r1 = uintBitsToFloat(record.b.xyz), r2 = uintBitsToFloat(record.c.xyz);
-  const vec3 o = to_place(r0, r1, r2, walk.world_o - fetch_place_origin(record.c.w));
-  const vec3 d = to_place(r0, r1, r2, walk.world_d);
-  const ScaledRay scaled = make_scaled_ray(Ray(o, walk.rf.ray.t_min, d, walk.rf.ray.t_max));
-  walk.rf = scaled.rf;
-  walk.inv_d = safe_inverse(scaled.unit) / scaled.size;
-  walk.instance = record.a.w & ~kRecordInstance;
-}
-
-// Returns to the world when the top of the stack says so, and pops that entry.
-void leave_instance(inout Walk walk) {
-  RayFrame world = make_ray_frame(Ray(walk.world_o, walk.rf.ray.t_min, walk.world_d, walk.rf.ray.t_max));
-  MUTATE(kMutantInstanceNotLeft, world = walk.rf);
-  walk.rf = world;
-  walk.inv_d = safe_inverse(walk.world_d);
-  walk.instance = kNone;
+// Takes the top's next child off the stack, and with the last one the entry.
+void pop_child(bool last) {
+  const StackEntry taken = without_next(walk_stack[0]);
   StackEntry below = StackEntry(0u);
-  [[unroll]] for (int i = int(kStackSize) - 1; i >= 0; --i) {
+  [[unroll]] for (int i = int(kStackSize) - 1; i > 0; --i) {
     const StackEntry here = walk_stack[i];
-    walk_stack[i] = below;
+    walk_stack[i] = last ? below : here;
     below = here;
   }
+  walk_stack[0] = last ? below : taken;
 }
 
-// Visits one record: a node sends the walk to its nearest child and stacks the others, a primitive is intersected.
+// Turns a ray that has reached an instance's record toward the tree of its mesh, or one that is done with a mesh back to the world, where it goes on
+// with what it had left there.
+void cross_border(inout Walk walk) {
+  const bool enters = walk.border == kBorderIn;
+  if (walk.border == kBorderNone) return;
+  walk.border = kBorderNone;
+  const Record record = fetch_record(walk.current);
+  // lavapipe computes this for all lanes. The bits of other records would often be denormal numbers, which processors multiply a hundred times slower.
+  const uvec3 mask = uvec3(enters ? 0xffffffffu : 0u);
+  const vec3 r0 = uintBitsToFloat(record.a.xyz & mask), r1 = uintBitsToFloat(record.b.xyz & mask), r2 = uintBitsToFloat(record.c.xyz & mask);
+  vec3 o = walk.world_o, unit = walk.world_d;
+  float size = 1.0;
+  if (enters) {
+    o = to_place(r0, r1, r2, walk.world_o - fetch_place_origin(record.c.w));
+    const vec3 d = to_place(r0, r1, r2, walk.world_d);
+    size = length(d);
+    unit = unit_of(d, size);
+  }
+  RayFrame rf = make_scaled_frame(Ray(o, walk.rf.ray.t_min, unit, walk.rf.ray.t_max), size);
+  MUTATE(kMutantInstanceNotLeft, if (!enters) rf = walk.rf);
+  walk.rf = rf;
+  walk.inv_d = safe_inverse(unit) / size;
+  walk.instance = enters ? record.a.w & ~kRecordInstance : kNone;
+  walk.inner = 0u;
+  const StackEntry top = walk_stack[0];
+  const uint left = children_left(top);
+  walk.current = enters ? record.b.w : left == 0u ? kNone : next_child(top);
+  if (!enters) pop_child(left <= 1u);
+}
+
+// Visits one record: a node sends the walk to its nearest child and stacks the others, a primitive is intersected. At an instance, and where a
+// mesh's tree is done, the walk stops until it has crossed the border.
 void walk_step(inout Walk walk) {
   if (kTreeRoot == kNone) return;
   const Record record = fetch_record(walk.current);
@@ -139,16 +160,18 @@ void walk_step(inout Walk walk) {
   const uint instance = kInstanced && walk.instance != kNone ? walk.instance : record.a.w;
   const bool found = !node && !enter && intersect_primitive(walk.rf, record, walk.current, instance, walk.passed, walk.nearest);
 
-  const bool push = hits > 1u || enter;
-  const bool pop = hits == 0u && !enter;
+  const bool push = hits > 1u;
+  bool pop = hits == 0u && !enter;
+  // The entries below those of the mesh are of the world.
+  const bool leave = kInstanced && pop && walk.instance != kNone && walk.inner == 0u;
   if (kInstanced) {
-    // Within a mesh's tree, an entry without children means leaving the mesh, not the end of the walk.
-    if (pop && walk.instance != kNone && children_left(walk_stack[0]) == 0u) leave_instance(walk);
+    pop = pop && !leave;
+    walk.border = enter ? kBorderIn : leave ? kBorderOut : kBorderNone;
   }
   const StackEntry top = walk_stack[0];
   const uint left = children_left(top);
   const bool drop = pop && left <= 1u;
-  const uint next = pop ? next_child(top) : enter ? record.b.w : visit.nearest;
+  const uint next = pop ? next_child(top) : visit.nearest;
   // The entry below the new top: the remaining children of the node, or the top without the child that is taken now.
   const StackEntry taken = without_next(top);
   StackEntry below = StackEntry(0u);
@@ -158,13 +181,16 @@ void walk_step(inout Walk walk) {
     walk_stack[i] = push ? walk_stack[i - 1] : drop ? below : here;
     below = here;
   }
-  walk_stack[0] = enter ? StackEntry(0u) : push ? visit.others : drop ? below : pop ? taken : top;
-  walk.current = (pop && left == 0u) || (found && walk.any_hit) ? kNone : next;
-  if (kInstanced) {
-    if (enter) enter_instance(walk, record);
-  }
+  walk_stack[0] = push ? visit.others : drop ? below : pop ? taken : top;
+  if (kInstanced) walk.inner += uint(push) - uint(drop);
+  const bool ended = (pop && left == 0u) || (found && walk.any_hit);
+  walk.current = ended ? kNone : kInstanced && walk.border != kBorderNone ? walk.current : next;
+  if (kInstanced && ended) walk.border = kBorderNone;
 }
 
+#define CROSS_BORDER(walk) if (kInstanced) cross_border(walk);
+#else
+#define CROSS_BORDER(walk)
 #endif
 
 // Visits up to `steps` records, after the few primitives if they have not been tested.
@@ -173,6 +199,7 @@ void advance_walk(inout Walk walk, uint steps) {
   for (uint i = 0u; i < steps; ++i) {
     if (walk_done(walk)) break;
     walk_step(walk);
+    CROSS_BORDER(walk)
   }
 }
 
@@ -186,6 +213,7 @@ Walk trace(Ray ray, bool any_hit, Passed passed, uint step_budget, inout uint st
     if (steps > step_budget) break;
     ++steps;
     walk_step(walk);
+    CROSS_BORDER(walk)
   }
   return walk;
 }

@@ -433,7 +433,7 @@ class Compiler {
       }
       out_.records[std::size_t{slot_of[i]} * gpu::kSlotTexels + 1].w = roots[shape];
     }
-    out_.tree_depth += 1 + deepest;
+    out_.tree_depth += deepest;
   }
 
   void make_lights() {

@@ -51,7 +51,7 @@ struct CompiledScene : CompiledMaterials, CompiledLights {
   CompiledTextures textures;
   std::vector<gpu::uvec4> vertex_normals;  ///< of the triangles of meshes that have them, see kOctahedron
   std::uint32_t tree_root = gpu::kNone;    ///< slot of the root; kNone if all primitives are outside the tree
-  std::uint32_t tree_depth = 0;  ///< levels of nodes, including those of the deepest shared mesh and the step into it
+  std::uint32_t tree_depth = 0;            ///< levels of nodes, including those of the deepest shared mesh
   bool has_spheres = false, inward_spheres = false, has_disks = false, has_cylinders = false;
   std::uint32_t few_count = 0;                     ///< number of primitives outside the tree, see kFewPrimitives
   std::uint32_t few_spheres = 0;                   ///< bit i: the i-th of them is a sphere

@@ -139,7 +139,7 @@ class Etendue:
         with open(path, encoding='utf-8') as file:
             return Source(convert, json.load(file))
 
-    def render(self, scene, spp, out, seed):
+    def render(self, scene, spp, out, seed, *more):
         """Seconds of rendering, compilation of the kernel left out, and CPU seconds of the whole process."""
         run = Run(
             [
@@ -159,6 +159,7 @@ class Etendue:
                 '-o',
                 out,
                 '--json',
+                *more,
             ],
             self.options.threads,
         )

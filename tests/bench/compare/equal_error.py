@@ -53,19 +53,15 @@ class Ways:
             return
         mitsuba.prepare(self.etendue.source(self.same, folder), folder)
         for kind in MITSUBA_SAMPLERS:
-            own = os.path.join(folder, kind)
-            os.makedirs(own, exist_ok=True)
             with_sampler(os.path.join(folder, 'mitsuba.xml'), kind, os.path.join(folder, f'{kind}.xml'))
             self.by_name[f'{mitsuba.name}, {kind}'] = self.of_mitsuba(mitsuba, kind)
 
     def of_etendue(self, kind):
-        scene = with_sampler(self.same, kind, os.path.join(os.path.dirname(self.same), f'equal-{kind}.xml'))
-
         def render(spp, seed):
             out = os.path.join(self.folder, 'etendue.exr')
             if os.path.exists(out):
                 os.remove(out)
-            seconds, _ = self.etendue.render(scene, spp, out, seed)
+            seconds, _ = self.etendue.render(self.same, spp, out, seed, '-D', f'sampler.type={kind}')
             return agreement.read_picture(out), seconds
 
         return render
