@@ -7,7 +7,7 @@ FOLDER = "build/release/share/etendue/meshes"  # where the build puts the robot
 PICTURES = {
     "gallery/window": (LARGE, 256, "--tonemap aces"),
     "gallery/row": (LARGE, 96, "--tonemap aces"),
-    "robot.glb": (LARGE, 48, "--tonemap aces"),
+    "robot.glb": (LARGE, 80, "--tonemap aces"),
     "gallery/glass": (LARGE, 64, "--tonemap aces"),
     "gallery/hall": (LARGE, 64, "--tonemap aces --exposure 0.7"),
     "gallery/terrace": (LARGE, 48, "--tonemap aces"),
