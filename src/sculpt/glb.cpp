@@ -15,7 +15,8 @@ constexpr std::uint32_t kFloat = 5126, kUnsigned = 5125;
 constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
 void append(std::vector<std::byte>& to, std::span<const std::byte> bytes) {
-  to.insert(to.end(), bytes.begin(), bytes.end());
+  to.resize(to.size() + bytes.size());
+  std::ranges::copy(bytes, to.end() - static_cast<std::ptrdiff_t>(bytes.size()));
 }
 
 void pad(std::vector<std::byte>& bytes, char with) {

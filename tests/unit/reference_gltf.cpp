@@ -69,7 +69,7 @@ TEST(ReferenceGltf, APrismBendsEachColourByItsOwnIndex) {
   const auto face = [&](const Vec3& p, const Vec3& u, const Vec3& v) {
     const TriangleMesh q = quad(p - 0.5 * z, u, v);
     const auto base = static_cast<std::uint32_t>(mesh.positions.size());
-    for (const glm::dvec3& corner : q.positions) mesh.positions.push_back(corner);
+    for (const glm::dvec3& position : q.positions) mesh.positions.push_back(position);
     for (const glm::uvec3& t : q.triangles) mesh.triangles.push_back(t + base);
   };
   face(foot, z, apex - foot);      // normal −x

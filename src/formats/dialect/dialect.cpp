@@ -115,8 +115,8 @@ std::string_view Dialect::canonical(std::string_view tag) const {
 
 std::string_view Dialect::canonical_type(std::string_view tag, std::string_view type) const {
   const auto find_alias = [&](const auto& is_word) {
-    const auto found = std::ranges::find_if(type_aliases, [&](const TypeAliases& aliases) {
-      return aliases.tag == tag && std::ranges::any_of(aliases.words, is_word);
+    const auto found = std::ranges::find_if(type_aliases, [&](const TypeAliases& entry) {
+      return entry.tag == tag && std::ranges::any_of(entry.words, is_word);
     });
     return found == type_aliases.end() ? std::string_view() : found->type;
   };
