@@ -6,8 +6,8 @@ FOLDER = "build/release/share/etendue/meshes"  # where the build puts the robot
 # scene: (size, samples per pixel, further options), as docs/gallery.md tells its readers to make them
 PICTURES = {
     "gallery/window": (LARGE, 256, "--tonemap aces"),
-    "gallery/row": (LARGE, 96, "--tonemap aces"),
-    "robot.glb": (LARGE, 80, "--tonemap aces"),
+    "gallery/row": (LARGE, 192, "--tonemap aces"),
+    "robot.glb": (LARGE, 192, "--tonemap aces"),
     "gallery/glass": (LARGE, 64, "--tonemap aces"),
     "gallery/hall": (LARGE, 64, "--tonemap aces --exposure 0.7"),
     "gallery/terrace": (LARGE, 48, "--tonemap aces"),
