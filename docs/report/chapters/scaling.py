@@ -151,7 +151,7 @@ def plot(studio, result):
         else:
             panel.set_xscale("log")
     for panel in panels[:, 0]:
-        panel.set_ylabel("µs of processor time per sample")
+        panel.set_ylabel("µs per sample")
     studio.keep_plot("scaling", figure)
 
 
