@@ -8,7 +8,7 @@ PICTURES = {
     "gallery/window": (LARGE, 256, "--tonemap aces"),
     "gallery/row": (LARGE, 192, "--tonemap aces"),
     "robot.glb": (LARGE, 192, "--tonemap aces"),
-    "gallery/glass": (LARGE, 64, "--tonemap aces"),
+    "gallery/glass": (LARGE, 160, "--tonemap aces"),
     "gallery/hall": (LARGE, 64, "--tonemap aces --exposure 0.7"),
     "gallery/terrace": (LARGE, 48, "--tonemap aces"),
     "forest": (LARGE, 128, "-D sampler.type=sobol"),
