@@ -15,7 +15,6 @@ layout(constant_id = kConstantTreeRoot) const uint kTreeRoot = 0u;   // slot of 
 
 const bool kHasFew = kFewCount > 0u;
 const uint kBeforeTree = 0xfffffffeu;
-const uint kBorderNone = 0u, kBorderIn = 1u, kBorderOut = 2u;
 
 #ifdef ETENDUE_RAY_QUERY
 #include "trace_query.glsl"
@@ -34,7 +33,6 @@ struct Walk {
   // those of the ray in the mesh's space, and the upper `inner` entries of the stack are of the mesh's tree.
   uint instance;
   uint inner;
-  uint border;  // kBorder…: which way `current` is about to cross
   vec3 world_o, world_d;
 };
 
@@ -66,7 +64,6 @@ Walk begin_walk(Ray ray, bool any_hit, Passed passed) {
   walk.passed = passed;
   walk.instance = kNone;
   walk.inner = 0u;
-  walk.border = kBorderNone;
   walk.world_o = ray.o;
   walk.world_d = ray.d;
   walk_stack[0] = StackEntry(0u);  // an entry without children ends the walk; entries below it are never reached
@@ -104,25 +101,8 @@ void test_few_primitives(inout Walk walk) {
 
 #ifndef ETENDUE_RAY_QUERY
 
-// Takes the top's next child off the stack, and with the last one the entry.
-void pop_child(bool last) {
-  const StackEntry taken = without_next(walk_stack[0]);
-  StackEntry below = StackEntry(0u);
-  [[unroll]] for (int i = int(kStackSize) - 1; i > 0; --i) {
-    const StackEntry here = walk_stack[i];
-    walk_stack[i] = last ? below : here;
-    below = here;
-  }
-  walk_stack[0] = last ? below : taken;
-}
-
-// Turns a ray that has reached an instance's record toward the tree of its mesh, or one that is done with a mesh back to the world, where it goes on
-// with what it had left there.
-void cross_border(inout Walk walk) {
-  const bool enters = walk.border == kBorderIn;
-  if (walk.border == kBorderNone) return;
-  walk.border = kBorderNone;
-  const Record record = fetch_record(walk.current);
+// Turns a ray that has reached an instance's record toward the tree of its mesh, or one that is done with a mesh back to the world.
+void cross_border(inout Walk walk, Record record, bool enters) {
   // lavapipe computes this for all lanes. The bits of other records would often be denormal numbers, which processors multiply a hundred times slower.
   const uvec3 mask = uvec3(enters ? 0xffffffffu : 0u);
   const vec3 r0 = uintBitsToFloat(record.a.xyz & mask), r1 = uintBitsToFloat(record.b.xyz & mask), r2 = uintBitsToFloat(record.c.xyz & mask);
@@ -140,14 +120,9 @@ void cross_border(inout Walk walk) {
   walk.inv_d = safe_inverse(unit) / size;
   walk.instance = enters ? record.a.w & ~kRecordInstance : kNone;
   walk.inner = 0u;
-  const StackEntry top = walk_stack[0];
-  const uint left = children_left(top);
-  walk.current = enters ? record.b.w : left == 0u ? kNone : next_child(top);
-  if (!enters) pop_child(left <= 1u);
 }
 
-// Visits one record: a node sends the walk to its nearest child and stacks the others, a primitive is intersected. At an instance, and where a
-// mesh's tree is done, the walk stops until it has crossed the border.
+// Visits one record: a node sends the walk to its nearest child and stacks the others, a primitive is intersected.
 void walk_step(inout Walk walk) {
   if (kTreeRoot == kNone) return;
   const Record record = fetch_record(walk.current);
@@ -161,17 +136,13 @@ void walk_step(inout Walk walk) {
   const bool found = !node && !enter && intersect_primitive(walk.rf, record, walk.current, instance, walk.passed, walk.nearest);
 
   const bool push = hits > 1u;
-  bool pop = hits == 0u && !enter;
+  const bool pop = hits == 0u && !enter;
   // The entries below those of the mesh are of the world.
   const bool leave = kInstanced && pop && walk.instance != kNone && walk.inner == 0u;
-  if (kInstanced) {
-    pop = pop && !leave;
-    walk.border = enter ? kBorderIn : leave ? kBorderOut : kBorderNone;
-  }
   const StackEntry top = walk_stack[0];
   const uint left = children_left(top);
   const bool drop = pop && left <= 1u;
-  const uint next = pop ? next_child(top) : visit.nearest;
+  const uint next = pop ? next_child(top) : enter ? record.b.w : visit.nearest;
   // The entry below the new top: the remaining children of the node, or the top without the child that is taken now.
   const StackEntry taken = without_next(top);
   StackEntry below = StackEntry(0u);
@@ -182,15 +153,13 @@ void walk_step(inout Walk walk) {
     below = here;
   }
   walk_stack[0] = push ? visit.others : drop ? below : pop ? taken : top;
-  if (kInstanced) walk.inner += uint(push) - uint(drop);
-  const bool ended = (pop && left == 0u) || (found && walk.any_hit);
-  walk.current = ended ? kNone : kInstanced && walk.border != kBorderNone ? walk.current : next;
-  if (kInstanced && ended) walk.border = kBorderNone;
+  walk.current = (pop && left == 0u) || (found && walk.any_hit) ? kNone : next;
+  if (kInstanced) {
+    walk.inner += uint(push) - uint(drop);
+    if (enter || leave) cross_border(walk, record, enter);
+  }
 }
 
-#define CROSS_BORDER(walk) if (kInstanced) cross_border(walk);
-#else
-#define CROSS_BORDER(walk)
 #endif
 
 // Visits up to `steps` records, after the few primitives if they have not been tested.
@@ -199,7 +168,6 @@ void advance_walk(inout Walk walk, uint steps) {
   for (uint i = 0u; i < steps; ++i) {
     if (walk_done(walk)) break;
     walk_step(walk);
-    CROSS_BORDER(walk)
   }
 }
 
@@ -213,7 +181,6 @@ Walk trace(Ray ray, bool any_hit, Passed passed, uint step_budget, inout uint st
     if (steps > step_budget) break;
     ++steps;
     walk_step(walk);
-    CROSS_BORDER(walk)
   }
   return walk;
 }

@@ -75,8 +75,8 @@ class Studio:
             sys.exit(f"'{' '.join(command)}' ended with exit code {result.returncode}:\n{result.stderr}")
         return result.stdout
 
-    def json(self, *arguments, accept=(0,)):
-        return json.loads(self.etendue(*arguments, accept=accept))
+    def json(self, *arguments, accept=(0,), environment=None):
+        return json.loads(self.etendue(*arguments, accept=accept, environment=environment))
 
     def json_file(self, *arguments, accept=(0,)):
         """For JSON in a file, beside the text on stdout."""

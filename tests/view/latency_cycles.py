@@ -3,12 +3,10 @@
 FOLDER is what `etendue bench SCENE --export OUT --size WxH` wrote for one scene: a folder in OUT. Prints what latency_mitsuba.py prints. Blender keeps its
 data from picture to picture here (use_persistent_data), as its viewport does. docs/view.md has the numbers."""
 
-import os
-import statistics
-import subprocess
 import sys
-import time
 from pathlib import Path
+
+import latency_peers
 
 CHILD = """
 import os, sys, time
@@ -34,16 +32,5 @@ for step in range(1, 6):
         print("LATENCY", what, 1000 * (time.time() - begin))
 """
 
-folder = sys.argv[1]
-rounds = int(sys.argv[2]) if len(sys.argv) > 2 else 5
 modules = Path(__file__).resolve().parents[1] / "bench" / "compare"
-times = {"first": [], "drag": [], "full": []}
-for _ in range(rounds):
-    told = subprocess.run([sys.executable, "-c", CHILD, folder, str(time.time())], check=True, capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": str(modules)})
-    for line in told.stdout.splitlines():
-        if line.startswith("LATENCY"):
-            _, what, milliseconds = line.split()
-            times[what].append(float(milliseconds))
-for what, values in times.items():
-    print(f"{what}: median {statistics.median(values):.0f} ms, {min(values):.0f} to {max(values):.0f}, of {len(values)}")
+latency_peers.measure(CHILD, [sys.argv[1]], int(sys.argv[2]) if len(sys.argv) > 2 else 5, {"PYTHONPATH": str(modules)})

@@ -4,10 +4,9 @@ SCENE is a scene for Mitsuba (`etendue convert SCENE out.xml --to mitsuba`). Pri
 Python to the first picture, of one sample a pixel at a quarter of the size across; from another place of the camera to such a picture;
 and to one of full size. docs/view.md has the numbers."""
 
-import statistics
-import subprocess
 import sys
-import time
+
+import latency_peers
 
 CHILD = """
 import sys, time
@@ -29,24 +28,15 @@ def picture(shape, seed):
 
 coarse = [max(1, int(n) // 4) for n in full]
 picture(coarse, 0)
-print("first", 1000 * (time.time() - start))
+print("LATENCY first", 1000 * (time.time() - start))
 own = parameters[sensor]
 for step in range(1, 6):
     for what, shape in (("drag", coarse), ("full", full)):
         begin = time.time()
         parameters[sensor] = own @ type(own)().translate([0, 0, 0.01 * step])
         picture(shape, step)
-        print(what, 1000 * (time.time() - begin))
+        print("LATENCY", what, 1000 * (time.time() - begin))
 """
 
-scene = sys.argv[1]
-rounds = int(sys.argv[2]) if len(sys.argv) > 2 else 5
 variant = sys.argv[3] if len(sys.argv) > 3 else "llvm_ad_rgb"
-times = {"first": [], "drag": [], "full": []}
-for _ in range(rounds):
-    told = subprocess.run([sys.executable, "-c", CHILD, scene, variant, str(time.time())], check=True, capture_output=True, text=True)
-    for line in told.stdout.splitlines():
-        what, milliseconds = line.split()
-        times[what].append(float(milliseconds))
-for what, values in times.items():
-    print(f"{what}: median {statistics.median(values):.0f} ms, {min(values):.0f} to {max(values):.0f}, of {len(values)}")
+latency_peers.measure(CHILD, [sys.argv[1], variant], int(sys.argv[2]) if len(sys.argv) > 2 else 5)

@@ -20,13 +20,13 @@ KINDS = [
 ]
 
 
-def scene_file(studio, name, shapes, camera, depth=6, sky=True):
+def scene_file(studio, name, shapes, camera, sky=True):
     """A scene of its own in the scratch folder; `camera` is origin and target."""
     path = studio.scratch / f"{name}.xml"
     light = '<emitter type="constant"><color name="radiance" value="0.8, 0.9, 1"/></emitter>' if sky else ""
     path.write_text(
         f"""<scene>
-<integrator type="path"><integer name="maxDepth" value="{depth}"/></integrator>
+<integrator type="path"><integer name="maxDepth" value="6"/></integrator>
 <sampler type="independent"><integer name="sampleCount" value="16"/></sampler>
 <camera type="perspective">
   <integer name="width" value="400"/><integer name="height" value="300"/><float name="fov" value="40"/>
@@ -110,17 +110,19 @@ def microseconds(bench):
 def measure(studio, label, scenes, options=(), environment=None):
     """One row for each scene (by its number of things); the scenes take turns."""
     limits = studio.pick(["--time", "0.7s", "--repetitions", 3], ["--quick"])
-    import json  # pylint: disable=import-outside-toplevel
-    report = json.loads(studio.etendue("bench", *scenes.values(), "--part", "samples", "--json", *limits, *options, *studio.device_options(),
-                                       environment=environment))
+    report = studio.json("bench", *scenes.values(), "--part", "samples", "--json", *limits, *options, *studio.device_options(),
+                         environment=environment)
     progress(f"{label} measured")
     return [{"x": x, **microseconds(bench)} for x, bench in zip(scenes, report["scenes"])]
+
+
+def powers(first, last):
+    return [10**k for k in range(first, last + 1)]
 
 
 def curves(studio):
     """Name, the label of its axis, rows."""
     small = studio.pick(["--size", "400x300"], ["--size", "32x24"])
-    powers = lambda first, last: [10**k for k in range(first, last + 1)]  # noqa: E731
     ways = [
         ("triangles", of_triangles, studio.pick(powers(3, 7), powers(3, 4))),
         ("lamps", of_lamps, studio.pick(powers(0, 5), powers(0, 1))),
