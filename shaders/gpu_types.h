@@ -372,11 +372,12 @@ const uint kMaterialTexturesTexels = 1u;
 // A texture that multiplies floats of a MaterialRecord.
 struct TextureUse {
   uint texture_of;  // kTextureOf…
-  uint floats;      // bit i: the i-th float of the record. Colours are at the beginning of a texel
+  uint floats;      // bit i: the i-th float of the record. Colours are at the beginning of a texel. kFloatsTurn: none
   float least;      // the range that the product is clamped to
   float most;
 };
 const uint kTextureUseTexels = 1u;
+const uint kFloatsTurn = 0x10000000u;  // red and green are a direction, which rotates the tangent of a glTF material
 // The texture that multiplies a parameter: its index, and above it the channel to use as a number, as in etendue::TextureChannel, or that it is a
 // colour.
 const uint kTextureOfIndexMask = 0xffffffu;
@@ -435,6 +436,7 @@ const uint kTexturesTangents = 0x800u;      // a material has kMaterialAligned
 const uint kTexturesCoat = 0x2000u;         // the roughness of a rough coat is one
 const uint kTexturesAlpha = 0x4000u;        // one has kTextureCut or kTexturePremultiplied
 const uint kTexturesVertexTangents = 0x8000u;  // a normal map follows the mesh's vertex tangents
+const uint kTexturesTurn = 0x40000u;        // a material has kFloatsTurn
 const uint kTexturesNested = 0x20000u;      // a checkerboard contains textures
 const uint kTexturesTinted = 0x10000u;      // one has kTextureTinted
 const uint kTexturesMesh = 0x1000u;         // texture coordinates of meshes are needed, with or without textures

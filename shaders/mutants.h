@@ -136,7 +136,8 @@ const uint kMutantDispersionReversed = 118u;
 const uint kMutantLooseMapsTied = 119u;
 const uint kMutantPartAreaWhole = 120u;
 const uint kMutantPartMisplaced = 121u;
-const uint kMutantCount = 122u;
+const uint kMutantTurnOfTextureLost = 122u;
+const uint kMutantCount = 123u;
 #endif
 
 #ifdef __cplusplus

@@ -148,7 +148,12 @@ void apply_textures(inout MaterialRecord r, uint row, SurfacePoint at) {
     if (kGltf) {
       r.sheen = textured(r.sheen, use.floats >> 16u, factor, use);
       r.scattered = textured(r.scattered, use.floats >> 20u, factor, use);
-      r.film = textured(r.film, use.floats >> 24u, factor, use);
+      r.film = textured(r.film, use.floats >> 24u & 0xfu, factor, use);
+      if (textures_have(kTexturesTurn) && use.floats == kFloatsTurn) {
+        float turn = turn_of(2.0 * factor.x - 1.0, 2.0 * factor.y - 1.0);
+        MUTATE(kMutantTurnOfTextureLost, turn = 0.0);
+        r.film.z += turn;
+      }
     }
     r = MaterialRecord(a.xyz, r.header, b.xyz, b.w, c.xyz, c.w, d.xyz, d.w, r.sheen, r.scattered, r.film, r.volume);
   }

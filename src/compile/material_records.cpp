@@ -259,6 +259,7 @@ constexpr Place kGltfPlaces[] = {
     {"roughness", number_at(2, 1)},
     {"metallic", number_at(2, 2)},
     {"anisotropy", number_at(2, 3)},
+    {"anisotropy_directions", gpu::kFloatsTurn},
     {"transmission", number_at(3, 0)},
     {"diffuse_transmission", number_at(3, 1)},
     {"clearcoat", number_at(3, 2)},

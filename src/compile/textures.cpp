@@ -93,6 +93,7 @@ class TextureCompiler {
       }
       const bool plain = material.adapter || std::holds_alternative<DiffuseBsdf>(material.bsdf);
       if (!plain && is_textured(material)) out_.features |= gpu::kTexturesRich;
+      if (gltf != nullptr && gltf->anisotropy_directions.texture) out_.features |= gpu::kTexturesTurn;
       const auto* coated = std::get_if<RoughPlasticBsdf>(&material.bsdf);
       if (coated != nullptr && coated->alpha.texture && !material.adapter) out_.features |= gpu::kTexturesCoat;
     });

@@ -254,6 +254,8 @@ constexpr std::array<Mutant, gpu::kMutantCount> kMutants{{
      "the density of points in a part of a lamp is that of its whole triangle", "textures, lamp bilinear"},
     {gpu::kMutantPartMisplaced, "part misplaced", "a point met by chance counts as one of its triangle's first part",
      "textures, lamp bilinear"},
+    {gpu::kMutantTurnOfTextureLost, "turned grain straight", "a texture does not turn the grain of brushed metal",
+     "picture of gleams"},
 }};
 static_assert(std::ranges::is_sorted(kMutants, {}, &Mutant::id) && kMutants.back().id == gpu::kMutantCount - 1);
 
@@ -545,8 +547,8 @@ Scene room_of_products() {
   return scene;
 }
 
-/// A two-sided lamp in the middle of the room, above a board whose coat has its own normal map, and a ball of
-/// dispersive glass in front.
+/// A two-sided lamp in the middle of the room, above a board whose coat has its own normal map, a ball of dispersive
+/// glass in front, and one of brushed metal.
 Scene room_of_gleams() {
   Scene scene = room();
   scene.name = scene.file = "room of gleams";
@@ -567,6 +569,11 @@ Scene room_of_gleams() {
   GltfBsdf glass{.metallic = 0.0, .roughness = 0.1, .transmission = 1.0, .thin = false};
   glass.dispersion = 8.0;
   scene.add(Sphere{{0.0, -0.2, -0.6}, 0.35}, glass);
+  const glm::dvec3 quarter(0.5, 1.0, 0.5);
+  scene.textures.push_back({.source = CheckerboardTexture{quarter, quarter}});
+  GltfBsdf brushed{.base_color = glm::dvec3(0.9), .roughness = 0.3, .anisotropy = 0.9};
+  brushed.anisotropy_directions = ColorParameter(glm::dvec3(1.0), 1);
+  scene.add(Sphere{{-0.6, -0.5, -0.3}, 0.3}, brushed);
   scene.integrator.max_depth = 4;
   return scene;
 }

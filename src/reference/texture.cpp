@@ -283,6 +283,11 @@ Bsdf at_point(const Scene& scene, const Bsdf& bsdf, const Surface& surface) {
         });
       },
       constant);
+  auto* gltf = std::get_if<GltfBsdf>(&constant);
+  if (gltf != nullptr && std::get<GltfBsdf>(bsdf).anisotropy_directions.texture) {
+    const Vec3 direction = 2.0 * gltf->anisotropy_directions.value - 1.0;
+    gltf->anisotropy_rotation += std::atan2(direction.y, direction.x);
+  }
   return constant;
 }
 

@@ -64,6 +64,8 @@ struct GltfBsdf {
   ScalarParameter sheen_roughness{0.0};
   ScalarParameter anisotropy{0.0};
   double anisotropy_rotation = 0.0;  ///< from the tangent, radians
+  /// Where there is a texture, a further rotation at each point: by the angle of (2 red − 1, 2 green − 1).
+  ColorParameter anisotropy_directions{glm::dvec3(1.0)};
   ScalarParameter iridescence{0.0};
   ScalarParameter iridescence_ior{1.3};          ///< of the film, in [1,10]
   ScalarParameter iridescence_thickness{400.0};  ///< of the film, nanometres, in [0,10000]

@@ -302,6 +302,8 @@ class Checker {
     if (bsdf.coat_normals.texture && (!bsdf.coat_keeps_normal || bsdf.coat_normals.value != glm::dvec3(1.0)))
       error(material.position, "coat_normals",
             "the coat's normal map is a texture, times 1, of a coat that keeps its normal");
+    if (bsdf.anisotropy_directions.texture && bsdf.anisotropy_directions.value != glm::dvec3(1.0))
+      error(material.position, "anisotropy_directions", "the directions of anisotropy are a texture, times 1");
     if (!std::isfinite(bsdf.anisotropy_rotation))
       error(material.position, "anisotropy_rotation",
             fmt::format("anisotropy_rotation {} is not finite", bsdf.anisotropy_rotation));

@@ -38,7 +38,7 @@ std::vector<std::uint32_t> references_of(const Material& material) {
 }  // namespace
 
 bool is_map(const MaterialNumber& number) {
-  return number.texture && number.name.ends_with("normals");
+  return number.texture && (number.name.ends_with("normals") || number.name.ends_with("directions"));
 }
 
 std::vector<MaterialNumber> numbers_of(const Material& material) {

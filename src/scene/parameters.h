@@ -99,6 +99,7 @@ void each_parameter(T& bsdf, F&& f) {
   f("sheen_color", bsdf.sheen_color);
   f("sheen_roughness", bsdf.sheen_roughness);
   f("anisotropy", bsdf.anisotropy);
+  if (bsdf.anisotropy_directions.texture) f("anisotropy_directions", bsdf.anisotropy_directions);
   f("iridescence", bsdf.iridescence);
   f("iridescence_ior", bsdf.iridescence_ior);
   f("iridescence_thickness", bsdf.iridescence_thickness);
@@ -173,7 +174,7 @@ struct ParameterRange {
 /// The range of a parameter by its name in each_parameter(). Only the albedo of diffuse materials is not clamped.
 template <typename T>
 constexpr ParameterRange parameter_range(const T&, std::string_view name) {
-  if (name == "coat_normals")
+  if (name == "coat_normals" || name == "anisotropy_directions")
     return {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max()};  // directions
   constexpr bool kMetal = std::is_same_v<T, ConductorBsdf> || std::is_same_v<T, RoughConductorBsdf>;
   if (std::is_same_v<T, DiffuseBsdf>) return {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max()};

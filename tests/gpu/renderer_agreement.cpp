@@ -441,6 +441,12 @@ TEST_F(RendererAgreement, TangentsTintsAndCoats) {
       });
       compare((own ? "coat's map" : "smooth coat") + where, bent, 20000, 1500, 1500);
     }
+    const GltfBsdf brushed{.roughness = 0.3, .anisotropy = 0.8, .anisotropy_rotation = 0.5};
+    const Scene grain = bent_meshes(instancing, brushed, [&](Scene& scene, std::uint32_t row) {
+      std::get<GltfBsdf>(scene.materials[row].bsdf).anisotropy_directions.texture = std::uint32_t{0};
+      return row;
+    });
+    compare("directions of anisotropy" + where, grain, 20000, 1500, 1500);
     const Scene tinted = bent_meshes(instancing, {.roughness = 0.7}, [&](Scene& scene, std::uint32_t row) {
       scene.textures.push_back({.source = BitmapTexture{.bitmap = 0}, .vertex_tint = true, .name = "tinted"});
       scene.textures.push_back(

@@ -90,7 +90,7 @@ TEST(GltfMaterials, LayersOfExtensions) {
       "KHR_materials_clearcoat":{"clearcoatFactor":0.5,"clearcoatRoughnessFactor":0.25,"clearcoatRoughnessTexture":{"index":0}},
       "KHR_materials_sheen":{"sheenColorFactor":[0.1,0.2,0.3],"sheenRoughnessFactor":0.5,"sheenRoughnessTexture":{"index":0}},
       "KHR_materials_specular":{"specularFactor":0.5,"specularColorFactor":[2,1,1],"specularTexture":{"index":0}},
-      "KHR_materials_anisotropy":{"anisotropyStrength":0.75,"anisotropyRotation":1},
+      "KHR_materials_anisotropy":{"anisotropyStrength":0.75,"anisotropyRotation":1,"anisotropyTexture":{"index":0}},
       "KHR_materials_iridescence":{"iridescenceFactor":1,"iridescenceThicknessMinimum":100,"iridescenceThicknessMaximum":400,"iridescenceThicknessTexture":{"index":0}},
       "KHR_materials_ior":{"ior":1.25}})");
   ASSERT_TRUE(read.scene.has_value()) << read.messages();
@@ -103,6 +103,10 @@ TEST(GltfMaterials, LayersOfExtensions) {
   EXPECT_EQ(b.specular_color.value, glm::dvec3(2, 1, 1));
   EXPECT_EQ(b.anisotropy.value, 0.75);
   EXPECT_EQ(b.anisotropy_rotation, -1.0);  // coordinates are mirrored
+  EXPECT_EQ(b.anisotropy.channel, TextureChannel::blue);
+  const Texture& directions = read.scene->textures.at(*b.anisotropy_directions.texture);
+  const Bitmap& turned = *read.scene->bitmaps.at(std::get<BitmapTexture>(directions.source).bitmap);
+  EXPECT_NEAR(turned.stored(0, 0, 1), 1.0, 1e-6);  // green is 0
   EXPECT_EQ(b.ior.value, 1.25);
   EXPECT_EQ(b.iridescence_thickness.value, 400.0);
   const Texture& film = read.scene->textures.at(*b.iridescence_thickness.texture);

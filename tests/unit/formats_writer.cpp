@@ -273,6 +273,7 @@ TEST(SceneWriter, GltfMaterialsComeBackWithTheirTextures) {
   bsdf.roughness = bsdf.sheen_roughness = kFromPicture;
   bsdf.attenuation_color = {0.5, 0.25, 1.0};
   bsdf.attenuation_distance = 2.0;
+  bsdf.anisotropy_directions.texture = std::uint32_t{0};
   const Scene scene = ball_of(bsdf);
   const Scene copy = copy_of(scene, folder.path("s.xml"), false);
   const auto& back = std::get<GltfBsdf>(copy.bsdf_of(copy.instances[0]));
@@ -283,6 +284,7 @@ TEST(SceneWriter, GltfMaterialsComeBackWithTheirTextures) {
   EXPECT_FALSE(back.thin);
   EXPECT_EQ(back.attenuation_color, bsdf.attenuation_color);
   EXPECT_EQ(back.attenuation_distance, 2.0);
+  EXPECT_TRUE(back.anisotropy_directions.texture);
 }
 
 TEST(SceneWriter, AdaptersAreWrittenWithWhatTheyStandBefore) {

@@ -74,7 +74,7 @@ PrimitiveNeeds GltfSurfaces::needs(std::optional<std::uint32_t> index, const Pri
   needs.alphas = content.colors_have_alpha && has_opacity(m);
   if (m.anisotropy > 0.0 && content.uv_sets > 0) {
     needs.uv_sets = std::max(needs.uv_sets, 1u);
-    if (m.anisotropy_rotation != 0.0) needs.tangent_uv = 0;
+    if (m.anisotropy_rotation != 0.0 || m.anisotropy_texture) needs.tangent_uv = 0;
   }
   // A mesh has tangents for one set of texture coordinates only.
   for (const MaybeTexture* map : {&m.clearcoat_normal_texture, &m.normal_texture}) {
@@ -155,6 +155,11 @@ void GltfSurfaces::set_layers(const GltfMaterial& m, const Traits& traits, GltfB
   // The angle is measured from the tangent toward the bitangent, which points the other way if coordinates are
   // mirrored.
   b.anisotropy_rotation = traits.mirrored ? -m.anisotropy_rotation : m.anisotropy_rotation;
+  if (m.anisotropy > 0.0 && m.anisotropy_texture) {
+    const TextureRecipe flipped = scaled_normals(1.0, true);
+    b.anisotropy_directions.texture =
+        texture(m.anisotropy_texture, traits, ColorSpace::linear, traits.mirrored ? &flipped : nullptr);
+  }
   assign(b.iridescence, m.iridescence, m.iridescence_texture, traits, TextureChannel::red);
   b.iridescence_ior = std::min(m.iridescence_ior, kMaxFilmIndex);
   const double most = std::min(std::max(m.iridescence_least, m.iridescence_most), kMaxFilmThickness);
@@ -249,7 +254,6 @@ void GltfSurfaces::say_what_is_left_out(const GltfMaterial& m) {
   };
   if (m.occlusion_texture && said_.insert("occlusion").second)
     sink_.note(position(m), "occlusion textures are ignored, because light is traced");
-  say(m.anisotropy > 0.0 && m.anisotropy_texture, "has a texture of the direction of its anisotropy");
   say(m.scatters, "scatters light inside");
 }
 

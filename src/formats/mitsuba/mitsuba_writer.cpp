@@ -427,7 +427,7 @@ class MitsubaWriter : MaterialWriter {
   void write_gltf(const std::string& id, const GltfBsdf& bsdf) override {
     const std::string sentence =
         "materials of glTF are written as principled, which has different lobes and no sheen, film, volume or "
-        "dispersion, and whose coat has the normal of the base";
+        "dispersion, whose coat has the normal of the base, and whose anisotropy follows the tangent";
     if (std::ranges::find(differences_, sentence) == differences_.end()) differs(sentence);
     const bool sheet = bsdf.thin && may_refract(bsdf);
     open_bsdf(id, sheet ? "principledthin" : "principled");

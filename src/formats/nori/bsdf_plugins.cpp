@@ -203,6 +203,12 @@ Plugin gltf_plugin() {
               textured("iridescence_thickness", "400", "thickness of the film in nanometres",
                        {0, kMaxFilmThickness, false, false})},
              {}};
+  row.parameters.push_back({"anisotropy_directions",
+                            color,
+                            "1 0.5 0.5",
+                            {0, 1, false, false},
+                            "rotates the tangent by the angle of (2 red − 1, 2 green − 1); a texture",
+                            "texture"});
   row.parameters.push_back({"coat_keeps_normal",
                             boolean,
                             "false",

@@ -836,6 +836,14 @@ class SceneReader {
     return bsdf;
   }
 
+  /// A parameter that has a meaning only as a texture.
+  void read_map(const Object& object, const char* name, ColorParameter& map, Scene* scene) {
+    if (object.child_of(name) != nullptr)
+      map = read_factor(object, name, scene);
+    else if (object.given(name))
+      sink_.error(object.position_of(name), fmt::format("\"{}\" is a map; give it a <texture>", name));
+  }
+
   GltfBsdf read_gltf(const Object& object, Scene* scene) {
     auto bsdf = read_parameters<GltfBsdf>(object, scene);
     bsdf.anisotropy_rotation = glm::radians(object.get<double>("anisotropy_rotation"));
@@ -843,7 +851,8 @@ class SceneReader {
     bsdf.dispersion = object.get<double>("dispersion");
     bsdf.coat_keeps_normal = object.get<bool>("coat_keeps_normal");
     bsdf.coat_vertex_tangents = object.get<bool>("coat_vertex_tangents");
-    if (object.child_of("coat_normals") != nullptr) bsdf.coat_normals = read_factor(object, "coat_normals", scene);
+    read_map(object, "coat_normals", bsdf.coat_normals, scene);
+    read_map(object, "anisotropy_directions", bsdf.anisotropy_directions, scene);
     bsdf.attenuation_color = object.get<glm::dvec3>("attenuation_color");
     const auto distance = object.get<double>("attenuation_distance");
     if (distance > 0.0) bsdf.attenuation_distance = distance;
