@@ -63,8 +63,11 @@ std::uint32_t PassSizer::groups(FilmPlace left, std::uint32_t paths) const {
   const auto most_groups = static_cast<std::uint32_t>(std::min<std::uint64_t>(left.count, limits_.most_groups));
   if (limits_.fixed_groups > 0) return std::min(limits_.fixed_groups, most_groups);
   const auto most_wanted = static_cast<std::uint32_t>(most() / paths);
-  const std::uint32_t wanted = std::min(affordable({left.first, most_groups}, limits_.seconds / paths), most_wanted);
-  const std::uint32_t groups = std::min(std::max(wanted, limits_.lane_groups), most_groups);
+  const FilmPlace most_left{left.first, most_groups};
+  const std::uint32_t wanted = std::min(affordable(most_left, limits_.seconds / paths), most_wanted);
+  // Fewer paths in a row leave time for more lanes; as few as keep a device busy are too many if it is slow.
+  const std::uint32_t busy = std::clamp(affordable(most_left, limits_.seconds), 1u, limits_.lane_groups);
+  const std::uint32_t groups = std::min(std::max(wanted, busy), most_groups);
   const std::uint32_t chunks = (left.count + groups - 1) / groups;
   return (left.count + chunks - 1) / chunks;  // all of equal size, where the film costs the same everywhere
 }

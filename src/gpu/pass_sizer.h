@@ -16,6 +16,7 @@ struct PassLimits {
   std::uint32_t fixed_samples = 0, fixed_groups = 0;  ///< 0: chosen here
   /// How many times dearer than the recent ones a place of the film may be that is still unknown.
   double caution = 1.0;
+  double first_rate = 2e5;  ///< paths per second, assumed for the first dispatch
 };
 
 /// Groups of film slots, counted over the whole film.
@@ -34,7 +35,7 @@ class PassSizer {
   static constexpr double kMostGrowth = 4.0;
   static constexpr std::size_t kRecent = 8;
 
-  explicit PassSizer(const PassLimits& limits) : limits_(limits) {}
+  explicit PassSizer(const PassLimits& limits) : limits_(limits), rate_(limits.first_rate) {}
 
   /// A dispatch gave each slot of a place so many paths.
   void measured(FilmPlace place, double paths, double seconds);
@@ -62,7 +63,7 @@ class PassSizer {
 
   PassLimits limits_;
   std::vector<double> costs_;  // seconds of a path, for every lane_groups groups; 0: unknown
-  double rate_ = 2e5;          // paths per second; the first guess is cautious
+  double rate_;                // paths per second
   std::array<double, kRecent> recent_{};
   std::size_t measurements_ = 0;
 };

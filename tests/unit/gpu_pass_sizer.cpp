@@ -41,6 +41,29 @@ TEST(PassSizer, ComesToTheTargetAndStaysThere) {
   EXPECT_GE(t[4], 0.8 * kTarget);
 }
 
+// As many paths as keep it busy would take ten times as long as they may.
+TEST(PassSizer, AWatchedDeviceNeverHasALongDispatch) {
+  PassSizer sizer({.seconds = kTarget,
+                   .most_groups = 1u << 20,
+                   .lane_groups = 2048,
+                   .paths_per_lane = 256,
+                   .caution = 4.0,
+                   .first_rate = 1e4});
+  constexpr double kRate = 5e4;
+  constexpr std::uint32_t kFilm = 1u << 16, kPaths = 16;
+  double longest = 0.0;
+  for (FilmPlace place; place.first < kFilm; place.first += place.count) {
+    place.count = sizer.groups({place.first, kFilm - place.first}, kPaths);
+    for (std::uint32_t done = 0, paths = 0; done < kPaths; done += paths) {
+      paths = sizer.paths(kPaths - done, place);
+      const double seconds = static_cast<double>(place.count) * paths * gpu::kWorkgroupSize / kRate;
+      longest = std::max(longest, seconds);
+      sizer.measured(place, paths, seconds);
+    }
+  }
+  EXPECT_LE(longest, 1.1 * kTarget);
+}
+
 TEST(PassSizer, NeverGrowsByMoreThanItsBound) {
   const auto t = times(12, [](std::size_t i) { return i == 0 ? 2e4 : 2e6; });  // the driver compiles in the first
   for (std::size_t i = 2; i < t.size(); ++i) EXPECT_LE(t[i], 1.1 * PassSizer::kMostGrowth * t[i - 1]) << i;
