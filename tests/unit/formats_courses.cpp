@@ -132,9 +132,27 @@ TEST(Courses, TexturesWithoutANameAreTheColour) {
   EXPECT_THAT(all_messages(metal.diagnostics), HasSubstr("needs the name of a property: \"eta\", \"k\""));
 }
 
-TEST(Courses, TexturesOfMeshesAreNamed) {
-  const Parsed parsed = parse_beside_picture(sphere(R"(<texture type="bitmap"/>)"));
-  EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr("it gives a property of <emitter> or <bsdf>"));
+TEST(Courses, TexturesOfMeshes) {
+  const std::string picture = R"(<string name="filename" value="a.hdr"/>)";
+  const Scene scene = read_beside_picture(
+      R"(<bsdf type="diffuse" id="paint"><color name="albedo" value="0.1 0.2 0.3"/></bsdf>)" +
+      sphere(R"(<ref id="paint"/><texture type="bitmap">)" + picture + "</texture>") + sphere(R"(<ref id="paint"/>)") +
+      sphere(R"(<ref id="paint"/><texture type="normal_map">)" + picture + "</texture>") +
+      sphere(R"(<ref id="paint"/><texture type="bitmap"><string name="id" value="normal"/>)" + picture + "</texture>"));
+  const auto row = [&](std::size_t i) -> const Material& { return scene.materials.at(scene.instances.at(i).material); };
+  EXPECT_TRUE(std::get<DiffuseBsdf>(row(0).bsdf).albedo.texture.has_value());
+  EXPECT_EQ(std::get<DiffuseBsdf>(row(1).bsdf).albedo.value, glm::dvec3(0.1, 0.2, 0.3));
+  EXPECT_FALSE(std::get<DiffuseBsdf>(row(1).bsdf).albedo.texture.has_value());
+  for (const std::size_t i : {2u, 3u}) {
+    ASSERT_TRUE(row(i).adapter.has_value());
+    const auto& normals = std::get<NormalMapAdapter>(*row(i).adapter);
+    EXPECT_EQ(normals.inner, scene.instances.at(1).material);
+    const auto& source = std::get<BitmapTexture>(scene.textures.at(normals.normals.texture.value()).source);
+    EXPECT_EQ(source.color_space, ColorSpace::linear);
+  }
+  const Parsed glass =
+      parse_beside_picture(sphere(R"(<bsdf type="dielectric"/><texture type="bitmap">)" + picture + "</texture>"));
+  EXPECT_THAT(all_messages(glass.diagnostics), HasSubstr("has no colour that this texture could be"));
 }
 
 TEST(Courses, PicturesOfASizeInTextureCoordinates) {
@@ -310,13 +328,12 @@ TEST(Courses, WhatThereIsNotIsReplacedWhereThatIsWanted) {
   const std::string text =
       R"(<scene><integrator type="single_scattering"/><camera type="perspective"/><medium type="homogeneous"/>
          <mesh type="sphere"><bsdf type="bssrdf"><color name="albedo" value="0.4 0.2 0.1"/></bsdf></mesh>
-         <mesh type="sphere"><bsdf type="diffuse"><texture type="perlin" name="albedo"/></bsdf>
-           <texture type="bitmap"/></mesh></scene>)";
+         <mesh type="sphere"><bsdf type="diffuse"><texture type="perlin" name="albedo"/></bsdf></mesh></scene>)";
   const Parsed refused = parse(text);
   EXPECT_FALSE(refused.file);
   EXPECT_THAT(all_messages(refused.diagnostics),
               HasSubstr("the scene needs things that are not supported: bsdf bssrdf (2:"));
-  for (const char* feature : {"integrator single_scattering (1:", "medium (1:", "texture perlin (3:"})
+  for (const char* feature : {"integrator single_scattering (1:", "medium homogeneous (1:", "texture perlin (3:"})
     EXPECT_THAT(all_messages(refused.diagnostics), HasSubstr(feature));
   ReadOptions options;
   options.approximate = true;
@@ -326,10 +343,217 @@ TEST(Courses, WhatThereIsNotIsReplacedWhereThatIsWanted) {
   EXPECT_EQ(std::get<DiffuseBsdf>(scene.materials.at(0).bsdf).albedo.value, glm::dvec3(0.4, 0.2, 0.1));
   EXPECT_EQ(std::get<DiffuseBsdf>(scene.materials.at(1).bsdf).albedo.value, glm::dvec3(0.5));
   EXPECT_EQ(scene.integrator.type, Integrator::Type::path);
-  EXPECT_THAT(scene.approximations, ElementsAre("medium: left out", "integrator single_scattering: path_mis",
-                                                "bsdf bssrdf: diffuse, of its colour or grey",
-                                                "texture in mesh: left out", "texture perlin: grey, 0.5"));
+  EXPECT_THAT(scene.approximations,
+              ElementsAre("medium: left out", "integrator single_scattering: path_mis",
+                          "bsdf bssrdf: diffuse, of its colour or grey", "texture perlin: grey, 0.5"));
   EXPECT_THAT(all_messages(replaced.diagnostics), Not(HasSubstr("error")));
+}
+
+TEST(Courses, NamesOfPicturesInPlaceOfColours) {
+  const Parsed parsed = parse_beside_picture(
+      sphere(R"(<bsdf type="diffuse"><color name="albedo" value="0.1 0.2 0.3"/>
+                  <string name="texture_file" value="a.hdr"/></bsdf>)") +
+      sphere(R"(<bsdf type="diffuse"><texture type="bitmap"><string name="filename" value="a.hdr"/></texture>
+                  <color name="albedo" value="0.1 0.2 0.3"/></bsdf>)") +
+      sphere(R"(<bsdf type="disney"><string name="base_color" value="a.hdr"/>
+                  <string name="roughness_texture" value="a.hdr"/></bsdf>)"));
+  ASSERT_TRUE(parsed.file) << all_messages(parsed.diagnostics);
+  const Scene& scene = parsed.scene();
+  for (const std::size_t i : {0u, 1u})
+    EXPECT_TRUE(std::get<DiffuseBsdf>(scene.materials.at(i).bsdf).albedo.texture.has_value()) << i;
+  EXPECT_TRUE(std::get<PrincipledBsdf>(scene.materials.at(2).bsdf).base_color.texture.has_value());
+  EXPECT_TRUE(std::get<PrincipledBsdf>(scene.materials.at(2).bsdf).roughness.texture.has_value());
+  EXPECT_THAT(
+      all_messages(parsed.diagnostics),
+      HasSubstr("\"albedo\" of <bsdf type=\"diffuse\"> is given by a picture and by a value; the picture counts"));
+  // Two values, or two pictures, are still one too many.
+  const std::string name = R"(<string name="texture" value="a.hdr"/>)";
+  const Parsed twice = parse_beside_picture(sphere("<bsdf type=\"diffuse\">" + name + name + "</bsdf>"));
+  EXPECT_THAT(all_messages(twice.diagnostics), HasSubstr("\"albedo\""));
+  const Parsed none =
+      parse_beside_picture(sphere(R"(<bsdf type="diffuse"><string name="albedo" value="none.hdr"/></bsdf>)"));
+  EXPECT_THAT(all_messages(none.diagnostics), HasSubstr("none.hdr: cannot open it"));
+  EXPECT_FALSE(none.file);
+}
+
+TEST(Courses, NormalsAndHolesOfMaterials) {
+  const Scene scene = read_beside_picture(sphere(R"(<bsdf type="diffuse"><string name="normalMap" value="a.hdr"/>
+      <float name="opacity" value="0.25"/></bsdf>)"));
+  const auto& mask = std::get<MaskAdapter>(scene.materials.at(scene.instances.at(0).material).adapter.value());
+  EXPECT_EQ(mask.opacity.value, 0.25);
+  const auto& normals = std::get<NormalMapAdapter>(scene.materials.at(mask.inner).adapter.value());
+  EXPECT_TRUE(normals.normals.texture.has_value());
+  EXPECT_FALSE(normals.turned.mirrored);
+  EXPECT_FALSE(normals.turned.shadowed);
+  EXPECT_TRUE(std::holds_alternative<DiffuseBsdf>(scene.materials.at(normals.inner).bsdf));
+}
+
+TEST(Courses, MixturesCountTheFirst) {
+  const std::string two = R"(<float name="weight" value="0.25"/><bsdf type="mirror"/><bsdf type="diffuse"/></bsdf>)";
+  const auto share_of_mirror = [&](const std::string& type) {
+    const Scene scene = read_beside_picture(sphere("<bsdf type=\"" + type + "\">" + two));
+    const auto& blend = std::get<BlendAdapter>(scene.materials.at(scene.instances.at(0).material).adapter.value());
+    const bool is_second = std::holds_alternative<MirrorBsdf>(scene.materials.at(blend.second).bsdf);
+    return is_second ? blend.weight.value : 1.0 - blend.weight.value;
+  };
+  EXPECT_EQ(share_of_mirror("mixture"), 0.25);
+  EXPECT_EQ(share_of_mirror("blend"), 0.75);
+}
+
+TEST(Courses, ColouredMirrors) {
+  const Scene scene =
+      read_beside_picture(sphere(R"(<bsdf type="mirror"><color name="color" value="0.9 0.8 0.7"/></bsdf>)") +
+                          sphere(R"(<bsdf type="mirror"/>)"));
+  const auto& tinted = std::get<ConductorBsdf>(scene.materials.at(0).bsdf);
+  EXPECT_EQ(tinted.specular_reflectance.value, glm::dvec3(0.9, 0.8, 0.7));
+  EXPECT_EQ(tinted.index.eta.value, glm::dvec3(0.0));
+  EXPECT_TRUE(std::holds_alternative<MirrorBsdf>(scene.materials.at(1).bsdf));
+}
+
+TEST(Courses, FactorsOfTextureCoordinates) {
+  const Scene scene = read_beside_picture(
+      sphere(
+          R"(<bsdf type="diffuse"><texture type="checkerboard"><float name="uvscale" value="20"/></texture></bsdf>)") +
+      sphere(R"(<bsdf type="diffuse"><texture type="bitmap"><string name="filename" value="a.hdr"/>
+                  <float name="uvscale" value="3"/></texture></bsdf>)"));
+  EXPECT_EQ(scene.textures.at(0).uv_transform * glm::dvec3(1, 1, 1), glm::dvec3(20, 20, 1));
+  EXPECT_EQ(scene.textures.at(1).uv_transform * glm::dvec3(1, 2, 1), glm::dvec3(3, 6, 1));
+}
+
+TEST(Courses, CosinesAndFullAnglesOfSpots) {
+  const auto spot = [](const std::string& content) {
+    return read_beside_picture("<emitter type=\"spot\">" + content + "</emitter>" + sphere("")).delta_lights.at(0);
+  };
+  const DeltaLight cosines = spot(R"(<color name="power" value="1"/><float name="cosTotalWidth" value="0.5"/>
+      <float name="cosFalloffStart" value="0.8660254037844386"/>)");
+  EXPECT_NEAR(cosines.cutoff, 60.0, 1e-9);
+  EXPECT_NEAR(cosines.beam_width, 30.0, 1e-9);
+  EXPECT_EQ(cosines.falloff, DeltaLight::Falloff::quartic);
+  const DeltaLight full = spot(R"(<color name="power" value="7"/><float name="theta" value="60"/>
+      <float name="thetaFalloff" value="20"/>)");
+  EXPECT_EQ(full.cutoff, 30.0);
+  EXPECT_EQ(full.beam_width, 10.0);
+  EXPECT_EQ(full.falloff, DeltaLight::Falloff::linear);
+  EXPECT_EQ(full.intensity.value, glm::dvec3(7.0));
+}
+
+TEST(Courses, SpheresTurnInPlace) {
+  const auto center = [](const std::string& transform) {
+    const Scene scene = read_beside_picture(
+        "<mesh type=\"sphere\"><point name=\"center\" value=\"1 2 3\"/>"
+        "<transform name=\"toWorld\">" +
+        transform + "</transform></mesh>");
+    const glm::dvec4 at(std::get<Sphere>(scene.shapes.at(0)).center, 1.0);
+    return glm::dvec3(scene.instances.at(0).world_from_object * at);
+  };
+  const auto near = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::length(a - b) < 1e-9; };
+  const std::string turn = R"(<rotate axis="0,0,1" angle="90"/>)";
+  EXPECT_TRUE(near(center(turn), glm::dvec3(1, 2, 3)));
+  EXPECT_TRUE(near(center(turn + R"(<translate value="0,0,1"/>)"), glm::dvec3(-2, 1, 4)));
+  EXPECT_TRUE(near(center(R"(<matrix value="0 -1 0 0  1 0 0 0  0 0 1 0  0 0 0 1"/>)"), glm::dvec3(-2, 1, 3)));
+}
+
+TEST(Courses, TheAxisUpOfTheSky) {
+  const std::string picture = R"(<emitter type="envmap"><string name="filename" value="a.hdr"/>)";
+  const auto up = [&](const std::string& content) {
+    const Scene scene = read_beside_picture(content + sphere(""));
+    return scene.sky.world_from_sky * glm::dvec3(0, 1, 0);  // of the upper edge
+  };
+  const auto near = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::length(a - b) < 1e-9; };
+  const std::string turn = R"(<transform name="toWorld"><rotate axis="1,0,0" angle="-90"/></transform>)";
+  EXPECT_EQ(up(picture + "</emitter>"), glm::dvec3(0, 1, 0));
+  EXPECT_EQ(up(picture + R"(<string name="up" value="z"/></emitter>)"), glm::dvec3(0, 0, 1));
+  EXPECT_EQ(up("<mesh type=\"sphere\">" + picture + "</emitter></mesh>"), glm::dvec3(0, 0, 1));
+  EXPECT_TRUE(near(up(picture + turn + "</emitter>"), glm::dvec3(0, 1, 0)));
+  EXPECT_TRUE(near(up(picture + turn + R"(<string name="up" value="y"/></emitter>)"), glm::dvec3(0, 0, -1)));
+  const Scene scene = read_beside_picture(picture + R"(<string name="up" value="z"/></emitter>)" + sphere(""));
+  // The middle of the picture is toward -Z of the sky, its left edge toward +Z, a quarter toward ±X.
+  EXPECT_EQ(scene.sky.world_from_sky * glm::dvec3(0, 0, 1), glm::dvec3(-1, 0, 0));
+  EXPECT_THAT(all_messages(parse_beside_picture(picture + R"(<string name="up" value="x"/></emitter>)").diagnostics),
+              HasSubstr("\"x\" is no axis toward the upper edge of the picture; use y or z"));
+}
+
+TEST(Courses, TheSkyOfASceneWithoutAnIntegrator) {
+  const TemporaryFolder folder;
+  folder.write("a.hdr", kPicture);
+  const auto read = [&](const std::string& content) {
+    Parsed result;
+    result.file =
+        parse_scene_file("<scene><camera type=\"perspective\"/><mesh type=\"sphere\"/>" + content + "</scene>",
+                         folder.path("s.xml"), {}, load_triangle, result.diagnostics);
+    return result;
+  };
+  const std::string sky = R"(<string name="envmap" value="a.hdr"/>)";
+  const Parsed parsed = read(sky + R"(<float name="envmapScale" value="3"/>)");
+  ASSERT_TRUE(parsed.file) << all_messages(parsed.diagnostics);
+  EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr("the scene has no integrator; it is rendered with path_mis"));
+  ASSERT_TRUE(parsed.scene().sky.picture);
+  EXPECT_EQ(parsed.scene().sky.picture->scale, 3.0);
+  EXPECT_THAT(all_messages(read("").diagnostics), HasSubstr("<scene> needs a <integrator>"));
+  EXPECT_THAT(all_messages(read(sky + R"(<color name="sky_top" value="1"/>)").diagnostics),
+              HasSubstr("\"envmap\" and another sky are two; keep one of them"));
+}
+
+TEST(Courses, CamerasWhoseLensIsOff) {
+  const auto type = [](const std::string& dof) {
+    return parse(
+               "<scene><integrator type=\"path\"/><camera type=\"perspective\"><float name=\"apertureRadius\" "
+               "value=\"0.1\"/><float name=\"focusDistance\" value=\"3\"/><boolean name=\"DOF\" value=\"" +
+               dof + "\"/></camera><mesh type=\"sphere\"/></scene>")
+        .scene()
+        .camera.type;
+  };
+  EXPECT_EQ(type("true"), Camera::Type::thin_lens);
+  EXPECT_EQ(type("false"), Camera::Type::perspective);
+}
+
+TEST(Courses, WhatChangesNothingIsPassedOver) {
+  ReadOptions strict;
+  strict.strict = true;
+  const Parsed parsed = parse(
+      R"(<scene><rendermanager type="blockwise"/><integrator type="photonmapper"><integer name="photonCount" value="9"/>
+         </integrator><camera type="perspective"><boolean name="motionBlur" value="false"/>
+           <float name="distortion" value="0.0"/></camera><mesh type="sphere"/></scene>)",
+      strict);
+  EXPECT_TRUE(parsed.file) << all_messages(parsed.diagnostics);
+  EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr("it changes the noise, not the picture"));
+  EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr("it says that there is no motion blur"));
+}
+
+TEST(Courses, WhatChangesThePictureIsRefusedAllAtOnce) {
+  const std::string text =
+      R"(<scene><integrator type="path"/><camera type="perspective"><float name="distortion" value="0.1"/></camera>
+         <subscene type="group"><medium type="fog"><phase type="hg"/></medium></subscene>
+         <mesh type="sphere"><bsdf type="layered"><bsdf type="velvet"/></bsdf></mesh></scene>)";
+  const Parsed refused = parse(text);
+  EXPECT_FALSE(refused.file);
+  for (const char* feature : {"distortion of camera (1:", "subscene group (2:", "medium fog (2:", "phase hg (2:",
+                              "bsdf layered (3:", "bsdf velvet (3:"})
+    EXPECT_THAT(to_string(refused.diagnostics.list().at(0)), HasSubstr(feature));
+  EXPECT_THAT(
+      all_messages(refused.diagnostics),
+      HasSubstr("\"distortion\" of <camera type=\"perspective\"> is not supported: there is no lens distortion"));
+  // Without the unknown tag, substitutes do.
+  ReadOptions options;
+  options.approximate = true;
+  const Parsed replaced = parse(
+      R"(<scene><integrator type="path"/><camera type="perspective"><float name="distortion" value="0.1"/></camera>
+         <mesh type="sphere"/></scene>)",
+      options);
+  ASSERT_TRUE(replaced.file) << all_messages(replaced.diagnostics);
+  EXPECT_THAT(replaced.scene().approximations, ElementsAre("distortion of camera: left out"));
+}
+
+TEST(Courses, UnknownPropertiesAreListedByCheck) {
+  const std::string text = R"(<scene><integrator type="path"/><camera type="perspective"/>
+      <mesh type="sphere"><bsdf type="diffuse"><float name="fuzz" value="1"/><float name="shine" value="1"/></bsdf></mesh></scene>)";
+  ReadOptions strict;
+  strict.strict = true;
+  EXPECT_THAT(
+      all_messages(parse(text, strict).diagnostics),
+      HasSubstr(
+          "the scene needs things that are not supported: fuzz of bsdf diffuse (2:61); shine of bsdf diffuse (2:"));
+  EXPECT_TRUE(parse(text).file);
 }
 
 }  // namespace

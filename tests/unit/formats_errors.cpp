@@ -409,11 +409,11 @@ TEST(SceneErrors, UnknownPropertyIsAWarningUnlessStrict) {
   ASSERT_TRUE(lenient.file.has_value());
   ASSERT_EQ(lenient.diagnostics.list().size(), 1u);
   EXPECT_EQ(lenient.diagnostics.list()[0].severity, Severity::warning);
-  EXPECT_EQ(
-      to_string(lenient.diagnostics.list()[0]),
-      "s.xml:3:14: <camera type=\"perspective\"> has no property \"widht\"; did you mean \"width\"?; it has: "
-      "width, height, fov, fovAxis, focalLength, principalPointOffsetX, principalPointOffsetY, cropWidth, "
-      "cropHeight, cropOffsetX, cropOffsetY, nearClip, farClip, path, apertureRadius, focusDistance, toWorld; ignored");
+  EXPECT_EQ(to_string(lenient.diagnostics.list()[0]),
+            "s.xml:3:14: <camera type=\"perspective\"> has no property \"widht\"; did you mean \"width\"?; it has: "
+            "width, height, fov, fovAxis, focalLength, principalPointOffsetX, principalPointOffsetY, cropWidth, "
+            "cropHeight, cropOffsetX, cropOffsetY, nearClip, farClip, path, dof, apertureRadius, focusDistance, "
+            "toWorld; ignored");
   const Parsed strict = parse(text, {{}, true});
   EXPECT_FALSE(strict.file.has_value());
 }
@@ -508,7 +508,7 @@ TEST(SceneErrors, WhatIsLackingIsListedFirst) {
   EXPECT_FALSE(parsed.file.has_value());
   const std::string first = to_string(parsed.diagnostics.list().at(0));
   EXPECT_NE(first.find("bsdf phong (2:"), std::string::npos) << first;
-  for (const char* part : {", 3:", "integrator radiosity (1:", "medium (4:", "mesh marching_cubes (4:"})
+  for (const char* part : {", 3:", "integrator radiosity (1:", "medium homogeneous (4:", "mesh marching_cubes (4:"})
     EXPECT_NE(first.find(part), std::string::npos) << part << " in " << first;
 }
 

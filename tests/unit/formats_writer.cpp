@@ -172,6 +172,19 @@ TEST(SceneWriter, WhatIsReadAgainIsTheSameScene) {
   EXPECT_EQ(text_of(path), text_of(again));
 }
 
+TEST(SceneWriter, SkiesThatAreTurnedAreReadAgain) {
+  const TemporaryFolder folder;
+  Scene scene = everything();
+  scene.sky.world_from_sky = glm::dmat3({1, 0, 0}, {0, 0, -1}, {0, 1, 0});  // words of courses are not meant
+  const std::string path = folder.path("s.xml");
+  write_scene(path, scene);
+  Diagnostics diagnostics;
+  const auto file = read_scene_file(path, {.overrides = {}, .strict = true}, diagnostics);
+  ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+  EXPECT_EQ(all_messages(diagnostics), "");
+  EXPECT_EQ(std::get<Scene>(*file).sky.world_from_sky, scene.sky.world_from_sky);
+}
+
 TEST(SceneWriter, EveryFilterIsReadAgain) {
   using Type = ReconstructionFilter::Type;
   for (const ReconstructionFilter& filter : {ReconstructionFilter{.type = Type::box, .stretch = 3.0},

@@ -156,6 +156,22 @@ const Parameter* Dialect::find_parameter(const Plugin& plugin, std::string_view 
   return find_alias([&](std::string_view word) { return is_spelling_of(word, name); });
 }
 
+const IgnoredProperties* Dialect::ignored_property(const Plugin& plugin, std::string_view name) const {
+  const auto found = std::ranges::find_if(ignored_properties, [&](const IgnoredProperties& row) {
+    return row.tag == plugin.tag && (row.types.empty() || contains(row.types, plugin.type)) &&
+           std::ranges::any_of(row.words, [&](std::string_view word) { return is_spelling_of(word, name); });
+  });
+  return found == ignored_properties.end() ? nullptr : &*found;
+}
+
+const UnsupportedProperties* Dialect::unsupported_property(const Plugin& plugin, std::string_view name) const {
+  const auto found = std::ranges::find_if(unsupported_properties, [&](const UnsupportedProperties& row) {
+    return row.tag == plugin.tag &&
+           std::ranges::any_of(row.words, [&](std::string_view word) { return is_spelling_of(word, name); });
+  });
+  return found == unsupported_properties.end() ? nullptr : &*found;
+}
+
 const Parameter* Dialect::chief_parameter(const Plugin& plugin, std::string_view tag) const {
   if (!forgiving) return nullptr;
   const Parameter* only = nullptr;
@@ -163,7 +179,7 @@ const Parameter* Dialect::chief_parameter(const Plugin& plugin, std::string_view
   for (const Parameter& parameter : plugin.parameters) {
     if (parameter.child != tag) continue;
     // A texture without a name is meant for the colour of the surface.
-    static constexpr std::string_view kColors[] = {"albedo", "kd", "base_color", "diffuse_reflectance"};
+    static constexpr std::string_view kColors[] = {"albedo", "kd", "base_color", "diffuse_reflectance", "texture"};
     if (contains(kColors, parameter.name)) return &parameter;
     only = &parameter;
     ++count;

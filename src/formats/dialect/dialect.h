@@ -81,6 +81,21 @@ struct IgnoredTag {
 /// The edge of a picture where texture coordinates have v = 0.
 enum class VOrigin { bottom, top };
 
+/// Properties of other renderers that change nothing in the picture; they are passed over with a note.
+struct IgnoredProperties {
+  std::string_view tag;
+  std::vector<std::string_view> types;  ///< of the objects; none: of all
+  std::vector<std::string_view> words;
+  std::string_view why;
+};
+
+/// Properties of other renderers that do change it, and that the dialect's reader lacks; unless they say false or 0.
+struct UnsupportedProperties {
+  std::string_view tag;
+  std::vector<std::string_view> words;
+  std::string_view what;
+};
+
 /// Conventions that mesh files and shapes leave to the dialect.
 struct MeshFacts {
   bool smooth_without_normals = false;  ///< a mesh file without normals gets smooth ones; otherwise it is flat
@@ -106,6 +121,8 @@ struct Dialect {
   /// object that needs none, a property given twice with the same value.
   bool forgiving = false;
   std::vector<IgnoredTag> ignored_tags = {};
+  std::vector<IgnoredProperties> ignored_properties = {};
+  std::vector<UnsupportedProperties> unsupported_properties = {};
 
   /// The table's word for a tag.
   std::string_view canonical(std::string_view tag) const;
@@ -114,6 +131,9 @@ struct Dialect {
   /// The parameter of a row by its name or another word for it; nullptr if there is none.
   /// `element` is the tag that gives it.
   const Parameter* find_parameter(const Plugin& plugin, std::string_view name, std::string_view element = {}) const;
+  /// The rows for a property that the dialect's table does not have; nullptr if there is none.
+  const IgnoredProperties* ignored_property(const Plugin& plugin, std::string_view name) const;
+  const UnsupportedProperties* unsupported_property(const Plugin& plugin, std::string_view name) const;
   /// The only property that an unnamed object of `tag` can be meant for; nullptr if there are several or none.
   const Parameter* chief_parameter(const Plugin& plugin, std::string_view tag) const;
   /// The row of a canonical tag and a type, or nullptr.

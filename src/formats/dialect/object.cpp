@@ -55,6 +55,25 @@ const Plugin* find_overriding_row(std::string_view tag, const std::pair<std::str
   return nullptr;
 }
 
+/// "medium homogeneous": what a file calls a thing that is not supported.
+std::string feature_name(const XmlElement& element) {
+  const XmlAttribute* type = element.find("type");
+  return type == nullptr ? element.name : fmt::format("{} {}", element.name, type->value);
+}
+
+/// Names what an element that is passed over holds and what is not supported, either.
+void collect_lacking(const XmlElement& parent, ReadContext& context) {
+  const Dialect& dialect = context.dialect;
+  for (const XmlElement& child : parent.children) {
+    const std::string_view tag = dialect.canonical(child.name);
+    const XmlAttribute* type = child.find("type");
+    const bool is_object = dialect.is_object_tag(tag) && type != nullptr;
+    if (dialect.is_unsupported_tag(child.name) || (is_object && dialect.find(tag, type->value) == nullptr))
+      context.lacking.emplace_back(feature_name(child), context.document.position(child.offset));
+    collect_lacking(child, context);
+  }
+}
+
 const Plugin* find_row(const XmlElement& element, ReadContext& context) {
   const Dialect& dialect = context.dialect;
   const std::string_view tag = dialect.canonical(element.name);
@@ -82,7 +101,17 @@ const Plugin* find_row(const XmlElement& element, ReadContext& context) {
         position, fmt::format("unknown {} type {}{}; supported are: {}", element.name, text::quoted(type->value),
                               text::did_you_mean(type->value, types), text::join(types)));
   }
+  collect_lacking(element, context);
   return nullptr;
+}
+
+/// Whether a property says that its effect is off: false, or nothing but zeros.
+bool is_off(const XmlElement& element) {
+  const XmlAttribute* value = element.find("value");
+  if (value == nullptr) return false;
+  const std::string_view word = text::trim(value->value);
+  if (element.name == "boolean") return word == "false" || word == "False" || word == "FALSE";
+  return element.name != "string" && word.find_first_not_of("0., \t\r\n") == std::string_view::npos;
 }
 
 /// "<color> or <texture>": the tags that can give a property.
@@ -212,8 +241,9 @@ void Object::report_unknown_tag(const XmlElement& child, ReadContext& context) c
   }
   if (context.dialect.is_unsupported_tag(child.name)) {
     if (context.approximate) return context.approximated(child.name, "left out", position);
-    context.lacking.emplace_back(child.name, position);
+    context.lacking.emplace_back(feature_name(child), position);
     context.diagnostics.error(position, fmt::format("<{}> is not supported; remove it", child.name));
+    collect_lacking(child, context);
   } else if (contains(kOperations, child.name)) {
     context.diagnostics.error(
         position, fmt::format("<{}> is outside a <transform>; put it into <transform name=\"toWorld\">", child.name));
@@ -222,6 +252,10 @@ void Object::report_unknown_tag(const XmlElement& child, ReadContext& context) c
     const std::vector<std::string> objects = context.dialect.object_tags();
     known.insert(known.end(), objects.begin(), objects.end());
     known.emplace_back("ref");
+    if (child.find("type") != nullptr && text::did_you_mean(child.name, known).empty()) {
+      context.lacking.emplace_back(feature_name(child), position);
+      collect_lacking(child, context);
+    }
     context.diagnostics.error(position, fmt::format("unknown tag {}{}; known are: {}", text::quoted(child.name),
                                                     text::did_you_mean(child.name, known), text::join(known)));
   }
@@ -240,6 +274,25 @@ void Object::read_reference(const XmlElement& ref, ReadContext& context) {
                                         context.references.suggest(id.value)));
 }
 
+/// The property that an object without a name is meant for: its type or id may say so, as "normal_map" does.
+const Parameter* Object::meant_parameter(const XmlElement& object, const ReadContext& context) const {
+  const Dialect& dialect = context.dialect;
+  const std::string_view tag = dialect.canonical(object.name);
+  const Parameter* chief = dialect.chief_parameter(*plugin_, tag);
+  if (chief == nullptr) return nullptr;
+  std::vector<std::string_view> words;
+  for (const XmlElement& child : object.children) {
+    const XmlAttribute *name = child.find("name"), *value = child.find("value");
+    if (name != nullptr && name->value == "id" && value != nullptr) words.emplace_back(value->value);
+  }
+  if (const XmlAttribute* type = object.find("type")) words.emplace_back(type->value);
+  for (const std::string_view word : words) {
+    const Parameter* meant = dialect.find_parameter(*plugin_, word, tag);
+    if (meant != nullptr && meant->child == tag) return meant;
+  }
+  return chief;
+}
+
 void Object::add_child(const XmlElement& child, const XmlElement& object, ReadContext& context) {
   const std::string_view tag = context.dialect.canonical(object.name);
   const bool is_reference = &child != &object;
@@ -248,10 +301,10 @@ void Object::add_child(const XmlElement& child, const XmlElement& object, ReadCo
   const ChildRule* rule = plugin_->find_child(tag);
   if (rule == nullptr && retyped_ && (in_file_ == nullptr || in_file_->find_child(tag) != nullptr)) return;
   if (rule == nullptr) {
-    if (const Parameter* chief = context.dialect.chief_parameter(*plugin_, tag)) {
+    if (const Parameter* chief = meant_parameter(object, context)) {
       context.diagnostics.note(context.document.position(child.offset),
                                fmt::format("the <{}> without a name is read as \"{}\"", object.name, chief->name));
-      return set_named_child(*chief, child, object, context);
+      return set_unnamed_picture(*chief, child, object, context);
     }
   }
   if (rule == nullptr || (is_reference && rule->use != ChildUse::element_or_reference))
@@ -302,7 +355,7 @@ void Object::report_misplaced(const XmlElement& child, std::string_view tag, Rea
 void Object::add_named_child(const XmlElement& child, const XmlElement& object, ReadContext& context) {
   const XmlAttribute& name = *child.find("name");
   const Parameter* parameter = context.dialect.find_parameter(*plugin_, name.value);
-  if (parameter == nullptr) return report_unknown_property(name, context);
+  if (parameter == nullptr) return report_unknown_property(child, context);
   set_named_child(*parameter, child, object, context);
 }
 
@@ -321,15 +374,49 @@ void Object::set_named_child(const Parameter& parameter, const XmlElement& child
   given_[parameter.name] = {Value{}, position};
 }
 
-void Object::report_unknown_property(const XmlAttribute& name, ReadContext& context) const {
-  if (!context.strict && !context.diagnostics.wants_warnings()) return;
+/// Whether other renderers have the property, and what it means is known; if so, reports it.
+bool Object::is_known_elsewhere(const XmlElement& element, ReadContext& context) const {
+  const XmlAttribute& name = *element.find("name");
+  const SourcePosition position = value_position(name, 0, context);
+  if (const IgnoredProperties* ignored = context.dialect.ignored_property(*plugin_, name.value)) {
+    context.diagnostics.note(position, fmt::format("\"{}\" of {} is ignored: {}", name.value, heading(), ignored->why));
+    return true;
+  }
+  const UnsupportedProperties* lacking = context.dialect.unsupported_property(*plugin_, name.value);
+  if (lacking == nullptr) return false;
+  if (is_off(element)) {
+    context.diagnostics.note(position, fmt::format("\"{}\" of {} is ignored: it says that there is no {}", name.value,
+                                                   heading(), lacking->what));
+    return true;
+  }
+  const std::string feature = fmt::format("{} of {}", name.value, tag_);
+  if (context.approximate) {
+    context.approximated(feature, "left out", position);
+    return true;
+  }
+  context.lacking.emplace_back(feature, position);
+  context.diagnostics.error(position, fmt::format("\"{}\" of {} is not supported: there is no {}; remove it",
+                                                  name.value, heading(), lacking->what));
+  return true;
+}
+
+void Object::report_unknown_property(const XmlElement& element, ReadContext& context) const {
+  const XmlAttribute& name = *element.find("name");
   // Properties of the type that -D has replaced are not errors.
   if (retyped_ && (in_file_ == nullptr || context.dialect.find_parameter(*in_file_, name.value) != nullptr)) return;
+  if (is_known_elsewhere(element, context)) return;
+  if (!context.strict && !context.diagnostics.wants_warnings()) return;
   const std::vector<std::string> names = plugin_->parameter_names();
   const std::string known = names.empty() ? "it has none" : "it has: " + text::join(names);
-  const std::string message = fmt::format("{} has no property {}{}; {}", heading(), text::quoted(name.value),
-                                          text::did_you_mean(name.value, names), known);
+  const std::string guess = text::did_you_mean(name.value, names);
+  const std::string message =
+      fmt::format("{} has no property {}{}; {}", heading(), text::quoted(name.value), guess, known);
   const SourcePosition position = value_position(name, 0, context);
+  if (context.strict && guess.empty() && context.dialect.forgiving) {
+    const bool typed = *plugin_->type != '\0';
+    context.lacking.emplace_back(
+        fmt::format("{} of {}{}", name.value, tag_, typed ? fmt::format(" {}", plugin_->type) : ""), position);
+  }
   context.strict ? context.diagnostics.error(position, message)
                  : context.diagnostics.warning(position, message + "; ignored");
 }
@@ -345,6 +432,37 @@ bool Object::repeats(const Parameter& parameter, const XmlElement& element) cons
   } catch (const ValueError&) {
     return false;
   }
+}
+
+bool Object::replaces(const Parameter& parameter, const XmlElement& element, bool picture, ReadContext& context) {
+  if (!seen_.contains(parameter.name)) return false;
+  const bool had_picture = pictures_.contains(parameter.name);
+  if (picture == had_picture) return false;
+  context.diagnostics.note(
+      context.document.position(element.offset),
+      fmt::format("\"{}\" of {} is given by a picture and by a value; the picture counts", parameter.name, heading()));
+  return true;
+}
+
+void Object::read_picture(const Parameter& parameter, const XmlElement& element, ReadContext& context) {
+  const XmlAttribute* value = element.find("value");
+  XmlAttribute type{"type", "bitmap", element.offset, element.offset, false};
+  XmlAttribute name{"name", "filename", element.offset, element.offset, false};
+  XmlElement texture{"texture", element.offset, {std::move(type)}, {}};
+  texture.children.push_back({"string", element.offset, {std::move(name), *value}, {}});
+  const XmlElement& made = context.made.emplace_back(std::move(texture));
+  set_unnamed_picture(parameter, made, made, context);
+}
+
+/// A picture that the file gives in other words than <texture name="…">.
+void Object::set_unnamed_picture(const Parameter& parameter, const XmlElement& child, const XmlElement& object,
+                                 ReadContext& context) {
+  if (replaces(parameter, child, true, context)) {
+    seen_.erase(parameter.name);
+    given_.erase(parameter.name);
+  }
+  pictures_.insert(parameter.name);
+  set_named_child(parameter, child, object, context);
 }
 
 bool Object::is_given_twice(const Parameter& parameter, const XmlElement& element, ReadContext& context) {
@@ -373,7 +491,11 @@ void Object::read_property(const XmlElement& element, ReadContext& context) {
   }
   if (name == nullptr) return;
   const Parameter* parameter = context.dialect.find_parameter(*plugin_, name->value, element.name);
-  if (parameter == nullptr) return report_unknown_property(*name, context);
+  if (parameter == nullptr) return report_unknown_property(element, context);
+  const bool has_picture = std::string_view(parameter->child) == "texture" && parameter->type != ParameterType::object;
+  if (context.dialect.forgiving && has_picture && element.name == "string" && well_formed)
+    return read_picture(*parameter, element, context);
+  if (context.dialect.forgiving && has_picture && replaces(*parameter, element, false, context)) return;
   if (is_given_twice(*parameter, element, context)) return;
   if (parameter->type == ParameterType::object) {
     context.diagnostics.error(
@@ -391,6 +513,8 @@ void Object::read_property(const XmlElement& element, ReadContext& context) {
   }
   if (is_transform) {
     transforms_[parameter->name] = read_transform(element, context);
+    if (std::ranges::any_of(element.children, [](const XmlElement& child) { return child.name == "matrix"; }))
+      matrices_.insert(parameter->name);
     given_[parameter->name] = {Value{}, context.document.position(element.offset)};
   } else if (well_formed) {
     read_value(*parameter, element, context);

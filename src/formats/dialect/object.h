@@ -1,6 +1,7 @@
 #pragma once
 /// One object element of a scene file, validated against its row of the dialect.
 
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -28,11 +29,13 @@ struct ReadContext {
   bool strict = false;
   std::set<std::string> overridable;   ///< "tag.property" of every object met so far that overrides can reach
   std::vector<bool> override_matched;  ///< one per override
-  /// Unsupported types and tags, such as "bsdf phong", and their positions; each was reported as well.
+  /// Unsupported types and tags, such as "bsdf phong", and their positions. Each was reported as well, unless it lies
+  /// within another.
   std::vector<std::pair<std::string, SourcePosition>> lacking = {};
   /// Unsupported features are replaced, with a warning for each, instead of being refused.
   bool approximate = false;
   std::vector<std::string> approximations = {};  ///< "medium: left out", each once
+  std::deque<XmlElement> made = {};              ///< elements that stand for what the file says in other words
 
   /// Warns about a substitute, and records it for the metadata of pictures.
   void approximated(const std::string& what, const std::string& substitute, const SourcePosition& position);
@@ -71,6 +74,8 @@ class Object {
   }
   /// The transform's matrix (identity by default).
   glm::dmat4 matrix(const char* name) const;
+  /// Whether the file gives the transform as numbers, perhaps among others.
+  bool is_matrix(const char* name) const { return matrices_.contains(name); }
 
  private:
   struct Given {
@@ -82,6 +87,8 @@ class Object {
       : plugin_(&plugin), tag_(std::move(tag)), position_(std::move(position)) {}
   void read_child(const XmlElement& child, ReadContext& context);
   void report_unknown_tag(const XmlElement& child, ReadContext& context) const;
+  /// The name of a picture in the place of its colour or number.
+  void read_picture(const Parameter& parameter, const XmlElement& element, ReadContext& context);
   void read_property(const XmlElement& element, ReadContext& context);
   void read_value(const Parameter& parameter, const XmlElement& element, ReadContext& context);
   void read_reference(const XmlElement& ref, ReadContext& context);
@@ -90,10 +97,16 @@ class Object {
   void add_named_child(const XmlElement& child, const XmlElement& object, ReadContext& context);
   void set_named_child(const Parameter& parameter, const XmlElement& child, const XmlElement& object,
                        ReadContext& context);
+  void set_unnamed_picture(const Parameter& parameter, const XmlElement& child, const XmlElement& object,
+                           ReadContext& context);
   void report_misplaced(const XmlElement& child, std::string_view tag, ReadContext& context) const;
-  void report_unknown_property(const XmlAttribute& name, ReadContext& context) const;
+  void report_unknown_property(const XmlElement& element, ReadContext& context) const;
+  const Parameter* meant_parameter(const XmlElement& object, const ReadContext& context) const;
+  bool is_known_elsewhere(const XmlElement& element, ReadContext& context) const;
   bool repeats(const Parameter& parameter, const XmlElement& element) const;
   bool is_given_twice(const Parameter& parameter, const XmlElement& element, ReadContext& context);
+  /// Whether a picture and a plain value stand for one property; the picture counts.
+  bool replaces(const Parameter& parameter, const XmlElement& element, bool picture, ReadContext& context);
   void apply_overrides(ReadContext& context);
   void check_complete(ReadContext& context) const;
   std::string heading() const;
@@ -108,9 +121,11 @@ class Object {
   std::map<std::string, Given, std::less<>> given_;
   std::set<std::string, std::less<>> seen_;  ///< names met, also with values that could not be read
   std::map<std::string, glm::dmat4, std::less<>> transforms_;
+  std::set<std::string, std::less<>> matrices_;                           ///< transforms that hold a <matrix>
   std::vector<std::pair<std::string_view, const XmlElement*>> children_;  ///< with the tags of their rules
   std::map<std::string, const XmlElement*, std::less<>> named_children_;
   std::map<std::string, std::size_t, std::less<>> child_counts_;
+  std::set<std::string, std::less<>> pictures_;  ///< properties given by pictures without their names
 };
 
 /// Reports attributes of `element` that are missing or in neither list; true if there are none.

@@ -100,6 +100,11 @@ std::vector<Plugin> adapter_plugins() {
        {probability("weight", "share of the second material")},
        {{"bsdf", 2, 2}}},
       {"bsdf",
+       "mixture",
+       "A mixture of two materials, with the weight of some courses.",
+       {probability("weight", "share of the first material")},
+       {{"bsdf", 2, 2}}},
+      {"bsdf",
        "normalmap",
        "A material with shading normals from a picture: red along dp/du, green across it, blue along the normal, with "
        "0 … 1 meaning −1 … 1. 8-bit pictures need raw.",
@@ -234,6 +239,15 @@ std::vector<Parameter> joined(std::vector<Parameter> a, const std::vector<Parame
 
 }  // namespace
 
+Parameter normals_parameter() {
+  return {"normals",
+          color,
+          "0.5 0.5 1",
+          kUnit,
+          "shading normals from a picture of plain numbers, without shadowing; for more, use normalmap",
+          "texture"};
+}
+
 std::vector<Plugin> bsdf_plugins() {
   std::vector<Plugin> rows = {
       {"bsdf",
@@ -246,7 +260,11 @@ std::vector<Plugin> bsdf_plugins() {
          "share of light that is reflected; a warning outside 0 … 1",
          "texture"}},
        {}},
-      {"bsdf", "mirror", "Perfect reflection on the side of the normal; black from behind.", {}, {}},
+      {"bsdf",
+       "mirror",
+       "Perfect reflection on the side of the normal; black from behind.",
+       {factor("albedo", "1 1 1", "factor for reflected light")},
+       {}},
       {"bsdf",
        "dielectric",
        "A smooth boundary between two clear media; the normal points to the exterior.",
@@ -284,6 +302,10 @@ std::vector<Plugin> bsdf_plugins() {
   rows.push_back(principled_plugin());
   rows.push_back(principledthin_plugin());
   rows.push_back(gltf_plugin());
+  for (Plugin& row : rows) {
+    row.parameters.push_back(normals_parameter());
+    row.parameters.push_back({"opacity", real, "1", kUnit, "share of the light that hits the material", "texture"});
+  }
   for (const Plugin& row : adapter_plugins()) rows.push_back(row);
   return rows;
 }

@@ -70,6 +70,7 @@ class DeltaLightReader {
 
   /// Of a spot, in the words of some courses.
   bool has_color() const { return object_.given("color"); }
+  bool has_theta() const { return object_.plugin().find("theta") != nullptr && object_.given("theta"); }
 
   void read_intensity(double solid_angle) {
     if (has_color()) {
@@ -84,7 +85,7 @@ class DeltaLightReader {
     if (name == std::string_view("intensity")) {
       light_.intensity = textured("intensity");
     } else {
-      light_.intensity = object_.get<glm::dvec3>("power") / solid_angle;
+      light_.intensity = object_.get<glm::dvec3>("power") / (has_theta() ? 1.0 : solid_angle);
     }
   }
 
@@ -127,20 +128,47 @@ class DeltaLightReader {
     light_.world_from_light[2] = glm::dvec4(z, 0.0);
   }
 
-  /// The cone, in one of two conventions.
-  void read_cone() {
-    const bool other = object_.given("totalWidth") || object_.given("falloffStart");
-    for (const char* name : {"cutoffAngle", "beamWidth"}) {
-      if (other && object_.given(name))
-        sink_.error(
-            object_.position_of(name),
-            fmt::format(
-                "\"{}\" and \"totalWidth\" or \"falloffStart\" are two names for one cone; keep one pair of them",
-                name));
+  /// The two half angles of the cone that the words of a convention give, in degrees.
+  struct Cone {
+    const char *outer, *inner;
+  };
+
+  /// Exactly one convention may be used.
+  Cone cone_words() {
+    const Cone all[] = {{"cutoffAngle", "beamWidth"},
+                        {"totalWidth", "falloffStart"},
+                        {"cosTotalWidth", "cosFalloffStart"},
+                        {"theta", "thetaFalloff"}};
+    const Cone* used = nullptr;
+    for (const Cone& cone : all) {
+      if (!object_.given(cone.outer) && !object_.given(cone.inner)) continue;
+      if (used != nullptr) {
+        const char* name = object_.given(used->outer) ? used->outer : used->inner;
+        const char* other = object_.given(cone.outer) ? cone.outer : cone.inner;
+        sink_.error(object_.position_of(name),
+                    fmt::format("\"{}\" and \"{}\" are two names for one cone; keep one pair of them", name, other));
+      }
+      used = &cone;
     }
-    const char* beam = other ? "falloffStart" : "beamWidth";
-    light_.cutoff = object_.get<double>(other ? "totalWidth" : "cutoffAngle");
-    light_.beam_width = object_.given(beam) ? object_.get<double>(beam) : 0.75 * light_.cutoff;
+    return used == nullptr ? all[0] : *used;
+  }
+
+  /// A half angle in degrees, from any of the words.
+  double half_angle(const char* name) const {
+    const auto value = object_.get<double>(name);
+    const std::string_view word = name;
+    if (word.starts_with("theta")) return 0.5 * value;
+    // Some courses mean the cosines, as the words say, and others degrees.
+    if (word.starts_with("cos") && value <= 1.0) return std::acos(value) * 180.0 / kPi;
+    return value;
+  }
+
+  void read_cone() {
+    const Cone words = cone_words();
+    const bool other = std::string_view(words.outer) != "cutoffAngle";
+    const char* beam = words.inner;
+    light_.cutoff = object_.given(words.outer) ? half_angle(words.outer) : object_.get<double>("cutoffAngle");
+    light_.beam_width = object_.given(beam) ? half_angle(beam) : 0.75 * light_.cutoff;
     if (light_.beam_width > light_.cutoff) {
       // With these names courses' own lights have a hard edge; a cutoffAngle must be what it says.
       const std::string what = fmt::format("the beam of the spot has a half angle of {} degrees, its cone one of {}; ",
@@ -151,7 +179,11 @@ class DeltaLightReader {
         sink_.error(object_.position_of(beam), what + "the beam must be within the cone");
       light_.beam_width = light_.cutoff;
     }
-    light_.falloff = other && !has_color() ? DeltaLight::Falloff::quartic : DeltaLight::Falloff::linear;
+    read_falloff(other);
+  }
+
+  void read_falloff(bool other) {
+    light_.falloff = other && !has_color() && !has_theta() ? DeltaLight::Falloff::quartic : DeltaLight::Falloff::linear;
     if (!object_.given("falloff")) return;
     const auto word = object_.get<std::string>("falloff");
     if (word == "linear") {

@@ -127,11 +127,22 @@ class SceneReader {
 
   std::optional<Object> read_integrator_object(const Object& root) {
     const std::vector<const XmlElement*> children = root.children("integrator");
-    if (!context_.approximate || children.empty() || !is_unknown(*children.front()))
-      return read_only_child(root, "integrator");
+    if (children.empty()) return default_integrator(root);
+    if (!context_.approximate || !is_unknown(*children.front())) return read_only_child(root, "integrator");
     const SourcePosition position = context_.document.position(children.front()->offset);
     context_.approximated(fmt::format("integrator {}", children.front()->find("type")->value), "path_mis", position);
     return Object::defaulted("integrator", "path_mis", position, context_);
+  }
+
+  /// One course's scenes name a sky and leave the integrator to the renderer.
+  std::optional<Object> default_integrator(const Object& root) {
+    if (!root.given("envmap")) {
+      sink_.error(root.position(), fmt::format("<scene> needs a <integrator>; supported types are: {}",
+                                               text::join(context_.dialect.types_of("integrator"))));
+      return std::nullopt;
+    }
+    sink_.note(root.position(), "the scene has no integrator; it is rendered with path_mis");
+    return Object::defaulted("integrator", "path_mis", root.position(), context_);
   }
 
   void read_integrator(const Object& object, const Object& root, Scene& scene) {
@@ -311,7 +322,7 @@ class SceneReader {
                          object.get<double>("bladeRotation")};
       return;
     }
-    if (!(radius > 0.0)) return;
+    if (!(radius > 0.0) || !object.get<bool>("dof")) return;
     if (is_focus_distance(object)) {
       sink_.note(object.position_of("focalLength"), "\"focalLength\" next to \"fov\" is read as \"focusDistance\"");
       camera.type = Camera::Type::thin_lens;
@@ -537,10 +548,7 @@ class SceneReader {
   }
 
   std::optional<Instance> read_instance(const Object& object, Scene& scene) {
-    const std::vector<const XmlElement*> bsdfs = object.children("bsdf");
-    const std::uint32_t material =
-        bsdfs.empty() ? add_material({.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = object.position()}, scene)
-                      : material_row(*bsdfs.front(), scene);
+    const std::uint32_t material = material_of(object, scene);
     std::optional<AreaEmitter> area_emitter;
     const auto emitter = read_only_child(object, "emitter");
     if (emitter && std::string_view(emitter->plugin().type) == "envmap") return read_sky_mesh(*emitter, scene);
@@ -561,7 +569,93 @@ class SceneReader {
     if (object.plugin().find("toWorld") != nullptr) instance.world_from_object = object.matrix("toWorld");
     if (object.plugin().find("flipNormals") != nullptr) instance.flip_normals = object.get<bool>("flipNormals");
     remember_field(object, "toWorld", "world_from_object");
+    turn_in_place(object, scene.shapes[instance.shape], instance.world_from_object);
     return instance;
+  }
+
+  /// In courses, spheres stay where their center is: a transform that only rotates is meant for their textures. A
+  /// <matrix> means what it says.
+  void turn_in_place(const Object& object, const Shape& shape, glm::dmat4& world_from_object) {
+    const auto* sphere = std::get_if<Sphere>(&shape);
+    const glm::dmat3 linear(world_from_object);
+    constexpr double kTolerance = 1e-6;
+    if (sphere == nullptr || !object.given("toWorld") || object.is_matrix("toWorld") ||
+        sphere->center == glm::dvec3(0.0))
+      return;
+    if (glm::length(glm::dvec3(world_from_object[3])) > kTolerance) return;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        if (std::abs(glm::dot(linear[i], linear[j]) - (i == j ? 1.0 : 0.0)) > kTolerance) return;
+      }
+    }
+    sink_.note(object.position_of("toWorld"), "this transform only rotates: it turns the sphere about its center");
+    world_from_object[3] = glm::dvec4(sphere->center - linear * sphere->center, 1.0);
+  }
+
+  /// The row of the material of a mesh, with what the mesh itself says about it.
+  std::uint32_t material_of(const Object& mesh, Scene& scene) {
+    const std::vector<const XmlElement*> bsdfs = mesh.children("bsdf");
+    std::uint32_t row =
+        bsdfs.empty() ? add_material({.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = mesh.position()}, scene)
+                      : material_row(*bsdfs.front(), scene);
+    if (mesh.child_of("texture") != nullptr) row = repaint(mesh, row, scene);
+    return with_normals(mesh, row, scene);
+  }
+
+  /// A copy of a material with the texture of a mesh in the place of its colour.
+  std::uint32_t repaint(const Object& mesh, std::uint32_t row, Scene& scene) {
+    const ColorParameter color = read_textured(mesh, "texture", &scene);
+    Material material = scene.materials[row];
+    const auto set = [&](auto& bsdf) {
+      if constexpr (requires { bsdf.albedo; })
+        bsdf.albedo = color;
+      else if constexpr (requires { bsdf.kd; })
+        bsdf.kd = color;
+      else if constexpr (requires { bsdf.base_color; })
+        bsdf.base_color = color;
+      else if constexpr (requires { bsdf.diffuse_reflectance; })
+        bsdf.diffuse_reflectance = color;
+      else
+        sink_.error(mesh.position_of("texture"),
+                    fmt::format("the material {} has no colour that this texture could be; put it into the material",
+                                text::quoted(material.name)));
+    };
+    if (material.adapter)
+      sink_.error(mesh.position_of("texture"),
+                  "the material holds others; put the texture into the one it is meant for");
+    else
+      std::visit(set, material.bsdf);
+    return add_material(std::move(material), scene);
+  }
+
+  /// The row of the material under the shading normals that its object, or a mesh, has; without any, the same row.
+  std::uint32_t with_normals(const Object& owner, std::uint32_t row, Scene& scene) {
+    if (owner.plugin().find("normals") == nullptr || owner.child_of("normals") == nullptr) return row;
+    const ColorParameter normals = read_textured(owner, "normals", &scene);
+    if (normals.texture && !says_raw(*owner.child_of("normals"))) {
+      if (auto* picture = std::get_if<BitmapTexture>(&scene.textures[*normals.texture].source))
+        picture->color_space = ColorSpace::linear;
+    }
+    const TurnedNormals turned{.mirrored = false, .shadowed = false};
+    return add_material({.adapter = NormalMapAdapter{normals, row, false, turned},
+                         .name = "normals",
+                         .position = owner.position_of("normals")},
+                        scene);
+  }
+  static bool says_raw(const XmlElement& texture) {
+    return std::ranges::any_of(texture.children, [](const XmlElement& child) {
+      const XmlAttribute* name = child.find("name");
+      return name != nullptr && name->value == "raw";
+    });
+  }
+
+  /// The row of the material with the holes that its object gives it; without any, the same row.
+  std::uint32_t with_opacity(const Object& owner, std::uint32_t row, Scene& scene) {
+    if (owner.plugin().find("opacity") == nullptr || is_adapter(owner.plugin().type) || !owner.given("opacity"))
+      return row;
+    const ScalarParameter opacity = read_scalar(owner, "opacity", &scene);
+    return add_material(
+        {.adapter = MaskAdapter{opacity, row}, .name = "opacity", .position = owner.position_of("opacity")}, scene);
   }
 
   /// The row in the scene's shapes: a new one, or that of a mesh file read before.
@@ -629,16 +723,18 @@ class SceneReader {
   std::uint32_t material_row(const XmlElement& element, Scene& scene) {
     if (const auto known = materials_.find(&element); known != materials_.end()) return known->second;
     Material material{.bsdf = DiffuseBsdf{}, .name = "bsdf", .position = context_.document.position(element.offset)};
+    std::optional<Object> object;
     if (context_.approximate && is_unknown(element)) {
       material.bsdf = DiffuseBsdf{substitute_color(element)};
-    } else if (const auto object = Object::read(element, context_)) {
+    } else if ((object = Object::read(element, context_))) {
       const XmlAttribute* id = element.find("id");
       material.name = id != nullptr ? id->value : object->plugin().type;
       material.position = object->position();
       material.adapter = read_adapter(*object, scene);
       if (!is_adapter(object->plugin().type)) material.bsdf = read_bsdf(*object, &scene);
     }
-    const std::uint32_t row = add_material(std::move(material), scene);
+    std::uint32_t row = add_material(std::move(material), scene);
+    if (object) row = with_opacity(*object, with_normals(*object, row, scene), scene);
     materials_.emplace(&element, row);
     return row;
   }
@@ -702,12 +798,15 @@ class SceneReader {
     const ScalarParameter share = read_scalar(object, type == "mask" ? "opacity" : "weight", &scene);
     if (type == "mask")
       adapter.emplace(MaskAdapter{share, rows.front()});
+    else if (type == "mixture")
+      adapter.emplace(BlendAdapter{share, rows.back(), rows.front()});
     else
       adapter.emplace(BlendAdapter{share, rows.front(), rows.back()});
     return adapter;
   }
   static bool is_adapter(std::string_view type) {
-    return type == "twosided" || type == "mask" || type == "blend" || type == "normalmap" || type == "bumpmap";
+    return type == "twosided" || type == "mask" || type == "blend" || type == "mixture" || type == "normalmap" ||
+           type == "bumpmap";
   }
 
   /// A number, or the channel of a texture in its place.
@@ -765,7 +864,10 @@ class SceneReader {
     if (type == "principled") return read_principled(object, scene);
     if (type == "gltf") return read_gltf(object, scene);
     if (type == "principledthin") return read_parameters<PrincipledThinBsdf>(object, scene);
-    if (type == "mirror") return MirrorBsdf{};
+    if (type == "mirror") {
+      if (!object.given("albedo")) return MirrorBsdf{};
+      return ConductorBsdf{ConductorIndex{}, read_factor(object, "albedo", scene)};
+    }
     if (type == "dielectric") {
       return DielectricBsdf{object.get<double>("intIOR"), object.get<double>("extIOR"),
                             read_factor(object, "specular_reflectance", scene),
@@ -947,7 +1049,7 @@ class SceneReader {
     sink_.warning(
         emitter.position(),
         "the picture on a mesh is read as light from all around the scene, infinitely far away; the mesh is left out");
-    add_environment(emitter, *scene_object_, scene);
+    add_environment(emitter, *scene_object_, scene, true);
     return std::nullopt;
   }
 
@@ -967,17 +1069,55 @@ class SceneReader {
         }
         continue;
       }
-      add_environment(*object, scene_object, scene);
+      add_environment(*object, scene_object, scene, false);
     }
+    read_scene_sky(scene_object, scene);
   }
 
-  void add_environment(const Object& object, const Object& scene_object, Scene& scene) {
+  /// A picture of the sky that is a property of the scene.
+  void read_scene_sky(const Object& scene_object, Scene& scene) {
+    if (!scene_object.given("envmap")) return;
+    if (has_environment_ || scene_object.given("sky_top") || scene_object.given("sky_horizon")) {
+      sink_.error(scene_object.position_of("envmap"), "\"envmap\" and another sky are two; keep one of them");
+      return;
+    }
+    has_environment_ = true;
+    const std::string filename(text::trim(scene_object.get<std::string>("envmap")));
+    scene.sky.picture = load_sky(filename, scene_object.position_of("envmap"),
+                                 {.bitmap = nullptr, .scale = scene_object.get<double>("envmapScale")});
+    const SourcePosition where = scene.position;
+    fields_[{where.line, where.column, "sky_picture"}] = scene_object.position_of("envmap");
+    fields_[{where.line, where.column, "sky_scale"}] = scene_object.position_of("envmapScale");
+  }
+
+  void add_environment(const Object& object, const Object& scene_object, Scene& scene, bool in_mesh) {
     if (has_environment_)
       sink_.error(object.position(),
                   fmt::format("{} is a second emitter of light from all around the scene; keep one of them",
                               object.plugin().type));
     has_environment_ = true;
     read_environment(object, scene_object, scene);
+    if (std::string_view(object.plugin().type) == "envmap" && scene.sky.picture) raise_sky(object, in_mesh, scene);
+  }
+
+  /// Pictures whose upper edge is toward +Z, as courses have them.
+  void raise_sky(const Object& object, bool in_mesh, Scene& scene) {
+    const auto up = object.get<std::string>("up");
+    if (!up.empty() && up != "y" && up != "z") {
+      sink_.error(object.position_of("up"),
+                  fmt::format("{} is no axis toward the upper edge of the picture; use y or z", text::quoted(up)));
+      return;
+    }
+    constexpr double kNearly = 0.999;
+    const glm::dmat3 turn(object.matrix("toWorld"));
+    const bool turned = glm::normalize(turn[2]).y > kNearly;
+    if (up == "y" || (up.empty() && !in_mesh && !turned)) return;
+    if (up.empty())
+      sink_.note(object.position(), turned ? "toWorld turns +Z to +Y: the upper edge of the picture is read as its +Z; "
+                                             "set \"up\" to y if it is not"
+                                           : "in a mesh, the upper edge of the picture is read as its +Z; set \"up\" "
+                                             "to y if it is not");
+    scene.sky.world_from_sky = turn * glm::dmat3(0, 1, 0, 0, 0, 1, -1, 0, 0);
   }
 
   /// Light from outside: an emitter of the scene itself.
@@ -1064,10 +1204,13 @@ class SceneReader {
                                                 owner.plugin().tag, owner.plugin().type));
       return std::nullopt;
     }
-    const SourcePosition position = owner.position_of("filename");
-    const std::string filename(text::trim(owner.get<std::string>("filename")));
+    return load_sky(std::string(text::trim(owner.get<std::string>("filename"))), owner.position_of("filename"),
+                    std::move(picture));
+  }
+
+  std::optional<SkyPicture> load_sky(const std::string& filename, const SourcePosition& position, SkyPicture picture) {
     if (filename.empty()) {
-      sink_.error(position, "\"filename\" is empty; give the path of a picture");
+      sink_.error(position, "the name is empty; give the path of a picture");
       return std::nullopt;
     }
     const fs::path path = files_.find(filename, "picture", position);

@@ -46,11 +46,13 @@ std::vector<Plugin> scene_plugins() {
        "The root of a rendered file.",
        {{"sky_top", color, "0 0 0", between(0, kMaxRadiance), "radiance from straight above"},
         {"sky_horizon", color, "0 0 0", between(0, kMaxRadiance), "radiance from the horizon and below"},
+        {"envmap", string, "", any(), "file of a picture of the sky, as of an emitter envmap"},
+        {"envmapScale", real, "1", above(0), "factor of that picture's radiance"},
         {"nee", boolean, "true", any(), "next-event estimation, unless the integrator sets it"},
         {"instancing", string, "auto", any(),
          "whether a mesh that several shapes share is stored once: auto, if the copies would be large; never; always, "
          "even if it is used once"}},
-       {{"integrator", 1, 1, ChildUse::element},
+       {{"integrator", 0, 1, ChildUse::element},
         {"camera", 1, 1, ChildUse::element},
         {"sampler", 0, 1, ChildUse::element},
         {"mesh", 0, kAnyNumber, ChildUse::element},
@@ -211,7 +213,8 @@ std::vector<Parameter> perspective_parameters() {
 std::vector<Plugin> camera_plugins() {
   std::vector<Parameter> pinhole = perspective_parameters(), lens = pinhole;
   const Range radius = between(0, kMaxCoordinate);
-  pinhole.insert(pinhole.end() - 1, {{"apertureRadius", real, "0", radius, "above 0: a lens as in thinlens"},
+  pinhole.insert(pinhole.end() - 1, {{"dof", boolean, "true", any(), "whether there is that lens"},
+                                     {"apertureRadius", real, "0", radius, "above 0: a lens as in thinlens"},
                                      {"focusDistance", real, "", above(0),
                                       "distance of that lens's plane of focus along the camera's +Z"}});
   lens.insert(lens.end() - 1,
@@ -299,6 +302,10 @@ Parameter flip_normals() {
   return {"flipNormals", boolean, "false", any(), "reverses the normals"};
 }
 
+Parameter mesh_texture() {
+  return {"texture", color, "1 1 1", between(0, 1), "a texture instead of the colour of its material", "texture"};
+}
+
 /// One row for each type of mesh file.
 std::vector<Plugin> mesh_file_plugins() {
   std::vector<Plugin> rows;
@@ -308,7 +315,9 @@ std::vector<Plugin> mesh_file_plugins() {
                     format.doc,
                     {{"filename", string, nullptr, any(), "the file, relative to the folder of the scene file"},
                      world_transform(),
-                     flip_normals()},
+                     flip_normals(),
+                     normals_parameter(),
+                     mesh_texture()},
                     surface()});
   }
   return rows;
@@ -318,11 +327,14 @@ std::vector<Plugin> object_plugins() {
   return {
       {"mesh",
        "sphere",
-       "An exact sphere. Its transform may rotate, move and scale it uniformly.",
+       "An exact sphere. Its transform may rotate, move and scale it uniformly; if it only rotates, and not by a "
+       "<matrix>, it turns the sphere about its center.",
        {{"center", point, "0 0 0", between(-kMaxCoordinate, kMaxCoordinate), "object space"},
         {"radius", real, "1", above_up_to(0, kMaxCoordinate), "scene units"},
         world_transform(),
-        flip_normals()},
+        flip_normals(),
+        normals_parameter(),
+        mesh_texture()},
        surface()},
       {"emitter",
        "area",
@@ -345,6 +357,10 @@ std::vector<Plugin> object_plugins() {
        {{"filename", string, "", any(), "the picture, relative to the folder of the scene file"},
         {"radiance", color, "1 1 1", between(0, kMaxRadiance), "grey factor; or a texture, the picture", "texture"},
         {"scale", real, "1", above(0), "factor of the picture's radiance"},
+        {"up", string, "", any(),
+         "the axis toward the upper edge of the picture, before toWorld: y as described, or z with the left edge "
+         "toward +X and +Y a quarter of the width from it; the default is y, but z in a mesh and where toWorld turns "
+         "+Z to +Y"},
         {"rows", string, "bands", any(),
          "bands: each row of the picture is the middle of a band, all of equal height; circles: the first and last "
          "rows are the poles, as in Mitsuba"},
@@ -471,162 +487,22 @@ std::vector<UnsupportedTypes> unsupported_types() {
   };
 }
 
-/// Words that courses and other renderers use for the same things; other spellings of them are read, too.
-std::vector<TypeAliases> integrator_aliases() {
-  return {
-      {"integrator", "ao", {"ambient_occlusion"}},
-      {"integrator", "av", {"average_visibility"}},
-      {"integrator",
-       "path_mis",
-       {"path_tracer", "path_tracing", "path_trace", "mipath", "mi_path", "path_tracer_recursive"}},
-      {"integrator", "path_ems", {"path_nee", "vol_path_ems"}},
-      {"integrator", "path_mats", {"path_brdf", "path_bsdf", "path_naive", "bsdf_path"}},
-      {"integrator",
-       "path_vol",
-       {"volumetric_path", "volume", "volume_pt", "vol_pt", "path_volume", "volpath_mis", "volumetric_path_tracer",
-        "path_vol_mis", "path_mis_vol", "volumetric", "volume_path_tracer"}},
-      {"integrator", "vol_path_mats", {"volpath_mats", "path_vol_mats"}},
-      {"integrator", "direct_ems", {"direct_light", "direct_lighting", "direct_illumination", "direct_nee"}},
-      {"integrator", "direct_mats", {"direct_bsdf"}},
-      {"integrator", "normals", {"normal"}},
-      {"integrator",
-       "photonmapper",
-       {"photon_mapping", "photon_map", "pmap", "progressive_photon_mapper", "progressive_photon_mapping", "ppm",
-        "sppm", "ppmap", "debiased_pm", "debiased_ppm", "photo_mapper"}},
-      {"integrator", "bdpt", {"bidirectional", "light_tracer", "particle_tracer"}},
-      {"integrator", "mlt", {"metropolis", "pssmlt"}},
-  };
-}
-
-std::vector<TypeAliases> type_aliases() {
-  std::vector<TypeAliases> all = integrator_aliases();
-  const TypeAliases others[] = {
-      {"camera", "thinlens", {"thin_lens", "lens", "depth_of_field", "dof", "advanced_camera", "perspective_depth"}},
-      {"camera", "spherical", {"panorama"}},
-      {"camera", "orthographic", {"ortho"}},
-      {"sampler",
-       "sobol",
-       {"stratified", "halton", "ldsampler", "low_discrepancy", "multijitter", "hammersley", "adaptive"}},
-      {"sampler", "independent", {"random"}},
-      {"bsdf", "diffuse", {"lambertian", "lambert", "disney_diffuse"}},
-      {"bsdf", "mirror", {"specular"}},
-      {"bsdf", "dielectric", {"glass", "smooth_dielectric"}},
-      {"bsdf", "thindielectric", {"thin_glass"}},
-      {"bsdf", "roughdielectric", {"rough_glass", "microfacet_dielectric"}},
-      {"bsdf", "conductor", {"metal", "smooth_conductor"}},
-      {"bsdf", "roughconductor", {"rough_metal"}},
-      {"bsdf", "null", {"null_bsdf", "passthrough", "transparent"}},
-      {"bsdf", "normalmap", {"normal_map"}},
-      {"bsdf", "bumpmap", {"bump_map"}},
-      {"bsdf", "principled", {"disney", "disney_bsdf", "disney_brdf"}},
-      {"bsdf", "blend", {"blend_bsdf", "mix"}},
-      {"bsdf", "twosided", {"two_sided"}},
-      {"emitter", "point", {"point_light"}},
-      {"emitter", "spot", {"spot_light"}},
-      {"emitter", "directional", {"directional_light", "distant_light", "parallel"}},
-      {"emitter", "area", {"area_light", "mesh_light", "parallelogram_emitter"}},
-      {"emitter",
-       "envmap",
-       {"environment", "environment_map", "environment_light", "env_light", "env", "env_mapper", "ibl", "infinite",
-        "infinite_area"}},
-      {"emitter", "constant", {"constant_light"}},
-      {"texture",
-       "bitmap",
-       {"image", "image_texture", "png_texture", "image_texture_legacy", "image_texture_simple", "imagetexture_color3f",
-        "textmap", "texture_map", "bitmap_texture", "texture"}},
-      {"texture", "checkerboard", {"checkerboard_texture"}},
-      {"texture", "constant_color", {"constant", "solid", "solid_color", "uniform"}},
-      {"mesh", "rectangle", {"quad"}},
-      {"mesh", "cube", {"box"}},
-      {"mesh", "obj", {"wavefront"}},
-  };
-  all.insert(all.end(), std::begin(others), std::end(others));
-  return all;
-}
-
-std::vector<ParameterAlias> parameter_aliases() {
-  return {
-      {"scale", "tile", "texture", "vector"},
-      {"scalev2f", "tile", "texture", "vector"},
-      {"lens_radius", "apertureRadius"},
-      {"radius", "apertureRadius", "camera"},
-      {"focal", "focusDistance", "camera"},
-      {"aperture", "apertureRadius"},
-      {"focal_distance", "focusDistance"},
-      {"focus_dist", "focusDistance"},
-      {"focal_dist", "focusDistance"},
-      {"focal_plane", "focusDistance"},
-      {"rr_start", "rrDepth"},
-      {"max_bounces", "maxDepth"},
-      {"depth", "maxDepth", "integrator"},
-      {"spp", "sampleCount"},
-      {"samples", "sampleCount"},
-      {"current_sample_count", "sampleCount"},
-      {"brdf_samples", "bsdfSamples"},
-      {"reflectance", "albedo"},
-      {"albedo", "base_color"},
-      {"albedo", "kd"},
-      {"albedo", "diffuse_reflectance"},
-      {"albedo", "value", "texture"},
-      {"color", "value", "texture"},
-      {"kd", "diffuse_reflectance"},
-      {"ks", "specular_reflectance"},
-      {"material_name", "material"},
-      {"cior", "material"},
-      {"radiance", "intensity"},
-      {"energy", "power"},
-      {"base_colour", "base_color"},
-      {"subsurface", "flatness"},
-      {"specular_tint", "spec_tint"},
-      {"specular_transmission", "spec_trans"},
-      {"ior", "intIOR"},
-      {"file", "filename"},
-      {"path", "filename"},
-      {"image", "filename"},
-      {"image_name", "filename"},
-      {"texture_path", "filename", "texture"},
-      {"filepath", "filename"},
-      {"exr_path", "filename"},
-      {"openexr", "filename"},
-      {"envfile", "filename", "emitter"},
-      {"mapname", "filename", "emitter"},
-      {"env_map_path", "filename", "emitter"},
-      {"path2map", "filename", "emitter"},
-      {"power", "irradiance", "emitter"},
-      {"strength", "scale", "emitter"},
-      {"intensity", "scale", "emitter"},
-      {"albedo", "radiance", "emitter"},
-      {"origin", "position", "emitter"},
-      {"cos_total_width", "totalWidth"},
-      {"cos_falloff_start", "falloffStart"},
-      {"interpolation", "filter_type", "texture"},
-      {"extension", "wrap_mode", "texture"},
-      {"ray_length", "length"},
-      {"look_at", "target"},
-  };
-}
-
-std::vector<IgnoredTag> ignored_tags() {
-  const char* faster = "acceleration structures do not change the picture";
-  return {{"acceleration", faster, false},
-          {"accel", faster, false},
-          {"bvh", faster, false},
-          {"denoiser", "rendering does not denoise; use `etendue denoise` afterwards", true}};
-}
-
 }  // namespace
 
 const Dialect& nori_dialect() {
-  static const Dialect kDialect = {.plugins = make_plugins(),
-                                   .unsupported_types = unsupported_types(),
-                                   .unsupported_tags = {"medium", "phase", "volume"},
-                                   .aliases = {{"shape", "mesh"}, {"luminaire", "emitter"}},
-                                   .mesh_facts = {.smooth_without_normals = false, .v_origin = VOrigin::bottom},
-                                   .type_aliases = type_aliases(),
-                                   .parameter_aliases = parameter_aliases(),
-                                   .any_spelling = true,
-                                   .forgiving = true,
-                                   .ignored_tags = ignored_tags()};
+  static const Dialect kDialect = {
+      .plugins = make_plugins(),
+      .unsupported_types = unsupported_types(),
+      .unsupported_tags = {"medium", "phase", "volume"},
+      .aliases = {{"shape", "mesh"}, {"luminaire", "emitter"}, {"envmap", "emitter"}, {"diffusemap", "texture"}},
+      .mesh_facts = {.smooth_without_normals = false, .v_origin = VOrigin::bottom},
+      .type_aliases = nori_type_aliases(),
+      .parameter_aliases = nori_parameter_aliases(),
+      .any_spelling = true,
+      .forgiving = true,
+      .ignored_tags = nori_ignored_tags(),
+      .ignored_properties = nori_ignored_properties(),
+      .unsupported_properties = nori_unsupported_properties()};
   return kDialect;
 }
 

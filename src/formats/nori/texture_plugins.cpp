@@ -13,6 +13,9 @@ constexpr Range kCoordinate{-kMaxTextureCoordinate, kMaxTextureCoordinate, false
 Parameter to_uv() {
   return {"to_uv", transform, "", {}, "from texture coordinates of the surface to those of the texture; z is not used"};
 }
+Parameter uv_scale() {
+  return {"uvscale", real, "1", kCoordinate, "factor of the texture coordinates"};
+}
 Parameter factor() {
   return {"scale", color, "1 1 1", kFactor, "factor for the colours"};
 }
@@ -44,6 +47,7 @@ std::vector<Plugin> texture_plugins() {
         {"raw", boolean, "false", {}, "8-bit values are plain numbers, not sRGB-encoded colours"},
         {"tile", vector2, "1 1", kCoordinate, "size of the picture in texture coordinates, not 0"},
         {"delta", point2, "0 0", kCoordinate, "offset in pictures: lookups are at uv / tile − delta"},
+        uv_scale(),
         to_uv(),
         factor()},
        {}},
@@ -53,6 +57,7 @@ std::vector<Plugin> texture_plugins() {
        {{"color0", color, "0.4 0.4 0.4", kColor, "colour of the square at (0,0) and of those that touch it at a corner",
          "texture"},
         {"color1", color, "0.2 0.2 0.2", kColor, "colour of the others", "texture"},
+        uv_scale(),
         to_uv(),
         factor()},
        {}},

@@ -20,6 +20,12 @@ glm::dmat3 plane_transform(const glm::dmat4& m) {
   return {m[0][0], m[0][1], 0.0, m[1][0], m[1][1], 0.0, m[3][0], m[3][1], 1.0};
 }
 
+/// Of a texture with both properties: `uvscale` applies first.
+glm::dmat3 uv_matrix(const Object& object) {
+  const auto scale = object.get<double>("uvscale");
+  return plane_transform(object.matrix("to_uv")) * glm::dmat3(scale, 0.0, 0.0, 0.0, scale, 0.0, 0.0, 0.0, 1.0);
+}
+
 /// A word in small letters: exporters of Blender write REPEAT, EXTEND, Linear and Closest.
 std::string small_word(const Object& object, const char* property) {
   std::string word(text::trim(object.get<std::string>(property)));
@@ -87,7 +93,7 @@ std::optional<Texture> TextureReader::read_texture(const Object& object, Scene& 
     read_square(object, "color0", scene, board.color0, board.texture0);
     read_square(object, "color1", scene, board.color1, board.texture1);
     texture.source = board;
-    texture.uv_transform = plane_transform(object.matrix("to_uv"));
+    texture.uv_transform = uv_matrix(object);
     return texture;
   }
   if (type == "checkerboard_color") {
@@ -139,7 +145,7 @@ std::optional<Texture> TextureReader::read_bitmap_texture(const Object& object, 
     return std::nullopt;
   }
   const glm::dmat3 tiles(1.0 / tile.x, 0.0, 0.0, 0.0, 1.0 / tile.y, 0.0, -delta.x, -delta.y, 1.0);
-  texture.uv_transform = plane_transform(object.matrix("to_uv")) * tiles;
+  texture.uv_transform = uv_matrix(object) * tiles;
   const std::optional<std::uint32_t> bitmap = read_picture(object, texture, scene);
   if (!bitmap) return std::nullopt;
   picture.bitmap = *bitmap;
