@@ -376,6 +376,19 @@ TEST(Courses, NamesOfPicturesInPlaceOfColours) {
   EXPECT_FALSE(none.file);
 }
 
+TEST(Courses, MapsBesideTheirNumbers) {
+  const Scene scene = read_beside_picture(sphere(R"(<bsdf type="disney"><texture type="image_texture_float"
+      name="roughnessMap"><string name="filename" value="a.hdr"/></texture><float name="roughness" value="1"/>
+      <float name="metallic" value="0.5"/><texture type="image_texture_float" name="metallicmap">
+        <string name="filename" value="a.hdr"/></texture></bsdf>)"));
+  const auto& material = std::get<PrincipledBsdf>(scene.materials.at(0).bsdf);
+  EXPECT_TRUE(material.roughness.texture.has_value());
+  EXPECT_TRUE(material.metallic.texture.has_value());
+  const Parsed twice = parse_beside_picture(
+      sphere(R"(<bsdf type="diffuse"><color name="albedo" value="0.5"/><texture type="solid" name="albedo"/></bsdf>)"));
+  EXPECT_THAT(all_messages(twice.diagnostics), HasSubstr("is given twice"));
+}
+
 TEST(Courses, NormalsAndHolesOfMaterials) {
   const Scene scene = read_beside_picture(sphere(R"(<bsdf type="diffuse"><string name="normalMap" value="a.hdr"/>
       <float name="opacity" value="0.25"/></bsdf>)"));
@@ -435,6 +448,11 @@ TEST(Courses, CosinesAndFullAnglesOfSpots) {
   EXPECT_EQ(full.beam_width, 10.0);
   EXPECT_EQ(full.falloff, DeltaLight::Falloff::linear);
   EXPECT_EQ(full.intensity.value, glm::dvec3(7.0));
+  const DeltaLight half = spot(R"(<color name="power" value="7"/><float name="thetaMax" value="30"/>
+      <float name="thetaFall" value="10"/>)");
+  EXPECT_EQ(half.cutoff, 30.0);
+  EXPECT_EQ(half.beam_width, 10.0);
+  EXPECT_EQ(half.intensity.value, glm::dvec3(7.0));
 }
 
 TEST(Courses, SpheresTurnInPlace) {
@@ -466,6 +484,19 @@ TEST(Courses, TheAxisUpOfTheSky) {
   EXPECT_EQ(up("<mesh type=\"sphere\">" + picture + "</emitter></mesh>"), glm::dvec3(0, 0, 1));
   EXPECT_TRUE(near(up(picture + turn + "</emitter>"), glm::dvec3(0, 1, 0)));
   EXPECT_TRUE(near(up(picture + turn + R"(<string name="up" value="y"/></emitter>)"), glm::dvec3(0, 0, -1)));
+  // A camera with +Z up sees a horizon that lies down.
+  const TemporaryFolder folder;
+  folder.write("a.hdr", kPicture);
+  for (const bool level : {false, true}) {
+    Parsed standing;
+    standing.file = parse_scene_file(
+        R"(<scene><integrator type="path"/><camera type="perspective"><transform name="toWorld"><lookat origin="0,-5,1"
+           target="0,0,0" up="0,0,1"/></transform></camera><mesh type="sphere"/>)" +
+            picture + (level ? turn : "") + "</emitter></scene>",
+        folder.path("s.xml"), {}, load_triangle, standing.diagnostics);
+    const glm::dvec3 edge = standing.scene().sky.world_from_sky * glm::dvec3(0, 1, 0);
+    EXPECT_TRUE(near(edge, level ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1)));
+  }
   const Scene scene = read_beside_picture(picture + R"(<string name="up" value="z"/></emitter>)" + sphere(""));
   // The middle of the picture is toward -Z of the sky, its left edge toward +Z, a quarter toward ±X.
   EXPECT_EQ(scene.sky.world_from_sky * glm::dvec3(0, 0, 1), glm::dvec3(-1, 0, 0));
@@ -489,6 +520,7 @@ TEST(Courses, TheSkyOfASceneWithoutAnIntegrator) {
   EXPECT_THAT(all_messages(parsed.diagnostics), HasSubstr("the scene has no integrator; it is rendered with path_mis"));
   ASSERT_TRUE(parsed.scene().sky.picture);
   EXPECT_EQ(parsed.scene().sky.picture->scale, 3.0);
+  EXPECT_FALSE(read(sky + R"(<float name="envmapScale" value="0"/>)").scene().sky.picture);
   EXPECT_THAT(all_messages(read("").diagnostics), HasSubstr("<scene> needs a <integrator>"));
   EXPECT_THAT(all_messages(read(sky + R"(<color name="sky_top" value="1"/>)").diagnostics),
               HasSubstr("\"envmap\" and another sky are two; keep one of them"));

@@ -156,6 +156,10 @@ const Parameter* Dialect::find_parameter(const Plugin& plugin, std::string_view 
   return find_alias([&](std::string_view word) { return is_spelling_of(word, name); });
 }
 
+bool Dialect::is_name_of(const Parameter& parameter, std::string_view word) const {
+  return any_spelling ? is_spelling_of(parameter.name, word) : parameter.name == word;
+}
+
 const IgnoredProperties* Dialect::ignored_property(const Plugin& plugin, std::string_view name) const {
   const auto found = std::ranges::find_if(ignored_properties, [&](const IgnoredProperties& row) {
     return row.tag == plugin.tag && (row.types.empty() || contains(row.types, plugin.type)) &&

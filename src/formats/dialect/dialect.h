@@ -131,6 +131,8 @@ struct Dialect {
   /// The parameter of a row by its name or another word for it; nullptr if there is none.
   /// `element` is the tag that gives it.
   const Parameter* find_parameter(const Plugin& plugin, std::string_view name, std::string_view element = {}) const;
+  /// Whether a word is the name of a parameter, in some spelling, and not another word for it.
+  bool is_name_of(const Parameter& parameter, std::string_view word) const;
   /// The rows for a property that the dialect's table does not have; nullptr if there is none.
   const IgnoredProperties* ignored_property(const Plugin& plugin, std::string_view name) const;
   const UnsupportedProperties* unsupported_property(const Plugin& plugin, std::string_view name) const;

@@ -354,8 +354,13 @@ void Object::report_misplaced(const XmlElement& child, std::string_view tag, Rea
 
 void Object::add_named_child(const XmlElement& child, const XmlElement& object, ReadContext& context) {
   const XmlAttribute& name = *child.find("name");
-  const Parameter* parameter = context.dialect.find_parameter(*plugin_, name.value);
+  const Parameter* parameter =
+      context.dialect.find_parameter(*plugin_, name.value, context.dialect.canonical(object.name));
   if (parameter == nullptr) return report_unknown_property(child, context);
+  // "roughnessMap" may stand beside a roughness.
+  const bool other_word = !context.dialect.is_name_of(*parameter, name.value);
+  if (context.dialect.forgiving && other_word && parameter->type != ParameterType::object)
+    return set_unnamed_picture(*parameter, child, object, context);
   set_named_child(*parameter, child, object, context);
 }
 

@@ -82,6 +82,9 @@ std::vector<ParameterAlias> picture_aliases() {
     add({"normal", "normal_map", "normal_texture", "normal_file", "normal_filename", "normal_path", "nmap"},
         {"normals"}, tag, "");
   }
+  add({"roughness_map"}, {"roughness"}, "bsdf", "");
+  add({"metallic_map", "metalness_map"}, {"metallic"}, "bsdf", "");
+  add({"albedo_map", "diffuse_map", "base_color_map", "color_map"}, {"albedo", "kd", "base_color"}, "bsdf", "");
   add({"albedo", "color"}, {"texture"}, "mesh", "texture");
   return all;
 }
@@ -152,6 +155,7 @@ std::vector<ParameterAlias> light_aliases() {
       {"path2map", "filename", "emitter"},
       {"power", "irradiance", "emitter"},
       {"strength", "scale", "emitter"},
+      {"radiance_scale", "scale", "emitter"},
       {"intensity", "scale", "emitter"},
       {"albedo", "radiance", "emitter"},
       {"envmap", "radiance", "emitter"},
@@ -201,7 +205,8 @@ std::vector<TypeAliases> nori_type_aliases() {
       {"texture",
        "bitmap",
        {"image", "image_texture", "png_texture", "image_texture_legacy", "image_texture_simple", "imagetexture_color3f",
-        "textmap", "texture_map", "bitmap_texture", "texture", "color_texture", "normal_map", "normal_texture"}},
+        "textmap", "texture_map", "bitmap_texture", "texture", "color_texture", "normal_map", "normal_texture",
+        "image_texture_float", "image_normal"}},
       {"texture", "checkerboard", {"checkerboard_texture"}},
       {"texture", "constant_color", {"constant", "solid", "solid_color", "uniform"}},
       {"mesh", "rectangle", {"quad"}},
@@ -263,6 +268,11 @@ std::vector<IgnoredProperties> nori_ignored_properties() {
       {"integrator", {"photonmapper"}, {"iterations", "num_iterations", "k", "alpha", "photons"}, noise},
       {"sampler", {}, {"n_passes", "seed"}, noise},
       {"bsdf", {}, {"use_cosine"}, noise},
+      {"bsdf",
+       {"diffuse", "mirror", "dielectric"},
+       {"metallic", "subsurface", "specular", "specular_tint", "roughness", "anisotropic", "sheen", "sheen_tint",
+        "clearcoat", "clearcoat_gloss"},
+       "it is a number of Disney's material, which this one is not"},
       {"bsdf", {"conductor"}, {"alpha"}, "this metal is smooth; for a rough one use roughconductor"},
       {"bsdf", {"mirror", "diffuse"}, {"int_ior", "ext_ior"}, "this material has no index of refraction"},
       {"mesh", {}, {"name"}, "a name means nothing"},
@@ -295,6 +305,7 @@ std::vector<UnsupportedProperties> nori_unsupported_properties() {
       {"integrator", {"sigma_s", "sigma_t", "sigma_a", "helios_coeff"}, "medium"},
       {"emitter", {"half1", "half2"}, "sky of two pictures"},
       {"emitter", {"rotation", "offset_y", "offset_z1", "offset_z2"}, "turn of a sky but by its transform toWorld"},
+      {"emitter", {"base_color"}, "second colour of a light"},
       {"emitter", {"center", "radius"}, "emitter of that size"},
       {"texture", {"euler_angles"}, "turn of a picture but by to_uv"},
       {"texture", {"shift"}, "shift of a picture but by delta"},

@@ -70,7 +70,10 @@ class DeltaLightReader {
 
   /// Of a spot, in the words of some courses.
   bool has_color() const { return object_.given("color"); }
-  bool has_theta() const { return object_.plugin().find("theta") != nullptr && object_.given("theta"); }
+  bool has_theta() const {
+    const auto has = [&](const char* name) { return object_.plugin().find(name) != nullptr && object_.given(name); };
+    return has("theta") || has("thetaMax");
+  }
 
   void read_intensity(double solid_angle) {
     if (has_color()) {
@@ -138,7 +141,8 @@ class DeltaLightReader {
     const Cone all[] = {{"cutoffAngle", "beamWidth"},
                         {"totalWidth", "falloffStart"},
                         {"cosTotalWidth", "cosFalloffStart"},
-                        {"theta", "thetaFalloff"}};
+                        {"theta", "thetaFalloff"},
+                        {"thetaMax", "thetaFall"}};
     const Cone* used = nullptr;
     for (const Cone& cone : all) {
       if (!object_.given(cone.outer) && !object_.given(cone.inner)) continue;
@@ -157,7 +161,7 @@ class DeltaLightReader {
   double half_angle(const char* name) const {
     const auto value = object_.get<double>(name);
     const std::string_view word = name;
-    if (word.starts_with("theta")) return 0.5 * value;
+    if (word == "theta" || word == "thetaFalloff") return 0.5 * value;
     // Some courses mean the cosines, as the words say, and others degrees.
     if (word.starts_with("cos") && value <= 1.0) return std::acos(value) * 180.0 / kPi;
     return value;

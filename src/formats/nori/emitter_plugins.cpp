@@ -54,6 +54,8 @@ Plugin spot_plugin() {
        {0.0, 360.0, true, false},
        "as one course has it: twice cutoffAngle, in degrees; power is then the intensity"},
       {"thetaFalloff", real, "", {0.0, 360.0, false, false}, "twice beamWidth, together with theta"},
+      {"thetaMax", real, "", kAngle, "as another course has it: cutoffAngle; power is then the intensity"},
+      {"thetaFall", real, "", {0.0, 180.0, false, false}, "beamWidth, together with thetaMax"},
       {"falloff",
        string,
        "",

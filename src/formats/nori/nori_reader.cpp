@@ -1082,6 +1082,7 @@ class SceneReader {
       return;
     }
     has_environment_ = true;
+    if (scene_object.get<double>("envmapScale") == 0.0) return;
     const std::string filename(text::trim(scene_object.get<std::string>("envmap")));
     scene.sky.picture = load_sky(filename, scene_object.position_of("envmap"),
                                  {.bitmap = nullptr, .scale = scene_object.get<double>("envmapScale")});
@@ -1100,6 +1101,18 @@ class SceneReader {
     if (std::string_view(object.plugin().type) == "envmap" && scene.sky.picture) raise_sky(object, in_mesh, scene);
   }
 
+  /// Why a picture of the sky has its upper edge toward +Z; "" if nothing says so.
+  static std::string reason_for_z_up(const glm::dmat3& turn, bool in_mesh, const Camera& camera) {
+    constexpr double kNearly = 0.999;
+    const glm::dvec3 z = glm::normalize(turn[2]);
+    const glm::dvec3 up = glm::normalize(glm::dvec3(camera.world_from_camera[1]));
+    if (in_mesh) return "the picture is in a mesh";
+    if (z.y > kNearly) return "toWorld turns +Z to +Y";
+    // Nobody wants the horizon upright.
+    if (z.z > kNearly && up.z > std::abs(up.x) && up.z > std::abs(up.y)) return "the camera has +Z up";
+    return "";
+  }
+
   /// Pictures whose upper edge is toward +Z, as courses have them.
   void raise_sky(const Object& object, bool in_mesh, Scene& scene) {
     const auto up = object.get<std::string>("up");
@@ -1108,15 +1121,12 @@ class SceneReader {
                   fmt::format("{} is no axis toward the upper edge of the picture; use y or z", text::quoted(up)));
       return;
     }
-    constexpr double kNearly = 0.999;
     const glm::dmat3 turn(object.matrix("toWorld"));
-    const bool turned = glm::normalize(turn[2]).y > kNearly;
-    if (up == "y" || (up.empty() && !in_mesh && !turned)) return;
+    const std::string reason = reason_for_z_up(turn, in_mesh, scene.camera);
+    if (up == "y" || (up.empty() && reason.empty())) return;
     if (up.empty())
-      sink_.note(object.position(), turned ? "toWorld turns +Z to +Y: the upper edge of the picture is read as its +Z; "
-                                             "set \"up\" to y if it is not"
-                                           : "in a mesh, the upper edge of the picture is read as its +Z; set \"up\" "
-                                             "to y if it is not");
+      sink_.note(object.position(),
+                 reason + ": the upper edge of the picture is read as its +Z; set \"up\" to y if it is not");
     scene.sky.world_from_sky = turn * glm::dmat3(0, 1, 0, 0, 0, 1, -1, 0, 0);
   }
 

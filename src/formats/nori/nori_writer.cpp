@@ -60,8 +60,7 @@ class NoriWriter : MaterialWriter {
     xml_.text("filename", files_.picture(sky.picture->bitmap));
     xml_.number("scale", sky.picture->scale);
     if (sky.picture->rows == SkyPicture::Rows::circles) xml_.text("rows", "circles");
-    // Without the word, such a turn would be one of a picture with +Z up.
-    if (glm::normalize(sky.world_from_sky[2]).y > 0.9) xml_.text("up", "y");
+    xml_.text("up", "y");
     xml_.transform("toWorld", glm::dmat4(sky.world_from_sky));
     xml_.close();
   }

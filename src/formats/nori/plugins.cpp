@@ -47,7 +47,7 @@ std::vector<Plugin> scene_plugins() {
        {{"sky_top", color, "0 0 0", between(0, kMaxRadiance), "radiance from straight above"},
         {"sky_horizon", color, "0 0 0", between(0, kMaxRadiance), "radiance from the horizon and below"},
         {"envmap", string, "", any(), "file of a picture of the sky, as of an emitter envmap"},
-        {"envmapScale", real, "1", above(0), "factor of that picture's radiance"},
+        {"envmapScale", real, "1", at_least(0), "factor of that picture's radiance; 0: no sky"},
         {"nee", boolean, "true", any(), "next-event estimation, unless the integrator sets it"},
         {"instancing", string, "auto", any(),
          "whether a mesh that several shapes share is stored once: auto, if the copies would be large; never; always, "
@@ -359,8 +359,8 @@ std::vector<Plugin> object_plugins() {
         {"scale", real, "1", above(0), "factor of the picture's radiance"},
         {"up", string, "", any(),
          "the axis toward the upper edge of the picture, before toWorld: y as described, or z with the left edge "
-         "toward +X and +Y a quarter of the width from it; the default is y, but z in a mesh and where toWorld turns "
-         "+Z to +Y"},
+         "toward +X and +Y a quarter of the width from it; the default is y, but z in a mesh, where toWorld turns +Z "
+         "to +Y, and where the camera has +Z up and toWorld leaves it there"},
         {"rows", string, "bands", any(),
          "bands: each row of the picture is the middle of a band, all of equal height; circles: the first and last "
          "rows are the poles, as in Mitsuba"},
