@@ -15,7 +15,8 @@ GltfLamps lamps_of(const std::string& word) {
   if (word == "auto") return GltfLamps::automatic;
   if (word == "blender") return GltfLamps::blender;
   if (word == "standard") return GltfLamps::standard;
-  throw Error(ErrorKind::usage, "There is no lamps='" + word + "'; there are: auto, blender, standard.");
+  if (word == "watts") return GltfLamps::watts;
+  throw Error(ErrorKind::usage, "There is no lamps='" + word + "'; there are: auto, blender, standard, watts.");
 }
 
 SceneHolder read(const std::string& path, const std::vector<std::pair<std::string, std::string>>& parameters,

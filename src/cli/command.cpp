@@ -48,10 +48,10 @@ void SceneOptions::add_to(Command& command) {
       ->group(kScene);
   command
       .add_option("--lamps", lamps,
-                  "brightness of a glTF asset's lamps: 'standard', as in the file; 'blender', divided by 683; or "
-                  "'auto', depending on the program that wrote the file")
+                  "brightness of a glTF asset's lamps: 'standard', as in the file; 'blender', divided by 683; 'watts', "
+                  "points and spots divided by 4 pi; or 'auto', depending on the program that wrote the file")
       ->type_name("RULE")
-      ->check(one_of({"auto", "blender", "standard"}))
+      ->check(one_of({"auto", "blender", "standard", "watts"}))
       ->capture_default_str()
       ->group(kScene);
   command
@@ -64,6 +64,7 @@ namespace {
 
 GltfLamps lamps_of(const std::string& rule) {
   if (rule == "blender") return GltfLamps::blender;
+  if (rule == "watts") return GltfLamps::watts;
   return rule == "standard" ? GltfLamps::standard : GltfLamps::automatic;
 }
 

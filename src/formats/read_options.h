@@ -12,6 +12,7 @@ namespace etendue {
 enum class GltfLamps {
   automatic,  ///< as Blender's where Blender wrote the file, else as the standard says
   blender,    ///< one 683rd of what is written: Blender turns watts into lumens by that factor
+  watts,      ///< point lamps and spots are written in watts, over the whole sphere; Blender's unit "Raw"
   standard,   ///< one candela or lux is one unit, as one cd/m² of a surface is
 };
 

@@ -16,7 +16,7 @@ import sys
 
 
 def wavy_square(side, index_code):
-    """Positions, normals and indices of side × side cells, as bytes."""
+    """Positions, normals and indices of side × side cells, as bytes; their numbers; the least and greatest height."""
     positions, normals, indices = array.array("f"), array.array("f"), array.array(index_code)
     for row in range(side + 1):
         for column in range(side + 1):
@@ -30,13 +30,15 @@ def wavy_square(side, index_code):
             a = row * (side + 1) + column
             b = a + side + 1
             indices.extend((a, b, a + 1, a + 1, b, b + 1))
+    heights = [min(positions[1::3]), max(positions[1::3])]
     for values in (positions, normals, indices):
         if sys.byteorder == "big":
             values.byteswap()
-    return [values.tobytes() for values in (positions, normals, indices)], (side + 1)**2, 6 * side**2
+    parts = [values.tobytes() for values in (positions, normals, indices)]
+    return parts, (side + 1)**2, 6 * side**2, heights
 
 
-def asset(nodes, parts, vertices, corners, index_type):
+def asset(nodes, parts, vertices, corners, heights, index_type):
     """The JSON of the asset; the parts follow each other in its buffer, once per node."""
     across = math.ceil(math.sqrt(nodes))
     views, accessors, at = [], [], 0
@@ -46,7 +48,7 @@ def asset(nodes, parts, vertices, corners, index_type):
             at += len(part)
         first = len(views) - 3
         vectors = {"componentType": 5126, "count": vertices, "type": "VEC3"}
-        accessors += [{"bufferView": first, **vectors, "min": [0, -1, 0], "max": [1, 1, 1]},
+        accessors += [{"bufferView": first, **vectors, "min": [0, heights[0], 0], "max": [1, heights[1], 1]},
                       {"bufferView": first + 1, **vectors},
                       {"bufferView": first + 2, "componentType": index_type, "count": corners, "type": "SCALAR"}]
     return {
@@ -73,9 +75,9 @@ def main():
     code, index_type = ("I", 5125) if arguments.index_bits == 32 else ("H", 5123)
     if arguments.index_bits == 16 and (side + 1)**2 > 65535:
         parser.error("--index-bits 16 is for meshes of up to 65535 vertices")
-    parts, vertices, corners = wavy_square(side, code)
+    parts, vertices, corners, heights = wavy_square(side, code)
     parts = [part + bytes(-len(part) % 4) for part in parts]
-    header = json.dumps(asset(arguments.nodes, parts, vertices, corners, index_type)).encode()
+    header = json.dumps(asset(arguments.nodes, parts, vertices, corners, heights, index_type)).encode()
     header += b" " * (-len(header) % 4)
     data = b"".join(parts)
     size = len(data) * arguments.nodes

@@ -7,13 +7,15 @@
 namespace etendue::testing {
 namespace {
 
+constexpr const char* kBounds = R"(,"min":[0,0,0],"max":[1,1,0])";  // of the triangle
+
 /// A triangle with further members of its node, mesh, primitive and document.
 struct Parts {
   std::string node, mesh, primitive, attributes, document;
 };
 
 std::string asset(const Parts& parts, GltfBuffer buffer = {}) {
-  const int positions = buffer.accessor(right_triangle(), "VEC3", 3);
+  const int positions = buffer.accessor(right_triangle(), "VEC3", 3, kBounds);
   const std::string json = document(fmt::format(
       R"("scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0{}}}],"meshes":[{{"primitives":[{{"attributes":)"
       R"({{"POSITION":{}{}}}{}}}]{}}}],{}{})",
@@ -34,6 +36,12 @@ std::string said(const std::string& bytes) {
   return text;
 }
 
+/// Expects a warning that contains `part`.
+void expect_said(const Parts& parts, const std::string& part, const GltfBuffer& buffer = {}) {
+  const std::string text = said(asset(parts, buffer));
+  EXPECT_NE(text.find(part), std::string::npos) << "missing: " << part << "\nsaid: " << text;
+}
+
 void expect_warning(const Parts& parts, const std::string& sentence, const GltfBuffer& buffer = {}) {
   const std::string text = said(asset(parts, buffer));
   EXPECT_EQ(text, sentence + "\n");
@@ -48,7 +56,7 @@ TEST(GltfAudit, NothingIsSaidOfWhatIsRight) {
   EXPECT_EQ(said(asset({})), "");
   EXPECT_EQ(
       said(asset(with_material(
-          R"("name":"m","alphaCutoff":0,"pbrMetallicRoughness":{"metallicFactor":1,"baseColorFactor":[0,0.5,1,1]})"))),
+          R"("name":"m","alphaMode":"MASK","alphaCutoff":0,"pbrMetallicRoughness":{"metallicFactor":1,"baseColorFactor":[0,0.5,1,1]})"))),
       "");
   EXPECT_EQ(said(asset({.node = R"(,"rotation":[0.7071,0,0,0.7071],"scale":[1,2,3])"})), "");
 }
@@ -67,7 +75,7 @@ TEST(GltfAudit, Nodes) {
 
 TEST(GltfAudit, Scenes) {
   GltfBuffer buffer;
-  buffer.accessor(right_triangle(), "VEC3", 3);
+  buffer.accessor(right_triangle(), "VEC3", 3, kBounds);
   const std::string text =
       said(glb(document(R"("scenes":[{"nodes":[0,0,1],"name":4}],"nodes":[{"children":[1]},{"mesh":0}],)"
                         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)" +
@@ -94,7 +102,10 @@ TEST(GltfAudit, Attributes) {
   expect_warning({.attributes = R"(,"TEXCOORD_2":0)"}, "TEXCOORD_2 comes without TEXCOORD_1; it is not used", buffer);
   GltfBuffer joints;
   joints.accessor(std::vector<std::uint8_t>(12), "VEC4", 4);
-  expect_warning({.attributes = R"(,"JOINTS_0":0)"}, "JOINTS_0 comes without WEIGHTS_0; it moves nothing", joints);
+  expect_warning({.attributes = R"(,"JOINTS_0":0)"},
+                 "JOINTS_0 comes without WEIGHTS_0; it moves nothing\n"
+                 "the node shows a mesh with JOINTS_0 but has no \"skin\"; the mesh keeps its shape",
+                 joints);
   GltfBuffer shorts;
   shorts.accessor(std::vector<std::uint16_t>{0, 0, 1, 0, 0, 1}, "VEC2", 2);
   expect_warning({.attributes = R"(,"TEXCOORD_0":0)"},
@@ -102,9 +113,13 @@ TEST(GltfAudit, Attributes) {
                  "KHR_mesh_quantization; it is read all the same",
                  shorts);
   EXPECT_EQ(
-      said(asset({.attributes = R"(,"TEXCOORD_0":0)", .document = R"(,"extensionsUsed":["KHR_mesh_quantization"])"},
-                 shorts)),
+      said(asset(
+          {.attributes = R"(,"TEXCOORD_0":0)",
+           .document = R"(,"extensionsUsed":["KHR_mesh_quantization"],"extensionsRequired":["KHR_mesh_quantization"])"},
+          shorts)),
       "");
+  expect_warning({.document = R"(,"extensionsUsed":["KHR_mesh_quantization"])"},
+                 "the extension KHR_mesh_quantization must be among \"extensionsRequired\"");
 }
 
 TEST(GltfAudit, Materials) {
@@ -125,14 +140,16 @@ TEST(GltfAudit, Materials) {
   expect_warning(with_extension("KHR_materials_clearcoat", R"("clearcoatFactor":7)"),
                  R"("clearcoatFactor" is 7; it must be between 0 and 1; the nearest of these is used)");
   expect_warning(with_extension("KHR_materials_volume", R"("thicknessFactor":1,"attenuationDistance":0)"),
-                 R"("attenuationDistance" is 0; it must be above 0; the volume is clear)");
+                 "\"attenuationDistance\" is 0; it must be above 0; the volume is clear\n"
+                 "the material has a volume, but no light enters it: it has no transmission");
 }
 
 TEST(GltfAudit, Extensions) {
   expect_warning(with_material(R"("extensions":{"KHR_materials_unlit":{}})"),
                  R"(the extension "KHR_materials_unlit" is not among "extensionsUsed")");
   expect_warning({.document = R"(,"extensionsRequired":["KHR_texture_transform"])"},
-                 R"(the extension "KHR_texture_transform" is required but not among "extensionsUsed")");
+                 "the extension \"KHR_texture_transform\" is required but not among \"extensionsUsed\"\n"
+                 "the extension \"KHR_texture_transform\" is required, but nothing in the asset has it");
   expect_warning({.document = R"(,"extensions":[])"}, R"("extensions" is an array; it must be an object)");
   EXPECT_EQ(said(asset({.document = R"(,"extras":{"extensions":{"FOO":1}})"})), "");
 }
@@ -160,14 +177,115 @@ TEST(GltfAudit, NumbersOfVertices) {
   GltfBuffer colors;
   colors.accessor(std::vector<float>{0, 0, 1.5f, 0, 0, 1, -1, kNaN, 0}, "VEC3", 3);
   expect_warning({.attributes = R"(,"COLOR_0":0)"},
-                 "3 of 9 numbers of vertex colours are not between 0 and 1; the nearest of these is used", colors);
+                 "3 of 9 numbers of vertex colours are not between 0 and 1; the nearest of these is used\n"
+                 "1 of 9 numbers of the accessor are not finite",
+                 colors);
   GltfBuffer skin;
   skin.accessor(std::vector<std::uint8_t>(12), "VEC4", 4);
   skin.accessor(std::vector<float>{1, 0, 0, 0, 0, 0, 0, 0, kNaN, 0, 0, 0}, "VEC4", 4);
   expect_warning({.node = R"(,"skin":0)",
                   .attributes = R"(,"JOINTS_0":0,"WEIGHTS_0":1)",
                   .document = R"(,"skins":[{"joints":[0]}])"},
-                 "2 of 3 vertices have no weight above 0; the skin does not move them", skin);
+                 "2 of 3 vertices have no weight above 0; the skin does not move them\n"
+                 "1 of 12 numbers of the accessor are not finite\n"
+                 "2 vertices have weights that do not add up to 1; they are scaled to it",
+                 skin);
+}
+
+TEST(GltfAudit, MembersThatTheSchemaDoesNotKnow) {
+  expect_warning({.node = R"(,"scales":[1,1,1])"}, R"(a node has no member "scales"; it is ignored)");
+  expect_warning(with_material(R"("pbrMetallicRoughness":{"metalness":1})"),
+                 R"(a metallic-roughness has no member "metalness"; it is ignored)");
+  EXPECT_EQ(said(asset({.node = R"(,"extras":{"scales":1})"})), "");
+}
+
+TEST(GltfAudit, MembersOfTheWrongType) {
+  expect_said({.document = R"(,"cameras":[4])"}, R"("cameras" is a number; it must be an object)");
+  expect_said({.document = R"(,"cameras":[{"type":"fisheye"}])"},
+              R"("type" is "fisheye"; it must be one of perspective, orthographic)");
+  expect_said({.document = R"(,"skins":[{"joints":[0,0]}])"}, R"("joints" lists 0 twice)");
+  expect_said({.document = R"(,"skins":[])"}, R"("skins" is empty; it must have an element or be left out)");
+  expect_said({.document = R"(,"samplers":[{"wrapS":1}])"}, R"("wrapS" is 1; it must be one of 33071, 33648, 10497)");
+  expect_said({.document = R"(,"animations":[{"channels":[{"sampler":0.5,"target":{}}]}])"},
+              R"("sampler" is 0.5; it must be a whole number from 0 on)");
+  expect_said({.document = R"(,"animations":[{"channels":[{"sampler":0,"target":{}}]}])"},
+              R"(a target has no "path", which it must have)");
+  expect_said(
+      {.document = R"(,"cameras":[{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":-1,"zfar":1}}])"},
+      R"("znear" is -1; it must be at least 0)");
+  expect_said({.document = R"(,"materials":[{"emissiveFactor":[0,1]}])"},
+              R"("emissiveFactor" has 2 numbers; it must have 3)");
+  expect_said({.document = R"(,"materials":[{"emissiveTexture":{"index":2}}])"},
+              R"("index" refers to number 2 of "textures", of which there are 0; it is ignored)");
+  expect_said(
+      {.document = R"(,"textures":[{"extensions":{"KHR_materials_ior":{}}}],"extensionsUsed":["KHR_materials_ior"])"},
+      "a texture cannot have the extension KHR_materials_ior; it is ignored");
+}
+
+TEST(GltfAudit, WholeNumbersHaveNoPoint) {
+  GltfBuffer buffer;
+  buffer.accessor(right_triangle(), "VEC3", 3, kBounds);
+  std::string json = one_primitive(buffer, R"("attributes":{"POSITION":0})");
+  json.replace(json.find("\"count\":3"), 9, "\"count\":3.0");
+  EXPECT_EQ(said(glb(json, buffer.bytes())), "\"count\" is written with a decimal point; it must be a whole number\n");
+}
+
+TEST(GltfAudit, Links) {
+  GltfBuffer uvs;
+  uvs.accessor(std::vector<float>{0, 0, 1, 0}, "VEC2", 2);
+  expect_said({.attributes = R"(,"TEXCOORD_0":0)"}, "TEXCOORD_0 has 2 rows, POSITION has 3", uvs);
+  expect_said({.attributes = R"(,"TEXCOORD_00":0)"}, "\"TEXCOORD_00\" has no proper number", uvs);
+  expect_said({.attributes = R"(,"COLOR_1":0)"}, "COLOR_1 comes without COLOR_0", uvs);
+  expect_said({.attributes = R"(,"COLOR_1":0)"}, "COLOR_1 has the type \"VEC2\"; it must be VEC3 VEC4", uvs);
+  expect_said({.primitive = R"(,"targets":[{"NORMAL":0}])"}, "a morph target moves NORMAL, which the primitive", uvs);
+  expect_said({.primitive = R"(,"targets":[{"POSITION":9}])"}, "POSITION of a morph target refers to an accessor", uvs);
+  expect_said({.node = R"(,"skin":0)", .document = R"(,"skins":[{"joints":[0]}])"},
+              "the node has a \"skin\", but its mesh has no JOINTS_0");
+  expect_said({.node = R"(,"matrix":[1,0.5,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1])"}, "the node's \"matrix\" shears");
+  expect_said({.node = R"(},{"skin":0)", .document = R"(,"skins":[{"joints":[0,1]}])"}, "have no common root");
+}
+
+TEST(GltfAudit, NumbersOfAccessors) {
+  GltfBuffer wrong;
+  wrong.accessor(std::vector<float>{0, 0, 1, 0, 0, 1}, "VEC2", 2, R"(,"min":[0,0],"max":[1,2])");
+  expect_said({.attributes = R"(,"TEXCOORD_0":0)"}, "\"max\" is 2, but the largest number 1 of a row is 1", wrong);
+  GltfBuffer normals;
+  normals.accessor(std::vector<float>{0, 0, 2, 0, 0, 1, 0, 0, 1}, "VEC3", 3);
+  expect_said({.attributes = R"(,"NORMAL":0)"}, "1 of 3 rows of NORMAL do not have the length 1", normals);
+  GltfBuffer shifted;
+  shifted.view(std::vector<float>(10));
+  shifted.add_accessor(R"("bufferView":0,"byteOffset":2,"componentType":5126,"count":3,"type":"VEC3")");
+  expect_said({.attributes = R"(,"_X":0)"}, "\"byteOffset\" is 2; it must be a multiple of 4", shifted);
+  GltfBuffer bytes;  // normalised bytes state their bounds as they are written
+  bytes.accessor(std::vector<std::uint8_t>{0, 51, 255, 0, 51, 255}, "VEC2", 2,
+                 R"(,"normalized":true,"min":[0,0],"max":[255,255])");
+  EXPECT_EQ(said(asset({.attributes = R"(,"_X":0)"}, bytes)).find("\"max\""), std::string::npos);
+}
+
+TEST(GltfAudit, AnimationsThatAreNotPlayed) {
+  GltfBuffer keys;
+  keys.accessor(std::vector<float>{-1, -2}, "SCALAR", 1, R"(,"min":[-2],"max":[-1])");
+  keys.accessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 3}, "VEC4", 4);
+  const Parts parts{.document = R"(,"animations":[{"samplers":[{"input":0,"output":1}],)"
+                                R"("channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}])"};
+  expect_said(parts, "the first keyframe is at -1 s; times must not be below 0", keys);
+  expect_said(parts, "1 of 2 rotations of the animation do not have the length 1", keys);
+  expect_said(parts, "is at -2 s, which is not later than the one before it", keys);
+}
+
+TEST(GltfAudit, Containers) {
+  const auto word = [](std::uint32_t value) {
+    return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  const std::string good = asset({});
+  const auto longer = [&](const std::string& chunk) {
+    return good.substr(0, 8) + word(static_cast<std::uint32_t>(good.size() + chunk.size())) + good.substr(12) + chunk;
+  };
+  EXPECT_NE(said(longer(word(4) + "FOO " + "1234")).find("has the unknown type 0x204f4f46; it is ignored"),
+            std::string::npos);
+  EXPECT_NE(said(longer(word(4) + "JSON" + "{}  ")).find("is JSON, which must be the first chunk"), std::string::npos);
+  EXPECT_NE(said(longer("ab")).find("2 bytes are left over"), std::string::npos);
+  EXPECT_NE(said(good + "rest").find("the rest is ignored"), std::string::npos);
 }
 
 /// A picture that two textures name is missed once.

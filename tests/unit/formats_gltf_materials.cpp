@@ -189,10 +189,8 @@ TEST(GltfMaterials, AlphaCutsOrBlends) {
   const GltfRead cut = with_material(textured() + R"(,"alphaMode":"MASK","alphaCutoff":0.25)");
   ASSERT_TRUE(cut.scene.has_value()) << cut.messages();
   const auto holes = std::get<MaskAdapter>(stack_of(*cut.scene).adapters.at(0));
-  const auto& source = std::get<BitmapTexture>(cut.scene->textures.at(*holes.opacity.texture).source);
-  const Bitmap& bitmap = *cut.scene->bitmaps.at(source.bitmap);
-  EXPECT_EQ(bitmap.stored(0, 0, 0), 1.0f);
-  EXPECT_EQ(bitmap.stored(1, 0, 0), 0.0f);  // 51/255 is below the cutoff
+  EXPECT_EQ(holes.opacity.channel, TextureChannel::alpha);
+  EXPECT_EQ(cut.scene->textures.at(*holes.opacity.texture).alpha_cutoff, 0.25);  // compared after interpolation
   const GltfRead opaque = with_material(textured());
   EXPECT_EQ(stack_of(opaque.scene.value()).adapters.size(), 1u);  // alpha means nothing
   EXPECT_FALSE(with_material(R"("alphaMode":"GLASS")").scene.has_value());
@@ -262,6 +260,29 @@ TEST(GltfMaterials, ColoursOfVertices) {
   EXPECT_EQ(both.mesh().vertex_colors.size(), 3u);
   const GltfRead white = with_material(textured(), R"(,"COLOR_0":5)");  // of every vertex
   EXPECT_TRUE(white.mesh().vertex_colors.empty()) << white.messages();
+}
+
+/// What is transparent does not glow.
+TEST(GltfMaterials, EmissionIsAsTransparentAsItsSurface) {
+  const auto radiance = [](const GltfRead& read) {
+    EXPECT_TRUE(read.scene.has_value()) << read.messages();
+    return read.scene->emitter_of(read.scene->instances.at(0))->radiance;
+  };
+  const std::string glow = R"(,"emissiveFactor":[1,1,1])";
+  const GltfRead even =
+      with_material(R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.25]})" + glow);
+  EXPECT_EQ(radiance(even).value, glm::dvec3(0.25));
+  const GltfRead blend = with_material(textured() + R"(,"alphaMode":"BLEND")" + glow);
+  const Texture& grey = blend.scene.value().textures.at(*radiance(blend).texture);
+  EXPECT_EQ(blend.scene->bitmaps.at(std::get<BitmapTexture>(grey.source).bitmap)->stored(1, 0, 0), 51.0f / 255.0f);
+  const GltfRead cut = with_material(textured() + R"(,"alphaMode":"MASK","alphaCutoff":0.25)" + glow);
+  const Texture& white = cut.scene.value().textures.at(*radiance(cut).texture);
+  EXPECT_TRUE(white.premultiplied);
+  EXPECT_EQ(white.alpha_cutoff, 0.25);
+  const GltfRead unlit = with_material(
+      R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorTexture":{"index":0},"baseColorFactor":[1,1,1,0.5]},)"
+      R"("extensions":{"KHR_materials_unlit":{}})");
+  EXPECT_EQ(radiance(unlit).value, glm::dvec3(0.5));
 }
 
 TEST(GltfMaterials, AlphaOfVertices) {

@@ -124,13 +124,16 @@ TEST(GltfLights, LampsOfBlenderAreDividedByItsFactor) {
   EXPECT_EQ(intensity(blender, GltfLamps::standard), 683.0);
   EXPECT_EQ(intensity(R"("version":"2.0")", GltfLamps::automatic), 683.0);
   EXPECT_EQ(intensity(R"("version":"2.0")", GltfLamps::blender), 1.0);
+  EXPECT_NEAR(intensity(blender, GltfLamps::watts), 683.0 / (4.0 * std::numbers::pi), 1e-12);
   // Half a right angle with a blend of 0.15: Blender fades from cos 45° over 0.15 (1 − cos 45°).
-  const GltfRead spot =
-      with_light(fmt::format(R"({{"type":"spot","spot":{{"innerConeAngle":{},"outerConeAngle":{}}}}})",
-                             0.85 * std::numbers::pi / 4.0, std::numbers::pi / 4.0),
-                 {}, blender);
-  const double beam = spot.scene.value().delta_lights.at(0).beam_width * std::numbers::pi / 180.0;
-  EXPECT_NEAR(std::cos(beam), std::sqrt(0.5) + 0.15 * (1.0 - std::sqrt(0.5)), 1e-12);
+  for (const GltfLamps lamps : {GltfLamps::automatic, GltfLamps::standard, GltfLamps::watts}) {
+    const GltfRead spot =
+        with_light(fmt::format(R"({{"type":"spot","spot":{{"innerConeAngle":{},"outerConeAngle":{}}}}})",
+                               0.85 * std::numbers::pi / 4.0, std::numbers::pi / 4.0),
+                   {.lamps = lamps}, blender);
+    const double beam = spot.scene.value().delta_lights.at(0).beam_width * std::numbers::pi / 180.0;
+    EXPECT_NEAR(std::cos(beam), std::sqrt(0.5) + 0.15 * (1.0 - std::sqrt(0.5)), 1e-12);
+  }
 }
 
 }  // namespace

@@ -232,6 +232,17 @@ std::uint64_t Accessors::count(std::uint32_t index, const JsonValue& where) cons
   return count_of(document_.element("accessors", index, where), AccessorLimits::kMaxRows);
 }
 
+void Accessors::check(std::uint32_t index, const JsonValue& where) {
+  const JsonValue& accessor = document_.element("accessors", index, where);
+  (void)dense_rows(*this, document_, accessor, layout_of(accessor));
+}
+
+std::vector<std::uint32_t> Accessors::sparse_places(std::uint32_t index, const JsonValue& where) {
+  const JsonValue& accessor = document_.element("accessors", index, where);
+  auto sparse = sparse_rows(*this, accessor, count_of(accessor, AccessorLimits::kMaxRows), layout_of(accessor));
+  return sparse ? std::move(sparse->places) : std::vector<std::uint32_t>{};
+}
+
 std::shared_ptr<const ByteStore> Accessors::view(std::uint32_t index, const JsonValue& where) {
   const JsonValue& view = document_.element("bufferViews", index, where);
   const JsonValue* compression = find_extension(view, "EXT_meshopt_compression");

@@ -36,6 +36,10 @@ class Accessors {
   std::vector<glm::uvec3> triangles(std::uint32_t index, const JsonValue& where);
   /// The number of rows of an accessor, without reading them.
   std::uint64_t count(std::uint32_t index, const JsonValue& where) const;
+  /// Throws what reading all rows would throw, but reads none.
+  void check(std::uint32_t index, const JsonValue& where);
+  /// The rows that a sparse accessor replaces, in the order of the file; none for others.
+  std::vector<std::uint32_t> sparse_places(std::uint32_t index, const JsonValue& where);
   /// The bytes of bufferViews[index], decompressed.
   std::shared_ptr<const ByteStore> view(std::uint32_t index, const JsonValue& where);
 

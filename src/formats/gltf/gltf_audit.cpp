@@ -14,12 +14,65 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "formats/gltf/gltf_audit_parts.h"
 #include "formats/gltf/gltf_document.h"
 #include "formats/gltf/gltf_values.h"
 #include "scene/diagnostics.h"
 
 namespace etendue {
+namespace gltf_audit {
+
+const JsonValue* follow(const JsonValue& object, std::string_view path) {
+  const JsonValue* at = &object;
+  for (const std::string_view name : text::split(path, '/')) {
+    at = at->find(name);
+    if (at == nullptr) return nullptr;
+  }
+  return at;
+}
+
+const JsonValue::Array& list(const JsonValue& object, std::string_view name) {
+  static const JsonValue::Array kNone;
+  const JsonValue* value = object.find(name);
+  return value == nullptr || value->array() == nullptr ? kNone : *value->array();
+}
+
+std::optional<double> number_in(const JsonValue& object, std::string_view name) {
+  const JsonValue* value = object.find(name);
+  return value == nullptr || value->number() == nullptr ? std::nullopt : std::optional(*value->number());
+}
+
+std::string string_in(const JsonValue& object, std::string_view name) {
+  const JsonValue* value = object.find(name);
+  return value == nullptr || value->string() == nullptr ? "" : *value->string();
+}
+
+bool is_true(const JsonValue& object, std::string_view name) {
+  const JsonValue* value = object.find(name);
+  return value != nullptr && value->boolean() != nullptr && *value->boolean();
+}
+
+const JsonValue* element_of(const JsonValue& root, std::string_view array, const JsonValue& object,
+                            std::string_view name) {
+  const JsonValue::Array& elements = list(root, array);
+  const auto index = number_in(object, name);
+  if (!index || !(*index >= 0.0 && *index < static_cast<double>(elements.size()))) return nullptr;
+  const JsonValue& element = elements[static_cast<std::size_t>(*index)];
+  return element.object() == nullptr ? nullptr : &element;
+}
+
+std::string_view kind_of_attribute(std::string_view name) {
+  for (const std::string_view kind : {"TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"}) {
+    if (name.starts_with(kind)) return kind;
+  }
+  return name;
+}
+
+}  // namespace gltf_audit
+
 namespace {
+
+using namespace gltf_audit;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Component types; double, as all numbers of the JSON tree.
@@ -67,35 +120,6 @@ std::string_view name_of(const Range& range) {
   return path.substr(path.rfind('/') + 1);
 }
 
-const JsonValue* follow(const JsonValue& object, std::string_view path) {
-  const JsonValue* at = &object;
-  for (const std::string_view name : text::split(path, '/')) {
-    at = at->find(name);
-    if (at == nullptr) return nullptr;
-  }
-  return at;
-}
-
-/// Empty if the member is missing or not an array; if it was needed, the reader has reported that as an error.
-const JsonValue::Array& list(const JsonValue& object, std::string_view name) {
-  static const JsonValue::Array kNone;
-  const JsonValue* value = object.find(name);
-  return value == nullptr || value->array() == nullptr ? kNone : *value->array();
-}
-
-std::optional<double> number_in(const JsonValue& object, std::string_view name) {
-  const JsonValue* value = object.find(name);
-  return value == nullptr || value->number() == nullptr ? std::nullopt : std::optional(*value->number());
-}
-
-/// The name of an attribute without its number: "TEXCOORD_" for "TEXCOORD_1".
-std::string_view kind_of_attribute(std::string_view name) {
-  for (const std::string_view kind : {"TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"}) {
-    if (name.starts_with(kind)) return kind;
-  }
-  return name;
-}
-
 bool is_known(std::string_view kind) {
   constexpr std::string_view kKinds[] = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"};
   return std::ranges::find(kKinds, kind) != std::end(kKinds);
@@ -121,11 +145,11 @@ class GltfAuditor {
         quantized_(declares("KHR_mesh_quantization")) {}
 
   void run() {
-    audit_names();
+    for (const std::string& remark : document_.remarks()) sink_.warning({document_.path(), 0, 0}, remark);
+    audit_version();
     audit_scenes();
     for (const JsonValue& node : list(root_, "nodes")) audit_node(node);
     for (const JsonValue& mesh : list(root_, "meshes")) audit_mesh(mesh);
-    for (const JsonValue& skin : list(root_, "skins")) check_index(skin, "skeleton", "nodes");
     for (const JsonValue& camera : list(root_, "cameras")) audit_camera(camera);
     for (const JsonValue& material : list(root_, "materials")) audit_material(material);
     for (const JsonValue& sampler : list(root_, "samplers")) audit_sampler(sampler);
@@ -134,21 +158,20 @@ class GltfAuditor {
     for (const JsonValue& buffer : list(root_, "buffers")) {
       if (buffer.find("byteLength") == nullptr) warn(buffer, "the buffer has no \"byteLength\"; all of it is used");
     }
+    if (const JsonValue* lights = follow(root_, "extensions/KHR_lights_punctual")) {
+      for (const JsonValue& light : list(*lights, "lights")) audit_light(light);
+    }
     audit_extensions();
   }
 
  private:
   void warn(const JsonValue& where, const std::string& sentence) { sink_.warning(document_.position(where), sentence); }
 
-  void audit_names() {
-    for (const char* array :
-         {"accessors", "animations", "buffers", "bufferViews", "meshes", "samplers", "scenes", "skins", "textures"}) {
-      for (const JsonValue& element : list(root_, array)) {
-        const JsonValue* name = element.find("name");
-        if (name != nullptr && name->string() == nullptr)
-          warn(*name, fmt::format("\"name\" is {}; it must be a string", name->kind()));
-      }
-    }
+  void audit_version() {
+    const JsonValue* asset = root_.find("asset");
+    const std::string version = asset == nullptr ? "" : string_in(*asset, "version");
+    if (!version.empty() && version != "2.0")
+      warn(*asset, fmt::format("the asset is glTF {}; it is read as glTF 2.0", text::quoted(version)));
   }
 
   void audit_scenes() {
@@ -174,9 +197,6 @@ class GltfAuditor {
   }
 
   /// Checks that the index `name` of `object`, if there is one, refers to an element of the root's array.
-  void check_index(const JsonValue& object, std::string_view name, std::string_view array) {
-    check_index(object, name, array, list(root_, array).size());
-  }
   void check_index(const JsonValue& object, std::string_view name, std::string_view array, std::size_t count) {
     const auto index = number_in(object, name);
     if (index && !(*index >= 0.0 && *index < static_cast<double>(count)))
@@ -225,12 +245,30 @@ class GltfAuditor {
     const JsonValue::Array& primitives = list(mesh, "primitives");
     if (primitives.empty()) warn(mesh, "the mesh has no primitives");
     for (const JsonValue& primitive : primitives) {
+      audit_variants(primitive);
       const JsonValue* attributes = primitive.find("attributes");
       if (attributes == nullptr || attributes->object() == nullptr) continue;
       audit_attributes(*attributes);
       for (const JsonValue& target : list(primitive, "targets")) {
         if (target.object() == nullptr) continue;
         for (const auto& [name, value] : *target.object()) check_attribute_name(target, name);
+      }
+    }
+  }
+
+  void audit_variants(const JsonValue& primitive) {
+    const JsonValue* extension = follow(primitive, "extensions/KHR_materials_variants");
+    const JsonValue* names = follow(root_, "extensions/KHR_materials_variants");
+    if (extension == nullptr) return;
+    const std::size_t count = names == nullptr ? 0 : list(*names, "variants").size();
+    std::set<double> seen;
+    for (const JsonValue& mapping : list(*extension, "mappings")) {
+      for (const JsonValue& variant : list(mapping, "variants")) {
+        const double n = variant.number() == nullptr ? -1.0 : *variant.number();
+        if (!(n >= 0.0 && n < static_cast<double>(count)))
+          warn(variant, fmt::format("variant {} does not exist; the asset has {}", n, count));
+        if (!seen.insert(n).second)
+          warn(variant, fmt::format("the primitive has two materials for variant {}; the first is used", n));
       }
     }
   }
@@ -289,6 +327,14 @@ class GltfAuditor {
   }
 
   void audit_camera(const JsonValue& camera) {
+    if (camera.find("perspective") != nullptr && camera.find("orthographic") != nullptr)
+      warn(camera, "the camera is both \"perspective\" and \"orthographic\"; its \"type\" decides");
+    if (const JsonValue* o = camera.find("orthographic"); o != nullptr) {
+      for (const char* size : {"xmag", "ymag"}) {
+        if (number_in(*o, size).value_or(1.0) < 0.0)
+          warn(*o, fmt::format("\"{}\" is below 0; its absolute value is used", size));
+      }
+    }
     const JsonValue* p = camera.find("perspective");
     if (p == nullptr || p->object() == nullptr) return;
     if (!(number_in(*p, "znear").value_or(0.0) > 0.0))
@@ -296,6 +342,67 @@ class GltfAuditor {
     const auto aspect = number_in(*p, "aspectRatio");
     if (aspect && !(*aspect > 0.0))
       warn(*p, fmt::format("\"aspectRatio\" is {}; it must be above 0 and is ignored", *aspect));
+  }
+
+  void audit_light(const JsonValue& light) {
+    if (light.object() == nullptr) return;
+    const bool is_spot = string_in(light, "type") == "spot";
+    if (is_spot != (light.find("spot") != nullptr))
+      warn(light, is_spot ? "the light is a spot but has no \"spot\"; 0 and pi/4 are its cone angles"
+                          : "the light has a \"spot\" but is none; it is ignored");
+  }
+
+  /// Members of materials that do not fit together.
+  void audit_combinations(const JsonValue& material) {
+    const auto extension = [&](std::string_view name) {
+      return follow(material, fmt::format("extensions/KHR_materials_{}", name));
+    };
+    const auto number = [&](std::string_view name, std::string_view member, double otherwise) {
+      const JsonValue* e = extension(name);
+      return e == nullptr ? otherwise : number_in(*e, member).value_or(otherwise);
+    };
+    if (material.find("alphaCutoff") != nullptr && string_in(material, "alphaMode") != "MASK")
+      warn(material, "the material has an \"alphaCutoff\" but not the alpha mode MASK; it is not used");
+    const JsonValue* extensions = material.find("extensions");
+    const bool alone = extensions == nullptr || extensions->object() == nullptr || extensions->object()->size() < 2;
+    for (const std::string_view name : {"unlit", "pbrSpecularGlossiness"}) {
+      if (extension(name) != nullptr && !alone && !are_allowed_with(name, *extensions))
+        warn(material, fmt::format("the material has KHR_materials_{} and other extensions, which are ignored", name));
+    }
+    if (number("dispersion", "dispersion", 0.0) > 0.0 && extension("volume") == nullptr)
+      warn(material, "the material has dispersion but no KHR_materials_volume; it is not shown");
+    const bool transmits = extension("transmission") != nullptr || extension("diffuse_transmission") != nullptr;
+    const bool is_solid = number("volume", "thicknessFactor", 0.0) > 0.0;
+    if (extension("volume") != nullptr && !transmits)
+      warn(material, "the material has a volume, but no light enters it: it has no transmission");
+    if (is_solid && is_true(material, "doubleSided"))
+      warn(material, "the material has a volume and is \"doubleSided\"; solids have an inside and an outside");
+    const JsonValue::Array& glow = list(material, "emissiveFactor");
+    const bool dark = std::ranges::all_of(glow, [](const JsonValue& v) { return v.number() && *v.number() == 0.0; });
+    if (extension("emissive_strength") != nullptr && dark)
+      warn(material, "the material has an \"emissiveStrength\", but its \"emissiveFactor\" is 0; it does not glow");
+    if (const JsonValue* film = extension("iridescence"); film != nullptr) audit_film(*film);
+  }
+
+  /// Unlit surfaces and the older model ignore all extensions but these.
+  static bool are_allowed_with(std::string_view model, const JsonValue& extensions) {
+    return std::ranges::all_of(*extensions.object(), [&](const auto& member) {
+      const std::string_view name = member.first;
+      return !name.starts_with("KHR_materials_") || name.ends_with(model) ||
+             (model != "unlit" && (name.ends_with("unlit") || name.ends_with("emissive_strength")));
+    });
+  }
+
+  void audit_film(const JsonValue& film) {
+    const double least = number_in(film, "iridescenceThicknessMinimum").value_or(100.0);
+    const double most = number_in(film, "iridescenceThicknessMaximum").value_or(400.0);
+    const bool has_texture = film.find("iridescenceThicknessTexture") != nullptr;
+    if (has_texture && least > most)
+      warn(film, fmt::format("the film's least thickness, {}, is above its greatest, {}", least, most));
+    if (has_texture && least == most)
+      warn(film, "the film has a texture of its thickness, but its least and greatest thickness are equal");
+    if (!has_texture && film.find("iridescenceThicknessMinimum") != nullptr)
+      warn(film, "the film has an \"iridescenceThicknessMinimum\" but no texture of its thickness; it is not used");
   }
 
   void audit_material(const JsonValue& material) {
@@ -314,7 +421,7 @@ class GltfAuditor {
         distance != nullptr && distance->number() != nullptr && !(*distance->number() > 0.0))
       warn(*distance,
            fmt::format("\"attenuationDistance\" is {}; it must be above 0; the volume is clear", *distance->number()));
-    if (const JsonValue* texture = follow(material, "occlusionTexture")) check_index(*texture, "index", "textures");
+    audit_combinations(material);
   }
 
   bool check_range(const JsonValue& value, const Range& range) {
@@ -337,16 +444,8 @@ class GltfAuditor {
 
   void audit_animation(const JsonValue& animation) {
     const JsonValue::Array& samplers = list(animation, "samplers");
-    if (samplers.empty() || list(animation, "channels").empty())
-      warn(animation, "the animation has no \"channels\" or no \"samplers\"; nothing moves");
-    for (const JsonValue& sampler : samplers) {
-      check_index(sampler, "input", "accessors");
-      check_index(sampler, "output", "accessors");
-    }
-    for (const JsonValue& channel : list(animation, "channels")) {
+    for (const JsonValue& channel : list(animation, "channels"))
       check_index(channel, "sampler", "samplers", samplers.size());
-      if (const JsonValue* target = channel.find("target")) check_index(*target, "node", "nodes");
-    }
   }
 
   void audit_accessor(const JsonValue& accessor) {
@@ -363,6 +462,11 @@ class GltfAuditor {
            std::ranges::any_of(list(root_, "extensionsRequired"), is_it);
   }
 
+  bool requires_extension(std::string_view extension) const {
+    return std::ranges::any_of(list(root_, "extensionsRequired"),
+                               [&](const JsonValue& v) { return v.string() != nullptr && *v.string() == extension; });
+  }
+
   void audit_extensions() {
     std::set<std::string> used;
     for (const JsonValue& name : list(root_, "extensionsUsed")) {
@@ -374,7 +478,17 @@ class GltfAuditor {
             *root_.find("extensionsRequired"),
             fmt::format("the extension {} is required but not among \"extensionsUsed\"", text::quoted(*name.string())));
     }
+    for (const char* name : {"KHR_mesh_quantization"}) {
+      if (declares(name) && !requires_extension(name))
+        warn(*root_.find("extensionsUsed"), fmt::format("the extension {} must be among \"extensionsRequired\"", name));
+    }
     find_undeclared(root_, used);
+    for (const JsonValue& name : list(root_, "extensionsRequired")) {
+      if (name.string() != nullptr && *name.string() != "KHR_mesh_quantization" && !met_.contains(*name.string()))
+        warn(
+            *root_.find("extensionsRequired"),
+            fmt::format("the extension {} is required, but nothing in the asset has it", text::quoted(*name.string())));
+    }
   }
 
   /// The recursion ends because the depth of the JSON is limited.
@@ -394,6 +508,7 @@ class GltfAuditor {
     if (extensions.object() == nullptr)
       return warn(extensions, fmt::format("\"extensions\" is {}; it must be an object", extensions.kind()));
     for (const auto& [name, value] : *extensions.object()) {
+      met_.insert(name);
       if (declared.insert(name).second)
         warn(value, fmt::format("the extension {} is not among \"extensionsUsed\"", text::quoted(name)));
     }
@@ -403,12 +518,23 @@ class GltfAuditor {
   const JsonValue& root_;
   Diagnostics& sink_;
   bool quantized_;
+  std::set<std::string> met_;  ///< extensions that are in use
 };
 
 }  // namespace
 
-void audit_gltf(const GltfDocument& document, Diagnostics& diagnostics) {
+void audit_gltf(GltfDocument& document, Accessors& accessors, bool with_animations, Diagnostics& diagnostics) {
+  // The same is often wrong in several ways, or in a part that many others use.
+  std::set<std::string> said;
+  const GltfComplaint complain = [&](const JsonValue& where, const std::string& sentence) {
+    if (!diagnostics.wants_warnings()) return;
+    const SourcePosition position = document.position(where);
+    if (said.insert(to_string(position) + sentence).second) diagnostics.warning(position, sentence);
+  };
+  check_gltf_schema(document.root(), complain);
   GltfAuditor(document, diagnostics).run();
+  audit_links(document.root(), complain);
+  audit_data(document, accessors, with_animations, complain);
 }
 
 }  // namespace etendue

@@ -49,28 +49,52 @@ void GltfDocument::refuse(const std::string& message) const {
 
 void GltfDocument::read_container(const ByteStore& file, std::shared_ptr<const ByteStore> shared) {
   const auto [magic, version, length] = words_at<3>(file, 0);
-  if (version != 2) refuse(fmt::format("this is a GLB file of version {}; version 2 is read", version));
+  if (version != 2) refuse(fmt::format("this is a GLB file of version {}, at byte 4; version 2 is read", version));
   if (length > file.size())
-    refuse(fmt::format("the GLB file announces {} bytes but has {}: it is truncated", length, file.size()));
-  std::string text;
-  bool has_json = false;
-  for (std::uint64_t at = kHeaderBytes; at + kChunkHeaderBytes <= length;) {
+    refuse(fmt::format("the GLB file announces {} bytes, at byte 8, but has {}: it is truncated", length, file.size()));
+  if (length < file.size())
+    remarks_.push_back(fmt::format("the GLB file announces {} bytes, at byte 8, but has {}; the rest is ignored",
+                                   length, file.size()));
+  std::optional<std::string> text;
+  std::uint64_t at = kHeaderBytes;
+  for (std::size_t number = 0; at + kChunkHeaderBytes <= length; ++number) {
     const auto [size, type] = words_at<2>(file, at);
     at += kChunkHeaderBytes;
-    if (size > length - at) refuse(fmt::format("a chunk of the GLB file has {} bytes, {} are left", size, length - at));
-    if (type == kChunkJson && !has_json) {
+    if (size > length - at)
+      refuse(fmt::format("the chunk at byte {} of the GLB file has {} bytes, {} are left", at, size, length - at));
+    remark_on_chunk(number, type, size, at);
+    if (type == kChunkJson && !text) {
       if (size > GltfLimits::kMaxJsonBytes)
         refuse(fmt::format("the JSON has {} bytes; at most {} are read", size, GltfLimits::kMaxJsonBytes));
-      has_json = true;
-      text.resize(size);
-      file.read(at, std::as_writable_bytes(std::span(text)));
+      text.emplace(size, '\0');
+      file.read(at, std::as_writable_bytes(std::span(*text)));
     } else if (type == kChunkBinary && binary_chunk_ == nullptr) {
       binary_chunk_ = part_of(shared, at, size);
     }
     at += size + (4 - size % 4) % 4;
   }
-  if (!has_json) refuse("the GLB file has no JSON");
-  parse(std::move(text));
+  if (!text) refuse("the GLB file has no JSON");
+  if (at < length)
+    remarks_.push_back(
+        fmt::format("after the last chunk of the GLB file, at byte {}, {} bytes are left over", at, length - at));
+  parse(std::move(*text));
+}
+
+/// The JSON is the first chunk and the binary one the second, both padded to multiples of four bytes.
+void GltfDocument::remark_on_chunk(std::size_t number, std::uint32_t type, std::uint64_t size, std::uint64_t at) {
+  constexpr std::size_t kMost = 20;
+  if (remarks_.size() >= kMost) return;
+  const auto say = [&](const std::string& what) {
+    remarks_.push_back(fmt::format("chunk {} of the GLB file, at byte {}, {}", number, at, what));
+  };
+  if (size % 4 != 0) say(fmt::format("has {} bytes, which is no multiple of 4", size));
+  if (type == kChunkJson) {
+    if (number != 0) say("is JSON, which must be the first chunk; the first such chunk is used");
+  } else if (type == kChunkBinary) {
+    if (number != 1) say("is binary, which must be the second chunk; the first such chunk is used");
+  } else {
+    say(fmt::format("has the unknown type {:#x}; it is ignored", type));
+  }
 }
 
 void GltfDocument::parse(std::string text) {

@@ -26,6 +26,8 @@ class GltfDocument {
 
   const JsonValue& root() const { return root_; }
   const std::string& path() const { return path_; }
+  /// What is wrong with the container of a .glb and was passed over.
+  const std::vector<std::string>& remarks() const { return remarks_; }
   /// For a .glb, the line and column within its JSON.
   SourcePosition position(const JsonValue& value) const;
 
@@ -41,6 +43,7 @@ class GltfDocument {
 
  private:
   void read_container(const ByteStore& file, std::shared_ptr<const ByteStore> shared);
+  void remark_on_chunk(std::size_t number, std::uint32_t type, std::uint64_t size, std::uint64_t at);
   void parse(std::string text);
   void check_version() const;
   [[noreturn]] void refuse(const std::string& message) const;
@@ -50,6 +53,7 @@ class GltfDocument {
   JsonValue root_;
   std::optional<LineIndex> lines_;
   std::shared_ptr<const ByteStore> binary_chunk_;
+  std::vector<std::string> remarks_;
   std::map<std::uint32_t, std::shared_ptr<const ByteStore>> buffers_;
 };
 

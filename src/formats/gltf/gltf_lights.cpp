@@ -45,7 +45,7 @@ void set_spot(const JsonValue& json, const LampRule& rule, DeltaLight& light) {
     throw GltfError{&json, fmt::format("a spot has the cone angles {} and {}; 0 <= inner <= outer <= pi/2 must hold",
                                        inner, outer)};
   light.cutoff = outer * kDegrees;
-  light.beam_width = std::min((rule.blender ? beam_of_blender(inner, outer) : inner) * kDegrees, light.cutoff);
+  light.beam_width = std::min((rule.fades_as_blender ? beam_of_blender(inner, outer) : inner) * kDegrees, light.cutoff);
 }
 
 void set_perspective(const JsonValue& json, Camera& camera) {
@@ -82,9 +82,11 @@ void set_orthographic(const JsonValue& json, Camera& camera) {
 LampRule lamp_rule(const JsonValue& root, GltfLamps lamps) {
   const JsonValue* asset = find_object(root, "asset");
   const std::string generator = asset == nullptr ? "" : string_or(*asset, "generator", "");
-  const bool blender =
-      lamps == GltfLamps::blender || (lamps == GltfLamps::automatic && generator.find("Blender") != std::string::npos);
-  return {blender ? kBlenderLumensPerWatt : 1.0, blender};
+  const bool by_blender = generator.find("Blender") != std::string::npos;
+  const bool divided = lamps == GltfLamps::blender || (lamps == GltfLamps::automatic && by_blender);
+  return {.unit = divided ? kBlenderLumensPerWatt : 1.0,
+          .unit_bulb = lamps == GltfLamps::watts ? 4.0 * std::numbers::pi : 1.0,
+          .fades_as_blender = by_blender || lamps == GltfLamps::blender || lamps == GltfLamps::watts};
 }
 
 DeltaLight gltf_light(const GltfDocument& document, const JsonValue& reference, const glm::dmat4& world_from_node,
@@ -103,6 +105,7 @@ DeltaLight gltf_light(const GltfDocument& document, const JsonValue& reference, 
                     std::max(number_or(json, "intensity", 1.0), 0.0) / rule.unit;
   light.world_from_light = looking_backward(world_from_node, reference);
   const std::string type = string_or(json, "type", "");
+  if (type != "directional") light.intensity.value /= rule.unit_bulb;
   if (type == "spot") {
     set_spot(json, rule, light);
   } else if (type == "directional") {

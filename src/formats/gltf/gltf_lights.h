@@ -12,10 +12,11 @@ namespace etendue {
 
 /// How the numbers of lamps are read. One candela or lux in the file is 1 here, like one cd/m² of an emissive surface.
 /// Blender multiplies the watts of its lamps by 683 on export, but not the emission of surfaces. In files that name
-/// Blender as their generator, lamps are therefore divided by 683, and spots fade as in Blender.
+/// Blender as their generator, lamps are therefore divided by 683. Its spots fade as in Blender, whatever their unit.
 struct LampRule {
-  double unit = 1.0;  ///< intensities are divided by this
-  bool blender = false;
+  double unit = 1.0;       ///< intensities are divided by this
+  double unit_bulb = 1.0;  ///< those of points and spots also by this
+  bool fades_as_blender = false;
 };
 LampRule lamp_rule(const JsonValue& root, GltfLamps lamps);
 

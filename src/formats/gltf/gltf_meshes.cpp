@@ -63,7 +63,7 @@ std::vector<GltfPart> GltfMeshes::read_parts(const JsonValue& mesh, const Primit
       if (has_triangles(primitive)) {
         add_parts(primitive, pose, shared, parts);
       } else {
-        ++left_out_;
+        if (left_out_++ == 0) first_left_out_ = &primitive;
       }
     } catch (const GltfError& error) {
       report(error);

@@ -37,6 +37,8 @@ class GltfMeshes {
   static bool has_skin(const JsonValue& node) { return node.find("skin") != nullptr; }
   /// The number of primitives that were left out because they are points or lines.
   std::size_t left_out() const { return left_out_; }
+  /// The first of them.
+  const JsonValue* first_left_out() const { return first_left_out_; }
 
  private:
   std::vector<GltfPart> read_parts(const JsonValue& mesh, const PrimitivePose& pose, bool shared);
@@ -63,6 +65,7 @@ class GltfMeshes {
   std::map<std::string, Shapes> shapes_;                ///< by accessors, weights and needs
   std::size_t triangles_ = 0, vertices_ = 0;
   std::size_t left_out_ = 0;
+  const JsonValue* first_left_out_ = nullptr;
 };
 
 }  // namespace etendue

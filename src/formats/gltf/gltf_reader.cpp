@@ -106,6 +106,7 @@ class GltfReader {
     show(nodes, shown_nodes(nodes), meshes);
     if (sink_.error_count() > errors_before) return std::nullopt;
     if (scene_.instances.empty()) {
+      audit_gltf(document_, accessors_, !options_.at, sink_);
       sink_.error(scene_.position, "the scene has no triangles; there is nothing to show");
       return std::nullopt;
     }
@@ -113,7 +114,7 @@ class GltfReader {
     add_light();
     say_what_is_left_out(meshes);
     if (sink_.error_count() > errors_before) return std::nullopt;
-    audit_gltf(document_, sink_);
+    audit_gltf(document_, accessors_, !options_.at, sink_);
     return std::move(scene_);
   }
 
@@ -221,7 +222,7 @@ class GltfReader {
       task.advance(1);
     }
     std::erase_if(scene_.delta_lights, [](const DeltaLight& l) { return l.intensity.value == glm::dvec3(0.0); });
-    if (!scene_.delta_lights.empty() && rule.blender)
+    if (!scene_.delta_lights.empty() && rule.unit != 1.0)
       sink_.note(scene_.position, fmt::format("lamps are divided by {}, because Blender multiplies them by it; --lamps "
                                               "standard shows them as they are written",
                                               rule.unit));
@@ -334,9 +335,10 @@ class GltfReader {
 
   void say_what_is_left_out(const GltfMeshes& meshes) {
     if (meshes.left_out() > 0)
-      sink_.warning(scene_.position, fmt::format("{} primitives are points or lines, which have no surface; they are "
-                                                 "left out",
-                                                 meshes.left_out()));
+      sink_.warning(document_.position(*meshes.first_left_out()),
+                    fmt::format("{} primitives are points or lines, which have no surface; they are "
+                                "left out",
+                                meshes.left_out()));
     if (flat_ > 0)
       sink_.note(scene_.position, fmt::format("{} nodes are scaled to zero along an axis; they are left out", flat_));
     if (!options_.at && !array_of(document_.root(), "animations").empty())

@@ -212,35 +212,61 @@ std::uint32_t GltfSurfaces::with_opacity(const GltfMaterial& m, const Traits& tr
     return add({.adapter = MaskAdapter{{blend ? factor : 1.0, row, TextureChannel::alpha}, inner}}, m);
   }
   ScalarParameter opacity(blend ? factor : factor >= m.alpha_cutoff ? 1.0 : 0.0);
-  if (m.base_color_texture && blend) {
-    assign(opacity, factor, m.base_color_texture, traits, TextureChannel::alpha);
-  } else if (m.base_color_texture) {
-    const TextureRecipe recipe = alpha_cut(factor, m.alpha_cutoff);
-    assign(opacity, 1.0, m.base_color_texture, traits, TextureChannel::red, &recipe);
+  if (m.base_color_texture && factor > 0.0) {
+    // Sampled like the colours. MASK compares what is between the texels.
+    std::optional<std::uint32_t> row = texture(m.base_color_texture, traits, ColorSpace::srgb);
+    if (row && !blend) row = textures_.derived(*row, cutoff_of_texture(m), false);
+    if (row) opacity = {blend ? factor : 1.0, *row, TextureChannel::alpha};
   }
   if (!opacity.texture && opacity.value == 1.0) return inner;
   return add({.adapter = MaskAdapter{opacity, inner}}, m);
+}
+
+/// Multiplies the colours of an unlit surface with its alpha: a masked texel emits fully or not at all, a blended one
+/// in proportion to its alpha.
+void GltfSurfaces::premultiply(const GltfMaterial& m, const Traits& traits, ColorParameter& radiance) {
+  const double alpha = m.base_color.a;
+  const bool mask = m.alpha == GltfMaterial::Alpha::mask;
+  const bool has_texture = m.base_color_texture || (traits.colors && traits.colors_have_alpha);
+  const std::optional<double> cut = mask ? std::optional(alpha > 0.0 ? cutoff_of_texture(m) : 2.0) : std::nullopt;
+  if (!mask) radiance.value *= alpha;
+  if (!radiance.texture || !has_texture) {
+    if (mask && alpha < m.alpha_cutoff) radiance.value = glm::dvec3(0.0);
+  } else if (mask || traits.colors) {
+    radiance.texture = textures_.derived(*radiance.texture, cut, true);
+  } else {
+    const TextureRecipe recipe = premultiplied();
+    if (const auto row = texture(m.base_color_texture, traits, ColorSpace::srgb, &recipe)) radiance.texture = row;
+  }
+}
+
+/// What is transparent does not glow.
+void GltfSurfaces::dim_emission(const GltfMaterial& m, const Traits& traits, ColorParameter& radiance) {
+  const double alpha = m.base_color.a;
+  const bool mask = m.alpha == GltfMaterial::Alpha::mask;
+  const bool of_vertices = traits.colors && traits.colors_have_alpha;
+  if ((!m.base_color_texture && !of_vertices) || alpha == 0.0) {
+    radiance.value *= mask ? (alpha >= m.alpha_cutoff ? 1.0 : 0.0) : alpha;
+  } else if (!radiance.texture && !of_vertices) {
+    const TextureRecipe recipe = mask ? white_with_alpha() : alpha_as_grey();
+    radiance.texture = texture(m.base_color_texture, traits, ColorSpace::linear, &recipe);
+    if (radiance.texture && mask) radiance.texture = textures_.derived(*radiance.texture, cutoff_of_texture(m), true);
+    if (!mask) radiance.value *= alpha;
+  } else {
+    warn_once(m,
+              "is transparent in places and glows there, too: its alpha and its emission, or that of its vertices, "
+              "are not multiplied");
+  }
 }
 
 std::optional<std::uint32_t> GltfSurfaces::emitter_of(const GltfMaterial& m, const Traits& traits) {
   AreaEmitter emitter{.position = position(m)};
   if (m.model == GltfMaterial::Model::unlit) {
     emitter.radiance = base_color(m, traits);
-    const TextureRecipe recipe = premultiplied();
-    const double alpha = m.base_color.a;
-    if (has_opacity(m) && traits.colors && emitter.radiance.texture) {
-      // A masked texel emits fully or not at all, a blended one in proportion to its alpha.
-      const bool cut = m.alpha == GltfMaterial::Alpha::mask && alpha > 0.0;
-      emitter.radiance.texture =
-          textures_.derived(*emitter.radiance.texture, cut ? std::optional(cutoff_of_texture(m)) : std::nullopt, true);
-      if (!cut) emitter.radiance.value *= alpha;
-    } else if (has_opacity(m)) {
-      if (const auto row = texture(m.base_color_texture, traits, ColorSpace::srgb, &recipe))
-        emitter.radiance.texture = row;
-      if (!m.base_color_texture) emitter.radiance.value *= m.base_color.a;
-    }
+    if (has_opacity(m)) premultiply(m, traits, emitter.radiance);
   } else {
     assign(emitter.radiance, m.emission, m.emission_texture, traits);
+    if (has_opacity(m) && emitter.radiance.value != glm::dvec3(0.0)) dim_emission(m, traits, emitter.radiance);
   }
   if (emitter.radiance.value == glm::dvec3(0.0)) return std::nullopt;
   emitter.two_sided = m.double_sided;

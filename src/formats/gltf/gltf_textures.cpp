@@ -206,11 +206,21 @@ std::shared_ptr<const Bitmap> GltfTextures::decoded(std::uint32_t index, const J
   }
 }
 
-TextureRecipe alpha_cut(double factor, double cutoff) {
-  return {fmt::format("cut {} {}", factor, cutoff), [=](const Bitmap& from) {
-            return grey(from, [&](std::uint32_t x, std::uint32_t y) {
-              return factor * alpha_at(from, x, y) >= cutoff ? 1.0 : 0.0;
-            });
+TextureRecipe alpha_as_grey() {
+  return {"alpha", [](const Bitmap& from) {
+            return grey(from, [&](std::uint32_t x, std::uint32_t y) { return alpha_at(from, x, y); });
+          }};
+}
+
+TextureRecipe white_with_alpha() {
+  return {"white", [](const Bitmap& from) {
+            Bitmap bitmap = empty_like(from, 4, BitmapFormat::u8);
+            std::ranges::fill(bitmap.texels, std::byte{0xff});
+            std::size_t at = 3;
+            for (std::uint32_t y = 0; y < from.height; ++y) {
+              for (std::uint32_t x = 0; x < from.width; ++x, at += 4) bitmap.texels[at] = code_of(alpha_at(from, x, y));
+            }
+            return bitmap;
           }};
 }
 

@@ -53,8 +53,8 @@ class GltfTextures {
   std::set<std::string> said_;  ///< messages that have been reported, with their positions
 };
 
-/// Grey: 0 where alpha · factor is below the cutoff, otherwise 1.
-TextureRecipe alpha_cut(double factor, double cutoff);
+TextureRecipe alpha_as_grey();
+TextureRecipe white_with_alpha();
 /// Tangent-space normals with x and y scaled; `flip` also negates y.
 TextureRecipe scaled_normals(double scale, bool flip);
 /// The colours multiplied by alpha, as sRGB.

@@ -60,7 +60,10 @@ class JsonTreeBuilder {
   bool boolean(bool value) { return add(value); }
   bool number_integer(number_integer_t value) { return add(static_cast<double>(value)); }
   bool number_unsigned(number_unsigned_t value) { return add(static_cast<double>(value)); }
-  bool number_float(number_float_t value, const string_t&) { return add(value); }
+  bool number_float(number_float_t value, const string_t& written) {
+    place(value).has_point_ = written.find_first_of(".eE") != string_t::npos;  // without either it is a large integer
+    return true;
+  }
   bool string(string_t& value) { return add(std::move(value)); }
   bool binary(binary_t&) { return false; }
   bool start_object(std::size_t) { return open(JsonValue::Object()); }
@@ -103,7 +106,7 @@ class JsonTreeBuilder {
       }
     }
     target->value_ = std::move(value);
-    target->offset_ = offset();
+    target->offset_ = offset() & JsonValue::kOffsets;
     return *target;
   }
 

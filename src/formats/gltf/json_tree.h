@@ -29,13 +29,17 @@ class JsonValue {
   const JsonValue* find(std::string_view name) const;
   /// Byte offset in the text: of the opening bracket for objects and arrays, near the end for other values.
   std::uint64_t offset() const { return offset_; }
+  /// Whether a number is written with a decimal point or an exponent.
+  bool has_point() const { return has_point_; }
   /// For messages: "an object", "a number".
   const char* kind() const;
 
  private:
   friend class JsonTreeBuilder;
   std::variant<std::monostate, bool, double, std::string, Array, Object> value_;
-  std::uint64_t offset_ = 0;
+  static constexpr std::uint64_t kOffsets = ~std::uint64_t{0} >> 1;
+  std::uint64_t offset_ : 63 = 0;
+  bool has_point_ : 1 = false;
 };
 
 struct JsonLimits {

@@ -338,6 +338,14 @@ class MitsubaWriter : MaterialWriter {
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
     Texture texture = scene_.textures[row];
     if (texture.vertex_tint) refuse("a texture is multiplied with the colours of a mesh");
+    const auto* changed = texture.is_derived() ? std::get_if<BitmapTexture>(&texture.source) : nullptr;
+    if (changed != nullptr && channel.value_or(TextureChannel::alpha) == TextureChannel::alpha) {
+      differs("the alpha of texels is cut or multiplied before they are interpolated");
+      open_picture(name, known->second, texture, *changed);
+      xml_.text("filename", files_.picture(changed_by_alpha(texture, *changed, factor, channel.has_value())));
+      xml_.boolean("raw", true);
+      return xml_.close();
+    }
     if (texture.is_derived()) refuse("a texture is changed by its alpha");
     if (channel.value_or(TextureChannel::luminance) != TextureChannel::luminance) {
       const auto* picture = std::get_if<BitmapTexture>(&texture.source);
@@ -398,6 +406,23 @@ class MitsubaWriter : MaterialWriter {
     for (std::uint32_t y = 0; y < bitmap.height; ++y) {
       for (std::uint32_t x = 0; x < bitmap.width; ++x)
         set_texel(*result, x, y, glm::vec3(factor * glm::dvec3(texel_color(bitmap, space, x, y))));
+    }
+    return result;
+  }
+
+  /// A picture whose alpha is compared with the texture's cutoff and multiplied in, or its alpha in all channels.
+  std::shared_ptr<const Bitmap> changed_by_alpha(const Texture& texture, const BitmapTexture& source,
+                                                 const glm::dvec3& factor, bool only_alpha) {
+    const Bitmap& from = *scene_.bitmaps[source.bitmap];
+    const ColorSpace space = source.color_space.value_or(from.color_space);
+    auto result = float_bitmap(from.width, from.height);
+    for (std::uint32_t y = 0; y < from.height; ++y) {
+      for (std::uint32_t x = 0; x < from.width; ++x) {
+        glm::dvec4 color = texel_color(from, space, x, y);
+        if (texture.alpha_cutoff) color.a = color.a < *texture.alpha_cutoff ? 0.0 : 1.0;
+        if (texture.premultiplied) color = glm::dvec4(glm::dvec3(color) * color.a, color.a);
+        set_texel(*result, x, y, glm::vec3(factor * (only_alpha ? glm::dvec3(color.a) : glm::dvec3(color))));
+      }
     }
     return result;
   }
