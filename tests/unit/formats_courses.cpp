@@ -433,6 +433,22 @@ TEST(Courses, FactorsOfTextureCoordinates) {
   EXPECT_EQ(scene.textures.at(1).uv_transform * glm::dvec3(1, 2, 1), glm::dvec3(3, 6, 1));
 }
 
+TEST(Courses, CheckersByTheirNumber) {
+  const auto checker = [](const std::string& content) {
+    return parse_beside_picture(
+        sphere("<bsdf type=\"diffuse\"><texture name=\"albedo\" type=\"checker\">" + content + "</texture></bsdf>"));
+  };
+  const Parsed parsed = checker(R"(<integer name="scalex" value="100"/><integer name="scaley" value="50"/>)");
+  ASSERT_TRUE(parsed.file) << all_messages(parsed.diagnostics);
+  const Texture& texture = parsed.scene().textures.at(0);
+  EXPECT_EQ(std::get<CheckerboardTexture>(texture.source).color0, glm::dvec3(0.9));
+  // The table's own squares have sides of 1/2.
+  const glm::dvec3 at = texture.uv_transform * glm::dvec3(1, 1, 1);
+  EXPECT_NEAR(at.x, 50.0, 1e-9);
+  EXPECT_NEAR(at.y, 25.0, 1e-9);
+  EXPECT_THAT(all_messages(checker(R"(<integer name="scalex" value="0"/>)").diagnostics), HasSubstr("0 squares"));
+}
+
 TEST(Courses, CosinesAndFullAnglesOfSpots) {
   const auto spot = [](const std::string& content) {
     return read_beside_picture("<emitter type=\"spot\">" + content + "</emitter>" + sphere("")).delta_lights.at(0);
@@ -451,8 +467,21 @@ TEST(Courses, CosinesAndFullAnglesOfSpots) {
   const DeltaLight half = spot(R"(<color name="power" value="7"/><float name="thetaMax" value="30"/>
       <float name="thetaFall" value="10"/>)");
   EXPECT_EQ(half.cutoff, 30.0);
+  const DeltaLight turned = spot(R"(<point name="position" value="1 2 3"/><float name="thetaMax" value="30"/>
+      <color name="power" value="1"/><transform name="toWorld"><rotate axis="1,0,0" angle="90"/></transform>)");
+  EXPECT_EQ(turned.origin(), glm::dvec3(1, 2, 3));
+  EXPECT_NEAR(glm::dvec3(turned.world_from_light[2]).y, 1.0, 1e-12);  // -Z is turned to +Y
   EXPECT_EQ(half.beam_width, 10.0);
   EXPECT_EQ(half.intensity.value, glm::dvec3(7.0));
+}
+
+TEST(Courses, WordsForWidthsOfLightsAreNotGuessed) {
+  const Parsed wide = parse_beside_picture(R"(<emitter type="directional"><vector name="direction" value="0 -1 0"/>
+      <color name="radiance" value="1"/><float name="angle" value="2"/></emitter>)" +
+                                           sphere(""));
+  EXPECT_FALSE(wide.file);
+  EXPECT_THAT(all_messages(wide.diagnostics),
+              HasSubstr("\"angle\" of <emitter type=\"directional\"> is not supported"));
 }
 
 TEST(Courses, SpheresTurnInPlace) {

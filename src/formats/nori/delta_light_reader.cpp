@@ -99,9 +99,19 @@ class DeltaLightReader {
                               light_.name, property));
   }
 
+  /// With thetaMax, toWorld turns a light toward -Z that stays where it is.
+  bool turns_in_place() const {
+    const bool has = object_.plugin().find("thetaMax") != nullptr && object_.given("thetaMax");
+    return has && object_.given("toWorld");
+  }
+
   void read_place() {
+    if (turns_in_place()) {
+      light_.world_from_light[0] *= -1.0;
+      light_.world_from_light[2] *= -1.0;
+    }
     if (!object_.given("position")) return;
-    refuse_with_transform("position");
+    if (!turns_in_place()) refuse_with_transform("position");
     light_.world_from_light[3] = glm::dvec4(object_.get<glm::dvec3>("position"), 1.0);
   }
 

@@ -96,6 +96,17 @@ std::optional<Texture> TextureReader::read_texture(const Object& object, Scene& 
     texture.uv_transform = uv_matrix(object);
     return texture;
   }
+  if (type == "checker") {
+    const glm::dvec3 squares(object.get<double>("scalex"), object.get<double>("scaley"), 1.0);
+    if (squares.x == 0.0 || squares.y == 0.0) {
+      context_.diagnostics.error(object.position_of(squares.x == 0.0 ? "scalex" : "scaley"),
+                                 "0 squares are no checkerboard; use another number");
+      return std::nullopt;
+    }
+    texture.source = CheckerboardTexture{object.get<glm::dvec3>("color0"), object.get<glm::dvec3>("color1")};
+    texture.uv_transform = square_transform(1.0 / squares, glm::dvec3(0.0));
+    return texture;
+  }
   if (type == "checkerboard_color") {
     const auto scale = object.get<glm::dvec3>("scale");
     if (scale.x == 0.0 || scale.y == 0.0) {
