@@ -17,7 +17,8 @@ std::vector<std::uint8_t> packed_vertices(const std::vector<float>& numbers) {
 }
 
 /// An asset of a square whose positions and indices are packed; `count` is what is said of the positions.
-GltfRead packed_square(std::vector<std::uint8_t> vertices, std::size_t count = 4, const char* mode = "ATTRIBUTES") {
+GltfRead packed_square(std::vector<std::uint8_t> vertices, std::size_t count = 4, const char* mode = "ATTRIBUTES",
+                       const std::string& more = "") {
   const std::vector<std::uint32_t> corners = {0, 1, 2, 2, 1, 3};
   std::vector<std::uint8_t> triangles(meshopt_encodeIndexBufferBound(6, 4));
   triangles.resize(meshopt_encodeIndexBuffer(triangles.data(), triangles.size(), corners.data(), 6));
@@ -27,7 +28,9 @@ GltfRead packed_square(std::vector<std::uint8_t> vertices, std::size_t count = 4
         size, stride, n, what);
   };
   GltfBuffer buffer;
-  buffer.view(vertices, extension(vertices.size(), count, 12, mode));
+  std::string first = extension(vertices.size(), count, 12, mode);
+  first.insert(first.size() - 2, more);
+  buffer.view(vertices, first);
   std::string second = extension(triangles.size(), 6, 4, "TRIANGLES");
   const std::size_t offset = (vertices.size() + 3) / 4 * 4;
   second.replace(second.find("\"byteOffset\":0"), 14, fmt::format("\"byteOffset\":{}", offset));
@@ -46,7 +49,11 @@ TEST(GltfCompression, Meshopt) {
   std::vector<std::uint8_t> damaged = packed_vertices(square);
   damaged[0] = 0;
   EXPECT_NE(packed_square(damaged).messages().find("stream is damaged"), std::string::npos);
+  damaged[0] = 0xaf;
+  EXPECT_NE(packed_square(damaged).messages().find("has the version 15 of its codec"), std::string::npos);
   EXPECT_NE(packed_square(packed_vertices(square), 1u << 30).messages().find("cannot hold"), std::string::npos);
+  const GltfRead colors = packed_square(packed_vertices(square), 4, "ATTRIBUTES", R"(,"filter":"COLOR")");
+  EXPECT_NE(colors.messages().find("the filter \"COLOR\" of the compression is not among those"), std::string::npos);
   EXPECT_NE(packed_square(packed_vertices(square), 4, "MAGIC").messages().find("mode \"MAGIC\""), std::string::npos);
 }
 

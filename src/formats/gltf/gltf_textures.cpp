@@ -44,10 +44,10 @@ const char* foreign_kind(std::span<const std::byte> bytes) {
   const auto begins = [&](std::size_t at, std::string_view magic) {
     return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
   };
-  if (begins(0, "\xabKTX 20\xbb")) return "KTX2 (Basis Universal)";
+  if (begins(0, "\xabKTX 20\xbb")) return "KTX2 (Basis Universal, KHR_texture_basisu)";
   if (begins(0, "\xabKTX 11\xbb")) return "KTX";
-  if (begins(0, "DDS ")) return "DDS";
-  if (begins(4, "ftypavif")) return "AVIF";
+  if (begins(0, "DDS ")) return "DDS (MSFT_texture_dds)";
+  if (begins(4, "ftypavif")) return "AVIF (EXT_texture_avif)";
   return nullptr;
 }
 

@@ -32,12 +32,27 @@ void check_size(const JsonValue& extension, Mode mode, std::uint64_t count, std:
     throw GltfError{&extension, fmt::format("{} bytes cannot hold {} compressed elements", packed, count)};
 }
 
+/// The codecs' streams begin with a byte of their kind and version, of which the library reads only the first ones.
+void check_version(const JsonValue& extension, Mode mode, std::span<const std::byte> stream) {
+  const unsigned head = stream.empty() ? 0u : std::to_integer<unsigned>(stream.front());
+  const unsigned kind = mode == Mode::attributes ? 0xa0u : mode == Mode::triangles ? 0xe0u : 0xd0u;
+  constexpr unsigned kNewestOfVertices = MESHOPTIMIZER_VERSION >= 230 ? 1u : 0u;
+  const unsigned known = mode == Mode::attributes ? kNewestOfVertices : 1u;
+  if ((head & 0xf0u) == kind && (head & 0x0fu) > known)
+    throw GltfError{&extension,
+                    fmt::format("the compressed stream has the version {} of its codec; versions up to {} are "
+                                "read: compress with EXT_meshopt_compression",
+                                head & 0x0fu, known)};
+}
+
 void undo_filter(const JsonValue& extension, std::vector<std::byte>& bytes, std::uint64_t count, std::uint64_t stride) {
   const std::string filter = string_or(extension, "filter", "NONE");
   if (filter == "NONE") return;
   const bool octahedral = filter == "OCTAHEDRAL", quaternion = filter == "QUATERNION";
   if (!octahedral && !quaternion && filter != "EXPONENTIAL")
-    throw GltfError{&extension, fmt::format("the filter {} of the compression is unknown", text::quoted(filter))};
+    throw GltfError{&extension, fmt::format("the filter {} of the compression is not among those that are read: NONE, "
+                                            "OCTAHEDRAL, QUATERNION and EXPONENTIAL",
+                                            text::quoted(filter))};
   if ((octahedral && stride != 4 && stride != 8) || (quaternion && stride != 8))
     throw GltfError{&extension, fmt::format("the filter {} has no elements of {} bytes", filter, stride)};
   if (octahedral) {
@@ -66,6 +81,7 @@ std::vector<std::byte> decode_meshopt(const JsonValue& extension, std::span<cons
   } else {
     failure = meshopt_decodeIndexSequence(bytes.data(), count, stride, packed, stream.size());
   }
+  if (failure != 0) check_version(extension, mode, stream);
   if (failure != 0) throw GltfError{&extension, "the compressed stream is damaged"};
   if (mode == Mode::attributes) undo_filter(extension, bytes, count, stride);
   return bytes;
