@@ -30,7 +30,8 @@ SAME = {
     },
     "mesh": {"instance": ["shapegroup"]},
     "emitter": {"directional": ["distant"]},
-    "texture": {"checkerboard": ["checkerboard_color"]},
+    "texture": {"checkerboard": ["checkerboard_color", "checker"]},
+    "bsdf": {"blend": ["mixture"]},
 }  # yapf: disable
 
 # Where docs/conventions.md has the formula: a heading, and how the paragraph or item begins that says it (none: the whole section).
