@@ -33,8 +33,8 @@ constexpr std::uint32_t kCpuIterationsDivergent = kCpuIterations / 8;
 // Turns of traversal steps between two rounds of shading, and steps per turn: with light sampling, where every other
 // ray is a shadow ray, and without. Measured on lavapipe: with fewer steps, fewer lanes are shaded at a time; with
 // more, more lanes wait. Where shading is expensive, as with all features that the plain kernel lacks, it waits
-// slightly longer.
-constexpr std::uint32_t kTurnsNee = 2, kStepsNee = 6, kStepsNeeDear = 8;
+// longer.
+constexpr std::uint32_t kTurnsNee = 2, kStepsNee = 6, kStepsNeeDear = 12;
 constexpr std::uint32_t kTurnsNaive = 1, kStepsNaive = 8;
 constexpr double kGpuPassSeconds = 0.1;  // so that no watchdog fires
 constexpr double kCpuPassSeconds = 1.0;  // there is no watchdog, and fewer dispatches waste less
