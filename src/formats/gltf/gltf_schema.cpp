@@ -18,7 +18,7 @@
 namespace etendue {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
 
 /// One member of an object. Its type is one of
@@ -30,7 +30,7 @@ constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
 /// `!` at its end marks a member that must exist.
 struct Rule {
   std::string_view object, member, type;
-  double least = -kInfinity, most = kInfinity;
+  double least = -kUnbounded, most = kUnbounded;
 };
 
 /// Members that have their own sentences in gltf_audit.cpp are not limited here.
@@ -112,7 +112,7 @@ constexpr Rule kRules[] = {
     {"material", "alphaCutoff", "number"},
     {"material", "alphaMode", "=OPAQUE|MASK|BLEND"},
     {"material", "doubleSided", "boolean"},
-    {"material", "emissiveFactor", "number[3]", -kInfinity, 1},
+    {"material", "emissiveFactor", "number[3]", -kUnbounded, 1},
     {"material", "emissiveTexture", "texture reference"},
     {"material", "name", "string"},
     {"material", "normalTexture", "normal texture"},
@@ -381,9 +381,9 @@ class SchemaChecker {
     const std::string least = rule.least == kAboveZero ? "above 0" : fmt::format("at least {}", rule.least);
     const std::string most = fmt::format("at most {:.6g}", rule.most);
     complain_(value, fmt::format("\"{}\" is {}; it must be {}", rule.member, n,
-                                 rule.most == kInfinity     ? least
-                                 : rule.least == -kInfinity ? most
-                                                            : fmt::format("{} and {}", least, most)));
+                                 rule.most == kUnbounded     ? least
+                                 : rule.least == -kUnbounded ? most
+                                                             : fmt::format("{} and {}", least, most)));
   }
 
   void check_index(const JsonValue& value, const Rule& rule, std::string_view array) {
