@@ -5,6 +5,8 @@ add_library(etendue_flags INTERFACE)
 target_compile_options(etendue_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                        -Wno-missing-field-initializers -ffp-contract=off -pthread)
 # Of every target, programs too: precompiled headers serve those only who were compiled alike.
+# Some releases' image libraries ask for this macro of whoever uses them; then all must have it.
+target_compile_definitions(etendue_flags INTERFACE _FILE_OFFSET_BITS=64)
 if(ETENDUE_PIC)
   target_compile_options(etendue_flags INTERFACE -fPIC -fvisibility=hidden)  # what others could replace would never be inlined
 endif()

@@ -61,10 +61,11 @@ void SceneFiles::write(const std::string& text, ExistingFiles existing) const {
   for (const auto& [key, name] : meshes_) {
     const auto& mesh = std::get<TriangleMesh>(scene_.shapes[key.shape]);
     files.emplace_back((beside / name).string(),
-                       [&mesh, key](const std::string& path) { write_mesh(path, mesh, key.uv_set, key.turned); });
+                       [&mesh, key = key](const std::string& path) { write_mesh(path, mesh, key.uv_set, key.turned); });
   }
   for (const auto& [bitmap, name] : pictures_)
-    files.emplace_back((beside / name).string(), [&bitmap](const std::string& path) { write_bitmap(path, *bitmap); });
+    files.emplace_back((beside / name).string(),
+                       [&bitmap = *bitmap](const std::string& path) { write_bitmap(path, bitmap); });
   files.emplace_back(path_,
                      [&](const std::string& path) { write_file_atomically(path, std::as_bytes(std::span(text))); });
 

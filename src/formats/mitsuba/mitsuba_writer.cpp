@@ -362,7 +362,7 @@ class MitsubaWriter : MaterialWriter {
       std::swap(board->color0, board->color1);
       std::swap(board->texture0, board->texture1);
     }
-    std::visit([&](const auto& source) { write_source(name, known->second, texture, source, factor); }, texture.source);
+    std::visit([&](const auto& source) { write_source(name, id, texture, source, factor); }, texture.source);
     xml_.close();
   }
   void write_source(const char* name, const std::string& id, const Texture& texture, const BitmapTexture& source,

@@ -268,7 +268,7 @@ class NoriWriter : MaterialWriter {
     if (!is_new) return xml_.leaf("ref", {{"name", name}, {"id", known->second}});
     const Texture& texture = scene_.textures[row];
     require_first_set(texture);
-    std::visit([&](const auto& source) { write_source(name, known->second, source); }, texture.source);
+    std::visit([&](const auto& source) { write_source(name, id, source); }, texture.source);
     if (factor != glm::dvec3(1.0)) color("scale", factor);
     if (texture.vertex_tint) xml_.boolean("vertex_tint", true);
     if (texture.alpha_cutoff) xml_.number("alpha_cutoff", *texture.alpha_cutoff);
