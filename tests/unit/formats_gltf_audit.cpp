@@ -1,5 +1,6 @@
 /// Warnings about assets that break the standard and are shown all the same.
 
+#include <ctime>
 #include <limits>
 
 #include "gltf_files.h"
@@ -243,6 +244,16 @@ TEST(GltfAudit, Links) {
               "the node has a \"skin\", but its mesh has no JOINTS_0");
   expect_said({.node = R"(,"matrix":[1,0.5,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1])"}, "the node's \"matrix\" shears");
   expect_said({.node = R"(},{"skin":0)", .document = R"(,"skins":[{"joints":[0,1]}])"}, "have no common root");
+}
+
+// Looking each of them up among all others would take a minute.
+TEST(GltfAudit, VeryManyAttributes) {
+  std::string attributes;
+  for (int i = 0; i < 100000; ++i) attributes += fmt::format(R"(,"_A{}":0)", i);
+  const std::clock_t start = std::clock();
+  EXPECT_EQ(said(asset({.primitive = R"(,"targets":[{"POSITION":0)" + attributes + "}]", .attributes = attributes})),
+            "");
+  EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 15.0);
 }
 
 TEST(GltfAudit, NumbersOfAccessors) {

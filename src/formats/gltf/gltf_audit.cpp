@@ -52,13 +52,18 @@ bool is_true(const JsonValue& object, std::string_view name) {
   return value != nullptr && value->boolean() != nullptr && *value->boolean();
 }
 
+const JsonValue* element_at(const JsonValue& root, std::string_view array, const JsonValue& index) {
+  const JsonValue::Array& elements = list(root, array);
+  const double* n = index.number();
+  if (n == nullptr || !(*n >= 0.0 && *n < static_cast<double>(elements.size()))) return nullptr;
+  const JsonValue& element = elements[static_cast<std::size_t>(*n)];
+  return element.object() == nullptr ? nullptr : &element;
+}
+
 const JsonValue* element_of(const JsonValue& root, std::string_view array, const JsonValue& object,
                             std::string_view name) {
-  const JsonValue::Array& elements = list(root, array);
-  const auto index = number_in(object, name);
-  if (!index || !(*index >= 0.0 && *index < static_cast<double>(elements.size()))) return nullptr;
-  const JsonValue& element = elements[static_cast<std::size_t>(*index)];
-  return element.object() == nullptr ? nullptr : &element;
+  const JsonValue* index = object.find(name);
+  return index == nullptr ? nullptr : element_at(root, array, *index);
 }
 
 std::string_view kind_of_attribute(std::string_view name) {
@@ -68,6 +73,16 @@ std::string_view kind_of_attribute(std::string_view name) {
   return name;
 }
 
+std::string_view types_of_attribute(std::string_view kind) {
+  struct Row {
+    std::string_view kind, types;
+  };
+  constexpr Row kRows[] = {{"POSITION", "VEC3"},    {"NORMAL", "VEC3"},  {"TANGENT", "VEC4"}, {"TEXCOORD_", "VEC2"},
+                           {"COLOR_", "VEC3 VEC4"}, {"JOINTS_", "VEC4"}, {"WEIGHTS_", "VEC4"}};
+  const auto* found = std::ranges::find(kRows, kind, &Row::kind);
+  return found == std::end(kRows) ? std::string_view() : found->types;
+}
+
 }  // namespace gltf_audit
 
 namespace {
@@ -75,9 +90,6 @@ namespace {
 using namespace gltf_audit;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Component types; double, as all numbers of the JSON tree.
-constexpr double kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125,
-                 kFloat = 5126;
 
 /// The allowed range of a member of a material, and what is done with values outside it.
 struct Range {
@@ -121,8 +133,7 @@ std::string_view name_of(const Range& range) {
 }
 
 bool is_known(std::string_view kind) {
-  constexpr std::string_view kKinds[] = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"};
-  return std::ranges::find(kKinds, kind) != std::end(kKinds);
+  return !types_of_attribute(kind).empty();
 }
 
 /// Whether the standard allows this component type for the attribute.
@@ -211,10 +222,7 @@ class GltfAuditor {
         warn(node, fmt::format("the node has a \"matrix\" and a \"{}\"; the matrix is used", part));
     }
     check_rotation(node);
-    const auto mesh = number_in(node, "mesh");
-    const JsonValue::Array& meshes = list(root_, "meshes");
-    if (mesh && *mesh >= 0.0 && *mesh < static_cast<double>(meshes.size()))
-      check_weights(node, meshes[static_cast<std::size_t>(*mesh)]);
+    if (const JsonValue* mesh = element_of(root_, "meshes", node, "mesh")) check_weights(node, *mesh);
   }
 
   void check_rotation(const JsonValue& node) {
@@ -300,22 +308,20 @@ class GltfAuditor {
     };
     if (kind == "JOINTS_") needs("WEIGHTS_" + number, "moves nothing");
     if (kind == "WEIGHTS_") needs("JOINTS_" + number, "moves nothing");
-    if (kind == "TEXCOORD_" && number.size() == 1 && number[0] >= '1' && number[0] <= '9')
-      needs(fmt::format("TEXCOORD_{}", number[0] - '1'), "is not used");
+    if (kind != name && number.size() == 1 && number[0] >= '1' && number[0] <= '9')
+      needs(fmt::format("{}{}", kind, number[0] - '1'), "is not used");
   }
 
   void check_attribute_accessor(const JsonValue& attributes, const std::string& name, const JsonValue& value) {
-    const JsonValue::Array& accessors = list(root_, "accessors");
     if (value.number() == nullptr) return;
-    const double index = *value.number();
-    if (!(index >= 0.0 && index < static_cast<double>(accessors.size())))
+    const JsonValue* found = element_at(root_, "accessors", value);
+    if (found == nullptr)
       return warn(attributes,
                   fmt::format("{} refers to number {} of \"accessors\", of which there are {}; it is ignored",
-                              text::quoted(name), index, accessors.size()));
+                              text::quoted(name), *value.number(), list(root_, "accessors").size()));
     const std::string_view kind = kind_of_attribute(name);
-    const JsonValue& accessor = accessors[static_cast<std::size_t>(index)];
-    const JsonValue* normalized = accessor.find("normalized");
-    const bool is_normalized = normalized != nullptr && normalized->boolean() != nullptr && *normalized->boolean();
+    const JsonValue& accessor = *found;
+    const bool is_normalized = is_true(accessor, "normalized");
     const double type = number_in(accessor, "componentType").value_or(0.0);
     if (!is_known(kind) || may_have_type(kind, type, is_normalized, quantized_)) return;
     const bool would_help = !quantized_ && may_have_type(kind, type, is_normalized, true);
@@ -449,22 +455,17 @@ class GltfAuditor {
   }
 
   void audit_accessor(const JsonValue& accessor) {
-    const JsonValue* normalized = accessor.find("normalized");
-    const auto type = number_in(accessor, "componentType");
-    if (normalized != nullptr && normalized->boolean() != nullptr && *normalized->boolean() && type &&
-        (*type == kFloat || *type == kUnsignedInt))
-      warn(*normalized, fmt::format("numbers of the component type {} cannot be normalized", *type));
+    const double type = number_in(accessor, "componentType").value_or(0.0);
+    if (is_true(accessor, "normalized") && (type == kFloat || type == kUnsignedInt))
+      warn(*accessor.find("normalized"), fmt::format("numbers of the component type {} cannot be normalized", type));
   }
 
-  bool declares(std::string_view extension) const {
-    const auto is_it = [&](const JsonValue& v) { return v.string() != nullptr && *v.string() == extension; };
-    return std::ranges::any_of(list(root_, "extensionsUsed"), is_it) ||
-           std::ranges::any_of(list(root_, "extensionsRequired"), is_it);
-  }
-
-  bool requires_extension(std::string_view extension) const {
-    return std::ranges::any_of(list(root_, "extensionsRequired"),
+  bool lists(std::string_view array, std::string_view extension) const {
+    return std::ranges::any_of(list(root_, array),
                                [&](const JsonValue& v) { return v.string() != nullptr && *v.string() == extension; });
+  }
+  bool declares(std::string_view extension) const {
+    return lists("extensionsUsed", extension) || lists("extensionsRequired", extension);
   }
 
   void audit_extensions() {
@@ -478,10 +479,8 @@ class GltfAuditor {
             *root_.find("extensionsRequired"),
             fmt::format("the extension {} is required but not among \"extensionsUsed\"", text::quoted(*name.string())));
     }
-    for (const char* name : {"KHR_mesh_quantization"}) {
-      if (declares(name) && !requires_extension(name))
-        warn(*root_.find("extensionsUsed"), fmt::format("the extension {} must be among \"extensionsRequired\"", name));
-    }
+    if (quantized_ && !lists("extensionsRequired", "KHR_mesh_quantization"))
+      warn(*root_.find("extensionsUsed"), "the extension KHR_mesh_quantization must be among \"extensionsRequired\"");
     find_undeclared(root_, used);
     for (const JsonValue& name : list(root_, "extensionsRequired")) {
       if (name.string() != nullptr && *name.string() != "KHR_mesh_quantization" && !met_.contains(*name.string()))

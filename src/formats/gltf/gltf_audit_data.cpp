@@ -27,16 +27,16 @@ const char* name_of(Use as) {
 }
 
 std::uint64_t bytes_of(double component_type) {
-  return component_type <= 5121.0 ? 1 : component_type <= 5123.0 ? 2 : 4;
+  return component_type <= kUnsignedByte ? 1 : component_type <= kUnsignedShort ? 2 : 4;
 }
 
 /// What the numbers of this type are divided by when they are normalised.
 double divisor_of(double component_type) {
-  return component_type == 5120.0   ? 127.0
-         : component_type == 5121.0 ? 255.0
-         : component_type == 5122.0 ? 32767.0
-         : component_type == 5123.0 ? 65535.0
-                                    : 1.0;
+  return component_type == kByte            ? 127.0
+         : component_type == kUnsignedByte  ? 255.0
+         : component_type == kShort         ? 32767.0
+         : component_type == kUnsignedShort ? 65535.0
+                                            : 1.0;
 }
 
 /// The MIME type that the first bytes of a picture show; empty if they are none that is known.
@@ -113,13 +113,16 @@ class DataAuditor {
       for (const JsonValue& target : list(primitive, "targets")) sets.push_back(&target);
       for (const JsonValue* set : sets) {
         if (set == nullptr || set->object() == nullptr) continue;
-        for (const auto& [name, value] : *set->object()) use(*set, name, Use::vertices);
+        for (const auto& [name, value] : *set->object()) use(value, Use::vertices);
       }
     }
   }
 
   void use(const JsonValue& object, std::string_view name, Use as) {
-    const JsonValue* accessor = element_of(root_, "accessors", object, name);
+    if (const JsonValue* index = object.find(name)) use(*index, as);
+  }
+  void use(const JsonValue& index, Use as) {
+    const JsonValue* accessor = element_at(root_, "accessors", index);
     if (accessor == nullptr) return;
     uses_[accessor].insert(as);
     if (const JsonValue* view = element_of(root_, "bufferViews", *accessor, "bufferView")) {
@@ -181,7 +184,7 @@ class DataAuditor {
     audit_alignment(json, known != uses_.end() && known->second.contains(Use::vertices));
     // Compressed primitives may have accessors without data of their own.
     if (json.find("bufferView") == nullptr && json.find("sparse") == nullptr) return;
-    const bool is_integer = number_in(json, "componentType") != 5126.0;
+    const bool is_integer = number_in(json, "componentType") != kFloat;
     if (is_integer && json.find("min") == nullptr && json.find("max") == nullptr && json.find("sparse") == nullptr) {
       accessors_.check(i, json);  // that its bytes exist
       return;
@@ -326,7 +329,8 @@ class DataAuditor {
     std::vector<float> sums;
     std::size_t negative = 0, idle = 0, repeated = 0;
     bool complete = true;
-    for (int set = 0; attributes.find(fmt::format("WEIGHTS_{}", set)) != nullptr; ++set) {
+    constexpr int kMostSets = 64;  // each is looked for among all attributes, of which there may be very many
+    for (int set = 0; set < kMostSets && attributes.find(fmt::format("WEIGHTS_{}", set)) != nullptr; ++set) {
       const FloatTable weights = once(attributes, fmt::format("WEIGHTS_{}", set), 4);
       const FloatTable joints = once(attributes, fmt::format("JOINTS_{}", set), 4);
       sums.resize(std::max(sums.size(), weights.rows()), 0.0f);
@@ -387,7 +391,7 @@ class DataAuditor {
     if (input == nullptr) return;
     if (input->find("min") == nullptr || input->find("max") == nullptr)
       warn_(*input, "an accessor of keyframes has no \"min\" and \"max\", which it must have");
-    if (number_in(*input, "componentType") != 5126.0 || string_in(*input, "type") != "SCALAR")
+    if (number_in(*input, "componentType") != kFloat || string_in(*input, "type") != "SCALAR")
       return warn_(*input, "an accessor of keyframes must have the type SCALAR of the component type 5126");
     const FloatTable times = numbers(*find_index(sampler, "input"), sampler, {1});
     if (!times.numbers.empty() && times.numbers.front() < 0.0f)

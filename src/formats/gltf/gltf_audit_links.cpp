@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,18 +14,9 @@
 namespace etendue::gltf_audit {
 namespace {
 
-/// Attributes whose rows have a fixed number of numbers.
-struct Shape {
-  std::string_view kind, types;
-  bool morphs = false;  ///< may stand in a morph target
-};
-constexpr Shape kShapes[] = {{"POSITION", "VEC3", true},  {"NORMAL", "VEC3", true},      {"TANGENT", "VEC4", true},
-                             {"TEXCOORD_", "VEC2", true}, {"COLOR_", "VEC3 VEC4", true}, {"JOINTS_", "VEC4"},
-                             {"WEIGHTS_", "VEC4"}};
-
-const Shape* shape_of(std::string_view kind) {
-  const auto* found = std::ranges::find(kShapes, kind, &Shape::kind);
-  return found == std::end(kShapes) ? nullptr : found;
+/// Attributes that morph targets cannot move.
+bool is_fixed(std::string_view kind) {
+  return kind == "JOINTS_" || kind == "WEIGHTS_";
 }
 
 class LinkAuditor {
@@ -87,18 +80,14 @@ class LinkAuditor {
     if (positions != nullptr && (positions->find("min") == nullptr || positions->find("max") == nullptr))
       warn_(*positions, "an accessor of a POSITION has no \"min\" and \"max\", which it must have");
     if (attributes.object()->empty()) warn_(attributes, "\"attributes\" is empty; it must have an element");
+    std::set<std::string_view> names;
     for (const auto& [name, value] : *attributes.object()) {
-      audit_attribute(attributes, name, count);
-      const std::string_view kind = kind_of_attribute(name);
-      if (kind == name || kind == "TEXCOORD_") continue;
-      const std::string number = name.substr(kind.size());
-      const bool is_later = number.size() == 1 && number[0] >= '1' && number[0] <= '9';
-      if (is_later && attributes.find(fmt::format("{}{}", kind, number[0] - '1')) == nullptr)
-        warn_(value, fmt::format("{} comes without {}{}", name, kind, number[0] - '1'));
+      audit_attribute(attributes, name, value, count);
+      names.insert(name);
     }
     if (attributes.find("TANGENT") != nullptr && attributes.find("NORMAL") == nullptr)
       warn_(attributes, "TANGENT comes without NORMAL; it is not used");
-    for (const JsonValue& target : list(primitive, "targets")) audit_target(target, attributes, count);
+    for (const JsonValue& target : list(primitive, "targets")) audit_target(target, names, count);
     audit_indices(primitive, count);
   }
 
@@ -111,31 +100,32 @@ class LinkAuditor {
     return !digits || (number.size() > 1 && number.front() == '0');
   }
 
-  void audit_attribute(const JsonValue& attributes, const std::string& name, std::optional<double> rows) {
+  void audit_attribute(const JsonValue& attributes, const std::string& name, const JsonValue& value,
+                       std::optional<double> rows) {
     if (is_numbered_badly(name))
       warn_(attributes, fmt::format("the attribute {} has no proper number; it is ignored", text::quoted(name)));
-    const JsonValue* accessor = element_of(root_, "accessors", attributes, name);
+    const JsonValue* accessor = element_at(root_, "accessors", value);
     if (accessor == nullptr) return;
-    const Shape* shape = shape_of(kind_of_attribute(name));
+    const std::string_view types = types_of_attribute(kind_of_attribute(name));
     const std::string type = string_in(*accessor, "type");
-    if (shape != nullptr && !type.empty() && shape->types.find(type) == std::string_view::npos)
-      warn_(*accessor, fmt::format("{} has the type {}; it must be {}", name, text::quoted(type), shape->types));
-    if (number_in(*accessor, "componentType") == 5125.0)
+    if (!types.empty() && !type.empty() && types.find(type) == std::string_view::npos)
+      warn_(*accessor, fmt::format("{} has the type {}; it must be {}", name, text::quoted(type), types));
+    if (number_in(*accessor, "componentType") == kUnsignedInt)
       warn_(*accessor, fmt::format("{} has the component type 5125, which attributes of vertices must not have", name));
     const auto count = number_in(*accessor, "count");
     if (rows && count && *rows != *count)
       warn_(*accessor, fmt::format("{} has {} rows, POSITION has {}", name, *count, *rows));
   }
 
-  void audit_target(const JsonValue& target, const JsonValue& attributes, std::optional<double> rows) {
+  void audit_target(const JsonValue& target, const std::set<std::string_view>& attributes, std::optional<double> rows) {
     if (target.object() == nullptr) return;
     for (const auto& [name, value] : *target.object()) {
-      const Shape* shape = shape_of(kind_of_attribute(name));
-      if (shape != nullptr && !shape->morphs)
+      const std::string_view kind = kind_of_attribute(name);
+      if (is_fixed(kind))
         warn_(target, fmt::format("a morph target has {}, which targets cannot move; it is ignored", name));
-      if (attributes.find(name) == nullptr)
+      if (!attributes.contains(name))
         warn_(target, fmt::format("a morph target moves {}, which the primitive does not have; it is ignored", name));
-      const JsonValue* accessor = element_of(root_, "accessors", target, name);
+      const JsonValue* accessor = element_at(root_, "accessors", value);
       if (accessor == nullptr) {
         warn_(value, fmt::format("{} of a morph target refers to an accessor that does not exist", name));
         continue;
@@ -144,7 +134,7 @@ class LinkAuditor {
       if (rows && count && *rows != *count)
         warn_(*accessor, fmt::format("{} of a morph target has {} rows, the primitive has {}", name, *count, *rows));
       // Sides of tangents do not move.
-      const std::string_view types = name == "TANGENT" ? "VEC3" : shape == nullptr ? "" : shape->types;
+      const std::string_view types = name == "TANGENT" ? "VEC3" : types_of_attribute(kind);
       const std::string type = string_in(*accessor, "type");
       if (!types.empty() && !type.empty() && types.find(type) == std::string_view::npos)
         warn_(*accessor,

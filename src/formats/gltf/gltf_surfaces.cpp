@@ -24,6 +24,12 @@ double cutoff_of_texture(const GltfMaterial& m) {
   return std::clamp(m.alpha_cutoff / m.base_color.a, -1.0, 2.0);
 }
 
+/// The share of a surface's light that its alpha factor lets it emit.
+double share_of_alpha(const GltfMaterial& m) {
+  const double alpha = m.base_color.a;
+  return m.alpha == GltfMaterial::Alpha::mask ? (alpha >= m.alpha_cutoff ? 1.0 : 0.0) : alpha;
+}
+
 /// The textures that become parameters of the scene's material.
 std::vector<const MaybeTexture*> textures_of(const GltfMaterial& m) {
   return {&m.base_color_texture,
@@ -222,18 +228,22 @@ std::uint32_t GltfSurfaces::with_opacity(const GltfMaterial& m, const Traits& tr
   return add({.adapter = MaskAdapter{opacity, inner}}, m);
 }
 
+bool GltfSurfaces::alpha_varies(const GltfMaterial& m, const Traits& traits) {
+  return m.base_color.a > 0.0 && (m.base_color_texture || (traits.colors && traits.colors_have_alpha));
+}
+
 /// Multiplies the colours of an unlit surface with its alpha: a masked texel emits fully or not at all, a blended one
 /// in proportion to its alpha.
 void GltfSurfaces::premultiply(const GltfMaterial& m, const Traits& traits, ColorParameter& radiance) {
-  const double alpha = m.base_color.a;
   const bool mask = m.alpha == GltfMaterial::Alpha::mask;
-  const bool has_texture = m.base_color_texture || (traits.colors && traits.colors_have_alpha);
-  const std::optional<double> cut = mask ? std::optional(alpha > 0.0 ? cutoff_of_texture(m) : 2.0) : std::nullopt;
-  if (!mask) radiance.value *= alpha;
-  if (!radiance.texture || !has_texture) {
-    if (mask && alpha < m.alpha_cutoff) radiance.value = glm::dvec3(0.0);
-  } else if (mask || traits.colors) {
-    radiance.texture = textures_.derived(*radiance.texture, cut, true);
+  if (!radiance.texture || !alpha_varies(m, traits)) {
+    radiance.value *= share_of_alpha(m);
+    return;
+  }
+  if (!mask) radiance.value *= m.base_color.a;
+  if (mask || traits.colors) {
+    radiance.texture =
+        textures_.derived(*radiance.texture, mask ? std::optional(cutoff_of_texture(m)) : std::nullopt, true);
   } else {
     const TextureRecipe recipe = premultiplied();
     if (const auto row = texture(m.base_color_texture, traits, ColorSpace::srgb, &recipe)) radiance.texture = row;
@@ -242,16 +252,15 @@ void GltfSurfaces::premultiply(const GltfMaterial& m, const Traits& traits, Colo
 
 /// What is transparent does not glow.
 void GltfSurfaces::dim_emission(const GltfMaterial& m, const Traits& traits, ColorParameter& radiance) {
-  const double alpha = m.base_color.a;
   const bool mask = m.alpha == GltfMaterial::Alpha::mask;
   const bool of_vertices = traits.colors && traits.colors_have_alpha;
-  if ((!m.base_color_texture && !of_vertices) || alpha == 0.0) {
-    radiance.value *= mask ? (alpha >= m.alpha_cutoff ? 1.0 : 0.0) : alpha;
+  if (!alpha_varies(m, traits)) {
+    radiance.value *= share_of_alpha(m);
   } else if (!radiance.texture && !of_vertices) {
     const TextureRecipe recipe = mask ? white_with_alpha() : alpha_as_grey();
     radiance.texture = texture(m.base_color_texture, traits, ColorSpace::linear, &recipe);
     if (radiance.texture && mask) radiance.texture = textures_.derived(*radiance.texture, cutoff_of_texture(m), true);
-    if (!mask) radiance.value *= alpha;
+    if (!mask) radiance.value *= m.base_color.a;
   } else {
     warn_once(m,
               "is transparent in places and glows there, too: its alpha and its emission, or that of its vertices, "

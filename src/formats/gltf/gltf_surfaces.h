@@ -48,6 +48,8 @@ class GltfSurfaces {
   std::uint32_t with_opacity(const GltfMaterial& m, const Traits& traits, std::uint32_t inner);
   std::optional<std::uint32_t> emitter_of(const GltfMaterial& m, const Traits& traits);
   ColorParameter base_color(const GltfMaterial& m, const Traits& traits);
+  /// Whether alpha is not the same everywhere.
+  static bool alpha_varies(const GltfMaterial& m, const Traits& traits);
   void premultiply(const GltfMaterial& m, const Traits& traits, ColorParameter& radiance);
   void dim_emission(const GltfMaterial& m, const Traits& traits, ColorParameter& radiance);
   void say_what_is_left_out(const GltfMaterial& m);
