@@ -40,9 +40,8 @@ constexpr double kGpuPassSeconds = 0.1;  // so that no watchdog fires
 constexpr double kCpuPassSeconds = 1.0;  // there is no watchdog, and fewer dispatches waste less
 // A place of the film that was not rendered yet, such as glass beside walls, is taken to be so many times dearer.
 constexpr double kCaution = 4.0;
-// Paths per second before anything was measured. Where a watchdog may fire, a tenth of what a slow device reaches; with
-// the caution, the first dispatch has a few thousandths of the paths that keep a large GPU busy for its time.
-constexpr double kFirstRate = 2e5, kFirstRateWatched = 1e4;
+// Paths per second assumed for the first dispatch where a watchdog may fire: slow GPUs trace ten times as many.
+constexpr double kFirstRateWatched = 1e4;
 // Paths per lane in a dispatch, one after the other, where this can be chosen: at its end, lanes wait for slower ones,
 // for a time that grows with the square root of the number of paths.
 constexpr std::uint32_t kPathsPerLane = 256;
@@ -109,7 +108,7 @@ PassLimits pass_limits(const vulkan::Context& context, const GpuOptions& options
           .fixed_samples = options.fixed_samples,
           .fixed_groups = options.fixed_groups,
           .caution = unwatched ? 1.0 : kCaution,
-          .first_rate = unwatched ? kFirstRate : kFirstRateWatched};
+          .first_rate = unwatched ? PassLimits().first_rate : kFirstRateWatched};
 }
 
 // Groups of 64 slots for which a dispatch can count so many paths.

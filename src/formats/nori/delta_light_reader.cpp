@@ -70,10 +70,9 @@ class DeltaLightReader {
 
   /// Of a spot, in the words of some courses.
   bool has_color() const { return object_.given("color"); }
-  bool has_theta() const {
-    const auto has = [&](const char* name) { return object_.plugin().find(name) != nullptr && object_.given(name); };
-    return has("theta") || has("thetaMax");
-  }
+  /// Whether the light is of a kind that has the property, and it is given.
+  bool has(const char* name) const { return object_.plugin().find(name) != nullptr && object_.given(name); }
+  bool has_theta() const { return has("theta") || has("thetaMax"); }
 
   void read_intensity(double solid_angle) {
     if (has_color()) {
@@ -100,10 +99,7 @@ class DeltaLightReader {
   }
 
   /// With thetaMax, toWorld turns a light toward -Z that stays where it is.
-  bool turns_in_place() const {
-    const bool has = object_.plugin().find("thetaMax") != nullptr && object_.given("thetaMax");
-    return has && object_.given("toWorld");
-  }
+  bool turns_in_place() const { return has("thetaMax") && object_.given("toWorld"); }
 
   void read_place() {
     if (turns_in_place()) {

@@ -598,7 +598,7 @@ class SceneReader {
     std::uint32_t row =
         bsdfs.empty() ? add_material({.bsdf = DiffuseBsdf{}, .name = "diffuse", .position = mesh.position()}, scene)
                       : material_row(*bsdfs.front(), scene);
-    if (mesh.child_of("texture") != nullptr) row = repaint(mesh, row, scene);
+    if (has_map(mesh, "texture")) row = repaint(mesh, row, scene);
     return with_normals(mesh, row, scene);
   }
 
@@ -630,7 +630,7 @@ class SceneReader {
 
   /// The row of the material under the shading normals that its object, or a mesh, has; without any, the same row.
   std::uint32_t with_normals(const Object& owner, std::uint32_t row, Scene& scene) {
-    if (owner.plugin().find("normals") == nullptr || owner.child_of("normals") == nullptr) return row;
+    if (owner.plugin().find("normals") == nullptr || !has_map(owner, "normals")) return row;
     const ColorParameter normals = read_textured(owner, "normals", &scene);
     if (normals.texture && !says_raw(*owner.child_of("normals"))) {
       if (auto* picture = std::get_if<BitmapTexture>(&scene.textures[*normals.texture].source))
@@ -938,12 +938,12 @@ class SceneReader {
     return bsdf;
   }
 
-  /// A parameter that has a meaning only as a texture.
-  void read_map(const Object& object, const char* name, ColorParameter& map, Scene* scene) {
-    if (object.child_of(name) != nullptr)
-      map = read_factor(object, name, scene);
-    else if (object.given(name))
+  /// Whether an object has a parameter that has a meaning only as a texture.
+  bool has_map(const Object& object, const char* name) {
+    if (object.child_of(name) != nullptr) return true;
+    if (object.given(name))
       sink_.error(object.position_of(name), fmt::format("\"{}\" is a map; give it a <texture>", name));
+    return false;
   }
 
   GltfBsdf read_gltf(const Object& object, Scene* scene) {
@@ -953,8 +953,9 @@ class SceneReader {
     bsdf.dispersion = object.get<double>("dispersion");
     bsdf.coat_keeps_normal = object.get<bool>("coat_keeps_normal");
     bsdf.coat_vertex_tangents = object.get<bool>("coat_vertex_tangents");
-    read_map(object, "coat_normals", bsdf.coat_normals, scene);
-    read_map(object, "anisotropy_directions", bsdf.anisotropy_directions, scene);
+    if (has_map(object, "coat_normals")) bsdf.coat_normals = read_factor(object, "coat_normals", scene);
+    if (has_map(object, "anisotropy_directions"))
+      bsdf.anisotropy_directions = read_factor(object, "anisotropy_directions", scene);
     bsdf.attenuation_color = object.get<glm::dvec3>("attenuation_color");
     const auto distance = object.get<double>("attenuation_distance");
     if (distance > 0.0) bsdf.attenuation_distance = distance;
