@@ -462,6 +462,7 @@ TEST(MitsubaIncludes, CirclesAndFloodsEnd) {
   }
   const Read flood = read(around("<include filename=\"f0.xml\"/>"), {}, doubling);
   EXPECT_NE(flood.first_error().find("more than 1000 files"), std::string::npos) << flood.messages();
+  EXPECT_EQ(flood.diagnostics.error_count(), 1u) << flood.messages();
   const Read deep = read(around("<include filename=\"f0.xml\"/>"), {}, chain);
   EXPECT_NE(deep.first_error().find("at most 15 are supported"), std::string::npos) << deep.messages();
 }
@@ -507,6 +508,25 @@ TEST(MitsubaShapes, MeshesAreSmoothUnlessTheyAreFlat) {
   EXPECT_TRUE(scene.instances[2].flip_normals);
 }
 
+// As in Mitsuba 3.9.1, whose meshes from such a file have vertex normals; 0.6 follows the file.
+TEST(MitsubaShapes, FilesThatWantFlatTrianglesGetThemIn06) {
+  const auto is_flat = [](const char* version) {
+    Diagnostics diagnostics;
+    const std::string text = fmt::format(
+        R"(<scene version="{}">{}<shape type="serialized"><string name="filename" value="m"/></shape></scene>)",
+        version, kSensor);
+    auto document = std::make_unique<XmlDocument>(text, "s.xml", diagnostics);
+    const auto load = [](const std::string& path, std::int64_t, Diagnostics& sink) -> std::optional<SerializedMesh> {
+      return SerializedMesh{.mesh = load_triangle(mesh_formats()[0], path, {}, sink).value(), .face_normals = true};
+    };
+    const auto scene = parse_mitsuba_scene(std::move(document), {}, {load_triangle, {}, load, {}}, diagnostics);
+    EXPECT_TRUE(scene.has_value()) << all_messages(diagnostics);
+    return scene && std::get<TriangleMesh>(scene->shape_of(scene->instances.at(0))).normals.empty();
+  };
+  EXPECT_TRUE(is_flat("0.6.0"));
+  EXPECT_FALSE(is_flat("3.0.0"));
+}
+
 TEST(MitsubaShapes, RectanglesAndCubesPointOutward) {
   const Read result = read(around("<shape type=\"rectangle\"/><shape type=\"cube\"/>"));
   ASSERT_TRUE(result.scene.has_value()) << result.messages();
@@ -524,7 +544,7 @@ TEST(MitsubaShapes, RectanglesAndCubesPointOutward) {
   }
 }
 
-// The normals are those of Mitsuba 3.9.1 where a ray along -z meets the shape.
+// The sides are those on which Mitsuba 3.9.1 reflects and emits: those of its shading normals.
 TEST(MitsubaShapes, WhatMirrorsTurnInsideOut) {
   const auto flipped = [](const char* type, const char* scale) {
     const Read result = read(around(fmt::format(
@@ -532,14 +552,35 @@ TEST(MitsubaShapes, WhatMirrorsTurnInsideOut) {
     EXPECT_TRUE(result.scene.has_value()) << result.messages();
     return result.scene.has_value() && result.scene->instances.at(0).flip_normals;
   };
-  for (const char* type : {"rectangle", "cube", "sphere"}) {
-    EXPECT_FALSE(flipped(type, "1 1 1")) << type;
-    for (const char* scale : {"-1 1 1", "1 -1 1", "1 1 -1", "-1 -1 -1"}) EXPECT_TRUE(flipped(type, scale)) << type;
-    EXPECT_FALSE(flipped(type, "-1 -1 1")) << type;
-  }
-  for (const char* type : {"disk", "cylinder"}) {
+  EXPECT_FALSE(flipped("sphere", "1 1 1"));
+  for (const char* scale : {"-1 1 1", "1 -1 1", "1 1 -1", "-1 -1 -1"}) EXPECT_TRUE(flipped("sphere", scale));
+  EXPECT_FALSE(flipped("sphere", "-1 -1 1"));
+  for (const char* type : {"rectangle", "cube", "disk", "cylinder"}) {
     for (const char* scale : {"1 1 1", "-1 1 1", "1 1 -1", "-1 -1 -1"}) EXPECT_FALSE(flipped(type, scale)) << type;
   }
+}
+
+// Mitsuba 3.9.1 prints this matrix for a rectangle with that rotation.
+TEST(MitsubaTransform, AxesOfRotationsCountWithTheirLength) {
+  const std::string turn = R"(<transform name="to_world"><rotate x="1" y="1" angle="40"/></transform>)";
+  const auto placed = [&](const std::string& shape, const char* version = "3.0.0") {
+    const Read result = read(fmt::format("<scene version=\"{}\">{}{}</scene>", version, kSensor, shape));
+    EXPECT_TRUE(result.scene.has_value()) << result.messages();
+    EXPECT_EQ(result.messages().find("has length 1.414") != std::string::npos, std::string(version) != "0.6.0");
+    return result.scene ? glm::dmat3(result.scene->instances.at(0).world_from_object) : glm::dmat3(0.0);
+  };
+  const auto near = [](const glm::dmat3& a, const glm::dmat3& b) {
+    for (int column = 0; column < 3; ++column) EXPECT_LT(glm::distance(a[column], b[column]), 2e-6);
+  };
+  const glm::dmat3 in_mitsuba(1.0, 0.233956, -0.642788, 0.233956, 1.0, 0.642788, 0.642788, -0.642788, 0.766044);
+  const glm::dmat3 rotation(0.8830222, 0.1169778, -0.4545195, 0.1169778, 0.8830222, 0.4545195, 0.4545195, -0.4545195,
+                            0.7660444);
+  near(placed("<shape type=\"rectangle\">" + turn + "</shape>"), in_mitsuba);
+  near(placed("<shape type=\"rectangle\">" + turn + "</shape>", "0.6.0"), rotation);
+  near(placed("<shape type=\"sphere\">" + turn + "</shape>"), rotation);
+  const std::string group = "<shape type=\"instance\">" + turn + "<shape type=\"shapegroup\"><shape type=\"";
+  near(placed(group + "cube\"/></shape></shape>"), in_mitsuba);
+  near(placed(group + "sphere\"/></shape></shape>"), rotation);
 }
 
 TEST(MitsubaShapes, GroupsAreShownWhereTheirInstancesAre) {

@@ -46,6 +46,19 @@ TEST(Mtl, WhatIsWrongIsLeftOut) {
   EXPECT_NE(all_messages(diagnostics).find("is there already"), std::string::npos);
 }
 
+TEST(Model, LibrariesAreReadOnce) {
+  const TemporaryFolder folder;
+  folder.write("m.mtl", "newmtl a\nKd 1 0 0\n");
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (int i = 0; i < 1000; ++i) text += i % 2 == 0 ? "mtllib m.mtl\n" : "mtllib ./m.mtl\n";
+  const std::string path = folder.write("m.obj", text + "usemtl a\nf 1 2 3\n");
+  Diagnostics diagnostics;
+  const auto file = read_scene_file(path, {}, diagnostics);
+  ASSERT_TRUE(file.has_value()) << all_messages(diagnostics);
+  EXPECT_EQ(all_messages(diagnostics).find("is there already"), std::string::npos) << all_messages(diagnostics);
+  EXPECT_EQ(std::get<DiffuseBsdf>(std::get<Scene>(*file).materials.at(0).bsdf).albedo.value, glm::dvec3(1, 0, 0));
+}
+
 TEST(Model, AnObjWithItsLibrary) {
   const TemporaryFolder folder;
   Bitmap bitmap{.width = 1, .height = 1, .channels = 3, .format = BitmapFormat::u8, .color_space = ColorSpace::srgb};

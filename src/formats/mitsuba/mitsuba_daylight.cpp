@@ -56,7 +56,7 @@ std::optional<Sky> read_mitsuba_daylight(const MitsubaObject& object, const Mits
       object.given("sun_aperture") ? object.real("sun_aperture") / kSunAngle : object.real("sun_radius_scale");
   Sky sky;
   sky.picture = SkyPicture{.bitmap = make_daylight(daylight)};
-  sky.world_from_sky = glm::dmat3(object.matrix("to_world")) * mitsuba_from_sky(old);
+  sky.world_from_sky = glm::dmat3(object.matrix("to_world", RotationAxes::unit)) * mitsuba_from_sky(old);
   return sky;
 }
 

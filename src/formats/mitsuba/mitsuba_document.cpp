@@ -165,9 +165,11 @@ void MitsubaDocument::include(const XmlElement& element, std::vector<XmlElement>
   if (expansion.open.size() > MitsubaLimits::kMaxIncludeDepth)
     return diagnostics_.error(where, fmt::format("includes are nested {} deep; at most {} are supported",
                                                  expansion.open.size(), MitsubaLimits::kMaxIncludeDepth));
-  if (sources_.size() > MitsubaLimits::kMaxFiles)
+  if (sources_.size() > MitsubaLimits::kMaxFiles) {
+    if (std::exchange(too_many_files_, true)) return;
     return diagnostics_.error(
         where, fmt::format("the scene includes more than {} files; put them together", MitsubaLimits::kMaxFiles));
+  }
   std::unique_ptr<XmlDocument> document;
   try {
     document = std::make_unique<XmlDocument>(expansion.load(path), path, diagnostics_);

@@ -85,6 +85,7 @@ class MitsubaDocument {
   Diagnostics& diagnostics_;
   std::vector<Source> sources_;
   std::size_t bytes_ = 0, elements_ = 0, substituted_bytes_ = 0;
+  bool too_many_files_ = false;
   XmlElement root_;
   std::string version_;
   std::map<std::string, std::string, std::less<>> parameters_;

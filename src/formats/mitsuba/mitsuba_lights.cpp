@@ -75,7 +75,7 @@ DeltaLight read_mitsuba_delta_light(const MitsubaObject& object, MitsubaTextures
   const std::string_view type = object.type();
   light.name = type;
   light.position = object.position();
-  light.world_from_light = object.matrix("to_world");
+  light.world_from_light = object.matrix("to_world", RotationAxes::unit);
   const bool plane = type == "projector" || type == "directional";
   light.intensity = textures.parameter(object.color(plane ? "irradiance" : "intensity", SpectrumUse::emission));
   if (type == "point") {

@@ -329,11 +329,11 @@ const XmlElement* MitsubaObject::texture(const char* name) const {
   return property != nullptr && property->element->name == "texture" ? property->element : nullptr;
 }
 
-glm::dmat4 MitsubaObject::matrix(const char* name) const {
+glm::dmat4 MitsubaObject::matrix(const char* name, RotationAxes axes) const {
   const Parameter& row = row_of(name);
   const Property* property = find(name);
   if (property == nullptr) return glm::dmat4(1.0);
-  if (property->element->name == "transform") return read_mitsuba_transform(*property->element, *context_);
+  if (property->element->name == "transform") return read_mitsuba_transform(*property->element, *context_, axes);
   report_wrong_tag(row, *property->element, {"transform"});
   return glm::dmat4(1.0);
 }

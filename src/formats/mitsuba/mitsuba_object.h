@@ -13,6 +13,10 @@
 
 namespace etendue {
 
+/// Whether an axis of rotation counts with its length, as in Mitsuba 2 and 3, where a length other than 1 makes it no
+/// rotation. In scenes for 0.6, all are `unit`.
+enum class RotationAxes { as_given, unit };
+
 /// What everything that reads one scene shares.
 struct MitsubaContext {
   const MitsubaDocument& document;
@@ -61,7 +65,7 @@ class MitsubaObject {
   /// The texture that is the value of a property; nullptr if it is not a texture.
   const XmlElement* texture(const char* name) const;
   /// A transform; by default the identity.
-  glm::dmat4 matrix(const char* name) const;
+  glm::dmat4 matrix(const char* name, RotationAxes axes = RotationAxes::as_given) const;
   /// The same for texture coordinates.
   glm::dmat3 uv_matrix(const char* name) const;
   /// An index of refraction, given as a number or by name.
@@ -105,7 +109,8 @@ glm::dvec3 read_color(const XmlElement& element, SpectrumUse use, const MitsubaC
 
 /// The product of the operations in a <transform>, the last one on the left. Problems are reported; an operation that
 /// cannot be read counts as the identity.
-glm::dmat4 read_mitsuba_transform(const XmlElement& element, const MitsubaContext& context);
+glm::dmat4 read_mitsuba_transform(const XmlElement& element, const MitsubaContext& context,
+                                  RotationAxes axes = RotationAxes::as_given);
 /// The same for texture coordinates.
 glm::dmat3 read_mitsuba_uv_transform(const XmlElement& element, const MitsubaContext& context);
 

@@ -435,7 +435,7 @@ class MitsubaReader {
     if (bitmap == nullptr) return;
     scene_.sky.picture = {
         .bitmap = without_negative(bitmap, emitter), .scale = emitter.real("scale"), .rows = SkyPicture::Rows::circles};
-    scene_.sky.world_from_sky = glm::dmat3(emitter.matrix("to_world"));
+    scene_.sky.world_from_sky = glm::dmat3(emitter.matrix("to_world", RotationAxes::unit));
   }
 
   std::shared_ptr<const Bitmap> without_negative(const std::shared_ptr<const Bitmap>& bitmap,

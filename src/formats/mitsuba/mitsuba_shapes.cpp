@@ -34,6 +34,15 @@ void turn_over(TriangleMesh& mesh) {
   }
 }
 
+bool is_round(const Shape& shape) {
+  return std::holds_alternative<Sphere>(shape) || std::holds_alternative<Cylinder>(shape);
+}
+
+/// Spheres and cylinders cannot be sheared.
+RotationAxes axes_for(std::string_view type) {
+  return type == "sphere" || type == "cylinder" ? RotationAxes::unit : RotationAxes::as_given;
+}
+
 }  // namespace
 
 void MitsubaShapes::add(const XmlElement& element) {
@@ -75,10 +84,14 @@ void MitsubaShapes::add_group_instance(const MitsubaObject& object) {
   if (type == nullptr || type->value != "shapegroup")
     return context_.sink.error(object.position(), "an instance shows a <shape type=\"shapegroup\">; refer to one");
   const glm::dmat4 placement = object.matrix("to_world");
+  std::optional<glm::dmat4> of_round_shapes;  // read only where needed: it warns
   for (const Instance& part : group(shown)) {
     if (too_much_) return;
     Instance instance = part;
-    instance.world_from_object = placement * part.world_from_object + glm::dmat4(0.0);  // no negative zeros
+    const bool round = is_round(scene_.shapes[part.shape]);
+    if (round && !of_round_shapes) of_round_shapes = object.matrix("to_world", RotationAxes::unit);
+    instance.world_from_object =
+        (round ? *of_round_shapes : placement) * part.world_from_object + glm::dmat4(0.0);  // no negative zeros
     add(std::move(instance));
   }
 }
@@ -110,7 +123,7 @@ std::optional<Instance> MitsubaShapes::read(const MitsubaObject& object) {
                                     : materials_.row_of(*bsdfs.front());
   instance.name = object.type();
   instance.position = object.position();
-  instance.world_from_object = object.matrix("to_world");
+  instance.world_from_object = object.matrix("to_world", axes_for(object.type()));
   const MeshContent content = content_for(instance.material, scene_.emitter_of(instance), scene_);
   const std::optional<Geometry> geometry = read_geometry(object, content, instance);
   if (!geometry) return std::nullopt;
@@ -133,7 +146,7 @@ std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_geometry(const Mitsub
   if (type != "rectangle" && type != "cube") throw std::logic_error(fmt::format("the reader has no shape {}", type));
   TriangleMesh mesh = type == "rectangle" ? make_rectangle() : make_cube();
   turn_over(mesh);
-  return known = add_shape(std::move(mesh), true);
+  return known = add_shape(std::move(mesh));  // Mitsuba's have normals, which mirror with them
 }
 
 std::optional<MitsubaShapes::Geometry> MitsubaShapes::read_cylinder(const MitsubaObject& object, Instance& instance) {
@@ -240,7 +253,9 @@ std::optional<TriangleMesh> MitsubaShapes::open(const MeshFormat* format, MeshKe
                        context_.sink);
   std::optional<SerializedMesh> file = files_.serialized(key.path, key.index, context_.sink);
   if (!file) return std::nullopt;
-  key.face_normals = key.face_normals || file->face_normals;
+  // Mitsuba 0.6 honours the file's own word for flat triangles, later versions do not.
+  const bool old = context_.document.version().starts_with("0.");
+  key.face_normals = key.face_normals || (old && file->face_normals);
   return std::move(file->mesh);
 }
 

@@ -47,14 +47,40 @@ glm::dvec3 read_axes(const XmlElement& element, double missing) {
   return axes;
 }
 
-glm::dmat4 read_rotate(const XmlElement& element) {
+/// Rodrigues' formula, which turns about an axis of length 1.
+glm::dmat4 rodrigues(const glm::dvec3& axis, double radians) {
+  const double s = std::sin(radians), c = std::cos(radians);
+  glm::dmat3 m = c * glm::dmat3(1.0) + (1.0 - c) * glm::outerProduct(axis, axis);
+  m += s *
+       glm::dmat3(glm::dvec3(0.0, axis.z, -axis.y), glm::dvec3(-axis.z, 0.0, axis.x), glm::dvec3(axis.y, -axis.x, 0.0));
+  return glm::dmat4(m);
+}
+
+bool is_unit(const glm::dvec3& axis) {
+  constexpr double kMisprint = 1e-3;  // axes have few digits
+  return std::abs(glm::length(axis) - 1.0) <= kMisprint;
+}
+
+glm::dmat4 read_rotate(const XmlElement& element, RotationAxes axes) {
   const double turn = std::fmod(read_real(element, required(element, "angle")), 360.0);
   const glm::dvec3 axis = read_axes(element, 0.0);
   if (turn == 0.0) return glm::dmat4(1.0);
   const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
   if (!(largest > 0.0))
     throw ValueError{element.offset, "the axis of <rotate> has length 0; give x, y or z, such as y=\"1\""};
-  return glm::rotate(glm::dmat4(1.0), glm::radians(turn), glm::normalize(axis / largest));
+  return rodrigues(axes == RotationAxes::as_given ? axis : glm::normalize(axis / largest), glm::radians(turn));
+}
+
+/// Mitsuba 2 and 3 take an axis as it is given: where its length is not 1, the result is no rotation.
+void warn_of_axis(const XmlElement& element, RotationAxes axes, const MitsubaContext& context) {
+  const glm::dvec3 axis = read_axes(element, 0.0);
+  if (is_unit(axis)) return;
+  const char* here = axes == RotationAxes::as_given ? "so that this is no rotation, here either"
+                                                    : "so that this is no rotation there; here it is one";
+  context.sink.warning(context.document.position(element),
+                       fmt::format("the axis of <rotate> has length {:.4g}, and Mitsuba does not normalize it, {}; "
+                                   "divide x, y and z by {:.4g}",
+                                   glm::length(axis), here, glm::length(axis)));
 }
 
 /// 16 numbers row by row, or the nine of the upper left part.
@@ -100,10 +126,10 @@ glm::dmat4 read_lookat(const XmlElement& element, bool old) {
   return {glm::dvec4(left, 0.0), glm::dvec4(glm::cross(dir, left), 0.0), glm::dvec4(dir, 0.0), glm::dvec4(origin, 1.0)};
 }
 
-glm::dmat4 read_operation(const XmlElement& element, bool old) {
+glm::dmat4 read_operation(const XmlElement& element, bool old, RotationAxes axes) {
   if (element.name == "translate") return glm::translate(glm::dmat4(1.0), read_axes(element, 0.0));
   if (element.name == "scale") return glm::scale(glm::dmat4(1.0), read_axes(element, 1.0));
-  if (element.name == "rotate") return read_rotate(element);
+  if (element.name == "rotate") return read_rotate(element, axes);
   if (element.name == "matrix") return read_matrix(element);
   if (element.name == "lookat" || element.name == "lookAt" || element.name == "look_at")
     return read_lookat(element, old);
@@ -115,13 +141,15 @@ glm::dmat4 read_operation(const XmlElement& element, bool old) {
 
 }  // namespace
 
-glm::dmat4 read_mitsuba_transform(const XmlElement& element, const MitsubaContext& context) {
+glm::dmat4 read_mitsuba_transform(const XmlElement& element, const MitsubaContext& context, RotationAxes axes) {
   glm::dmat4 product(1.0);
   const bool old = context.document.version().starts_with("0.");
+  const RotationAxes used = old ? RotationAxes::unit : axes;
   for (const XmlElement& child : element.children) {
     if (!context.sink.wants_errors()) break;
     try {
-      product = read_operation(child, old) * product;
+      product = read_operation(child, old, used) * product;
+      if (child.name == "rotate" && !old) warn_of_axis(child, axes, context);
     } catch (const ValueError& error) {
       context.sink.error(context.document.position(error.offset), error.message);
     }

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -140,10 +142,22 @@ class ModelReader {
     }
   }
 
+  /// Each library once: some programs name it again for every object.
   void read_libraries(const ObjMaterials& materials) {
+    std::set<fs::path> known;
+    std::uintmax_t bytes = 0;
     for (std::string name : materials.libraries) {
       std::ranges::replace(name, '\\', '/');
       const std::string library = (fs::path(path_).parent_path() / name).string();
+      std::error_code unknown;
+      if (!known.insert(fs::weakly_canonical(library, unknown)).second) continue;
+      const std::uintmax_t size = fs::file_size(library, unknown);
+      if (!unknown) bytes += size;
+      if (bytes > MtlLimits::kMaxBytes) {
+        return sink_.warning(scene_.position, fmt::format("with {} the libraries have {} bytes; at most {} are read: "
+                                                          "its materials and those of later ones are grey",
+                                                          text::quoted(name), bytes, MtlLimits::kMaxBytes));
+      }
       try {
         read_mtl(library, library_, sink_);
       } catch (const Error& error) {

@@ -38,6 +38,7 @@ struct MtlMaterial {
 struct MtlLimits {
   static constexpr std::size_t kMaxLine = std::size_t{1} << 16;  ///< bytes
   static constexpr std::size_t kMaxMaterials = 65536;
+  static constexpr std::size_t kMaxBytes = std::size_t{1} << 28;  ///< of all libraries of one file
 };
 
 /// By name. What is wrong is a warning: the line is left out, the model is shown without it. The first material of a
