@@ -15,7 +15,6 @@ Rays need nothing but Python's standard library, pictures numpy. docs/benchmarks
 import argparse
 import json
 import os
-import re
 import shlex
 import shutil
 import statistics
@@ -25,13 +24,37 @@ import tempfile
 import time
 import xml.etree.ElementTree
 
+import made_scenes
 import table
-from renderers import ADAPTERS, Source, Unsupported
+from process import Run
+from renderers import ADAPTERS, HERE, Source, Unsupported
+from shared_scene import box_filtered, with_common_materials
 
 try:
     import agreement
 except ModuleNotFoundError:  # numpy: comparisons of rays alone do without
     agreement = None
+
+ROOT = os.path.relpath(os.path.join(HERE, '..', '..', '..'))
+SCENES = [
+    *(
+        os.path.join(ROOT, 'scenes', f'{name}.xml')
+        for name in (
+            'cbox-sphere',
+            'bubble',
+            'cbox-bumpy',
+            'cbox-ajax',
+            'thousand-lamps',
+            'material-gallery',
+            'still-life',
+            'gallery/terrace',
+            'daylight',
+            'forest',
+        )
+    ),
+    'made:room',
+    'made:triangles=10000000',
+]
 
 
 def say(text):
@@ -48,58 +71,15 @@ def spread(values):
     )
 
 
+def rate_beyond(samples, took, base, least):
+    """Samples per second of what took longer than a picture of one sample; None where that is not at least so many times
+    as much."""
+    return samples / (took - base) if took - base > least * base else None
+
+
 def ratios(firsts, others):
     """One a repetition; None where either was not measured."""
     return [None if first is None or other is None else first / other for first, other in zip(firsts, others)]
-
-
-def box_filtered(etendue, scene, folder):
-    """The scene with the box filter: itself where it has no other, or a copy in `folder` with absolute file names. Of a
-    scene of another format, what `etendue convert` makes of it."""
-    os.makedirs(folder, exist_ok=True)
-    cameras = []
-    if scene.endswith('.xml'):
-        tree = xml.etree.ElementTree.parse(scene)
-        cameras = list(tree.iter('camera'))
-    if not cameras:
-        own = os.path.join(folder, os.path.splitext(os.path.basename(scene))[0] + '-own.xml')
-        Run([etendue.path, 'convert', scene, own, '--force', '-q'], 1)
-        return box_filtered(etendue, own, folder)
-    if all([f.get('type') for f in camera.findall('rfilter')] == ['box'] for camera in cameras):
-        return scene
-    for camera in cameras:
-        for other in camera.findall('rfilter'):
-            camera.remove(other)
-        xml.etree.ElementTree.SubElement(camera, 'rfilter', type='box')
-    for name in tree.iter('string'):
-        if name.get('name') == 'filename' and not name.get('value').startswith('etendue:'):
-            name.set('value', os.path.join(os.path.dirname(os.path.abspath(scene)), name.get('value')))
-    copy = os.path.join(folder, os.path.basename(scene))
-    tree.write(copy, encoding='utf-8', xml_declaration=True)
-    return copy
-
-
-class Run:
-    """One process: what it printed and the CPU seconds it took, all threads together."""
-
-    def __init__(self, command, threads, environment=None):
-        environment = {**os.environ, 'LP_NUM_THREADS': str(threads), **(environment or {})}  # LP: of Mesa's lavapipe
-        with tempfile.TemporaryFile('w+', encoding='utf-8', errors='replace') as out:
-            process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env=environment)
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            out.seek(0)
-            self.output = out.read()
-        self.cpu_seconds = usage.ru_utime + usage.ru_stime
-        if process.returncode != 0:
-            raise RuntimeError(f"'{' '.join(command)}' ended with code {process.returncode}:\n{self.output[-2000:]}")
-
-    def json(self):
-        """The JSON object in the output; messages may stand before and after it."""
-        start = re.search(r'^\{', self.output, re.MULTILINE)
-        if not start:
-            raise RuntimeError(f'no JSON in the output:\n{self.output[-2000:]}')
-        return json.JSONDecoder().raw_decode(self.output[start.start() :])[0]
 
 
 class Etendue:
@@ -139,32 +119,22 @@ class Etendue:
         with open(path, encoding='utf-8') as file:
             return Source(convert, json.load(file))
 
+    def render_command(self, scene, spp, out, seed, *more):
+        device = ['--device', self.options.device, '--threads', str(self.options.threads)]
+        how = ['--size', self.options.size, '--spp', str(spp), '--seed', str(seed)]
+        return [self.path, 'render', scene, *device, *how, '-o', out, '--json', *more]
+
     def render(self, scene, spp, out, seed, *more):
         """Seconds of rendering, compilation of the kernel left out, and CPU seconds of the whole process."""
-        run = Run(
-            [
-                self.path,
-                'render',
-                scene,
-                '--device',
-                self.options.device,
-                '--threads',
-                str(self.options.threads),
-                '--size',
-                self.options.size,
-                '--spp',
-                str(spp),
-                '--seed',
-                str(seed),
-                '-o',
-                out,
-                '--json',
-                *more,
-            ],
-            self.options.threads,
-        )
+        run = Run(self.render_command(scene, spp, out, seed, *more), self.options.threads)
         report = run.json()
         return report['render_seconds'] - report.get('timings', {}).get('pipeline', 0.0), run.cpu_seconds
+
+    def render_and_compile(self, scene, spp, out, seed):
+        """Seconds of rendering with compilation, and CPU seconds of the whole process. What `render` leaves out includes
+        the samples of the first dispatch, in which drivers compile: in a small picture these are most of all."""
+        run = Run(self.render_command(scene, spp, out, seed), self.options.threads)
+        return run.json()['render_seconds'], run.cpu_seconds
 
 
 class RayComparison:
@@ -240,14 +210,14 @@ class SampleComparison:
                 self.adapters.append(adapter)
             except Unsupported as reason:
                 self.unsupported[adapter.name] = str(reason)
-        self.rates, self.base_cpu = {}, {}
+        self.rates, self.base_cpu, self.base_seconds = {}, {}, {}
         self.estimates = {name: agreement.Estimate() for name, *_ in self.programs()}
         self.agreement, self.details = {}, {}
 
     def programs(self):
         """Of what renders: name, suffix of pictures, and function (spp, picture, seed) → (render s, CPU s)."""
         for etendue in self.etendues:
-            yield etendue.name, '.exr', lambda *how, e=etendue: e.render(self.same, *how)
+            yield etendue.name, '.exr', lambda *how, e=etendue: e.render_and_compile(self.same, *how)
         for adapter in self.adapters:
             yield adapter.name, adapter.suffix, lambda *how, a=adapter: self.render_by(a, *how)
 
@@ -276,18 +246,24 @@ class SampleComparison:
         for number, (name, *_) in enumerate(self.programs()):
             self.render(number, self.options.spp, 0)
             self.render(number, 1, 0)
-            self.base_cpu[name] = self.render(number, 1, 0)[2]
+            _, seconds, self.base_cpu[name] = self.render(number, 1, 0)
+            if number < len(self.etendues):  # the others' times are without compilation
+                self.base_seconds[name] = seconds
 
     def repeat(self, repetition):
         pixels = self.samples / self.options.spp
         for number, (name, *_) in enumerate(self.programs()):
             # Different for every picture: the same build under two names would otherwise make the same ones.
             out, seconds, cpu = self.render(number, self.options.spp, 1 + 1000 * number + repetition)
-            more_cpu = cpu - self.base_cpu[name]
-            # Less than a tenth more than a picture of one sample took: that is within what starting a process varies
-            # by.
-            cpu_rate = pixels * (self.options.spp - 1) / more_cpu if more_cpu > 0.1 * self.base_cpu[name] else None
-            self.rates.setdefault(name, []).append((self.samples / max(seconds, 1e-6), cpu_rate))
+            more = pixels * (self.options.spp - 1)
+            # Less than a tenth more than a picture of one sample took is within what starting a process varies by, less
+            # than half within what compiling does.
+            cpu_rate = rate_beyond(more, cpu, self.base_cpu[name], 0.1)
+            if name in self.base_seconds:
+                rate = rate_beyond(more, seconds, self.base_seconds[name], 0.5)
+            else:
+                rate = self.samples / max(seconds, 1e-6)
+            self.rates.setdefault(name, []).append((rate, cpu_rate))
             self.estimates[name].add(agreement.read_picture(out))
             say(f'  {os.path.basename(self.scene)} {name}: {seconds:.2f} s')
 
@@ -321,7 +297,12 @@ class SampleComparison:
 
 def options_from_command_line():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('scenes', nargs='+', metavar='SCENE')
+    parser.add_argument(
+        'scenes',
+        nargs='*',
+        metavar='SCENE',
+        help='files, or made:NAME for scenes that are written on the fly (made_scenes.py; default: those of docs/benchmarks.md)',
+    )
     parser.add_argument(
         '--etendue', action='append', required=True, metavar='[NAME=]PATH', help='the program; may be repeated'
     )
@@ -353,6 +334,7 @@ def options_from_command_line():
     options = parser.parse_args()
     if options.spp < 2 or options.repetitions < 1 or options.threads < 1:
         parser.error('--spp must be at least 2, --repetitions and --threads at least 1')
+    options.scenes = options.scenes or SCENES
     return options
 
 
@@ -369,22 +351,43 @@ def find_adapters(options):
     return found
 
 
+def has_instances(scene):
+    if not scene.endswith('.xml'):
+        return False
+    root = xml.etree.ElementTree.parse(scene).getroot()
+    return any(element.get('type') == 'instance' for element in root)
+
+
+def exported_scene(etendue, scene, folder, others):
+    """What programs share of a scene: the file for Etendue, the folder of its neutral export, which is empty where there
+    is none, and what was replaced in the file because `others` lack it."""
+    file = made_scenes.scene_file(scene, made_scenes.Workshop(etendue.path, os.path.join(folder, 'made')))
+    same, changes = box_filtered(etendue, file, os.path.join(folder, 'box')), []
+    if others:
+        same, changes = with_common_materials(etendue, same, folder)
+    exported = os.path.join(folder, os.path.splitext(os.path.basename(same))[0])
+    os.makedirs(exported, exist_ok=True)
+    if has_instances(file):
+        say(f'{scene}: neither rays nor what needs its neutral export, which has a copy for each instance')
+        return same, exported, changes
+    try:
+        etendue.export(same, folder)
+    except RuntimeError as reason:
+        why = str(reason).strip().split('\n')[-1]
+        say(f'{scene}: neither rays nor what needs its neutral export ({why})')
+    return same, exported, changes
+
+
 def comparisons(options, etendues, adapters, folder):
-    """Of rays and of samples, one a scene each."""
-    rays, samples = [], []
+    """Of rays and of samples, one a scene each; and what was replaced in each scene."""
+    rays, samples, changes = [], [], {}
     for scene in options.scenes:
-        same = box_filtered(etendues[0], scene, os.path.join(folder, 'box'))
-        exported = os.path.join(folder, os.path.splitext(os.path.basename(same))[0])
-        os.makedirs(exported, exist_ok=True)
-        try:
-            etendues[0].export(same, folder)
-        except RuntimeError as reason:
-            say(f'{scene}: neither rays nor what needs its neutral export ({reason})')
+        same, exported, changes[scene] = exported_scene(etendues[0], scene, folder, bool(adapters))
         if options.embree and os.path.exists(os.path.join(exported, 'rays.bin')):
             rays.append(RayComparison(scene, exported, etendues, options))
         if adapters or len(etendues) > 1:
             samples.append(SampleComparison(scene, same, exported, etendues, adapters, options))
-    return rays, samples
+    return rays, samples, changes
 
 
 def require_pictures(options):
@@ -416,6 +419,19 @@ def git_commit():
     return done.stdout.strip() if done and done.returncode == 0 else 'unknown'
 
 
+def circumstances(etendue, load):
+    """When, how and where a report came to be; `load`: before it began."""
+    return {
+        'date': time.strftime('%Y-%m-%d', time.gmtime()),
+        'command': shlex.join(sys.argv),
+        'machine': table.machine(),
+        'load': load,
+        'sources': git_commit(),
+        'device': etendue.device,
+        'driver': etendue.driver,
+    }
+
+
 def versions(etendues, adapters, samples):
     """Of every program, with what it says of how it computes."""
     details = {name: text for comparison in samples for name, text in comparison.details.items()}
@@ -431,7 +447,7 @@ def run(options, folder):
     if adapters or len(etendues) > 1:
         require_pictures(options)
     load = os.getloadavg()[0]
-    rays, samples = comparisons(options, etendues, adapters, folder)
+    rays, samples, changes = comparisons(options, etendues, adapters, folder)
     for comparison in samples:
         comparison.prepare()
     for repetition in range(options.repetitions):
@@ -441,18 +457,13 @@ def run(options, folder):
     for comparison in samples:
         comparison.compare_pictures()
     return {
-        'date': time.strftime('%Y-%m-%d', time.gmtime()),
-        'command': shlex.join(sys.argv),
-        'machine': table.machine(),
-        'load': load,
-        'sources': git_commit(),
-        'device': etendues[0].device,
-        'driver': etendues[0].driver,
+        **circumstances(etendues[0], load),
         'threads': options.threads,
         'size': options.size,
         'spp': options.spp,
         'repetitions': options.repetitions,
         'versions': versions(etendues, adapters, samples),
+        'changes': {scene: words for scene, words in changes.items() if words},
         'rays': [{'scene': c.scene, 'rows': c.report()} for c in rays],
         'samples': [{'scene': c.scene, 'rows': c.report()} for c in samples],
         'passed': all(c.passed() for c in rays + samples),

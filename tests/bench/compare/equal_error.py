@@ -20,8 +20,10 @@ import xml.etree.ElementTree
 import numpy
 
 import agreement
-from compare import Etendue, Run, box_filtered, say
+from compare import Etendue, say
+from process import Run
 from renderers import Mitsuba
+from shared_scene import box_filtered
 
 MITSUBA_SAMPLERS = ['independent', 'stratified', 'multijitter', 'ldsampler']
 

@@ -19,6 +19,8 @@ import shutil
 import subprocess
 import xml.etree.ElementTree
 
+from shared_copies import share_copies
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 UNLIMITED_DEPTH = 1024
 ONLY_PATHS = 'only the path integrator has a counterpart'
@@ -164,6 +166,16 @@ def newest_llvm():
     return found[max(found)] if found else None
 
 
+def program_of_wheel(script):
+    """The program that the script of the package from PyPI starts: the script itself takes half a second and 80 MB. What is
+    no such script stays."""
+    if script:
+        root = os.path.dirname(os.path.dirname(os.path.realpath(script)))
+        for program in glob.glob(os.path.join(glob.escape(root), 'lib', 'python3*', 'site-packages', 'mitsuba', 'mitsuba')):
+            return program
+    return script
+
+
 class Mitsuba(Renderer):
     """Mitsuba 3; scene format of its documentation, version 3.0.0."""
 
@@ -174,7 +186,7 @@ class Mitsuba(Renderer):
         self.name = f'mitsuba-{variant}'
 
     def find(self):
-        return shutil.which('mitsuba')
+        return program_of_wheel(shutil.which('mitsuba'))
 
     def environment(self):
         llvm = os.environ.get('DRJIT_LIBLLVM_PATH') or newest_llvm()
@@ -191,6 +203,7 @@ class Mitsuba(Renderer):
         if tree.find('integrator').get('type') != 'path':
             raise Unsupported(ONLY_PATHS)
         tell_samples(tree.getroot())
+        share_copies(tree.getroot(), folder)
         tree.write(file, encoding='utf-8', xml_declaration=True)
 
     def command(self, folder, out, spp, threads, seed):

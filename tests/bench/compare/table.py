@@ -80,6 +80,12 @@ def scene_name(path):
     return os.path.splitext(os.path.basename(path))[0]
 
 
+def change_lines(report):
+    """What was replaced in scenes for all programs."""
+    for scene, words in report['changes'].items():
+        yield f"{scene_name(scene)}: {' and '.join(words)}, in all programs"
+
+
 def ray_rows(report):
     for part in report['rays']:
         for row in part['rows']:
@@ -141,6 +147,8 @@ def terminal_text(report):
         parts.append(columns_text(RAY_HEADS, list(ray_rows(report))))
     if report['samples']:
         parts.append(columns_text(SAMPLE_HEADS, list(sample_rows(report))))
+    if report['changes']:
+        parts.append('\n'.join(change_lines(report)))
     return '\n\n'.join(parts)
 
 
@@ -154,12 +162,11 @@ def markdown_table(heads, rows):
     )
 
 
-def markdown(report):
-    """The command, the machine, the versions and both tables."""
+def circumstances(report, how):
+    """The command, the machine and the versions, as lines; `how` says what was measured."""
     at = report['machine']
     facts = [
-        f"{report['date']}; {report['repetitions']} repetitions in turns, {report['size']}, "
-        f"{report['spp']} samples per pixel, {report['threads']} threads on {at['processors']} processors: "
+        f"{report['date']}; {how}, {report['threads']} threads on {at['processors']} processors: "
         f"{at['processor']}, widest instruction set {at['instruction_set']}.",
         f"Etendue's device: {report['device']}; driver: {report['driver']}; commit {report['sources']}. "
         f"Load average at the start {report['load']:.1f}: {load_remark(report)}",
@@ -167,7 +174,13 @@ def markdown(report):
     lines = ['```sh', report['command'], '```', '']
     for fact in facts:
         lines += [textwrap.fill(fact, 120, break_long_words=False, break_on_hyphens=False), '']
-    lines += [f'- {name}: {version}' for name, version in report['versions'].items()]
+    return lines + [f'- {name}: {version}' for name, version in report['versions'].items()]
+
+
+def markdown(report):
+    """The command, the machine, the versions and both tables."""
+    how = f"{report['repetitions']} repetitions in turns, {report['size']}, {report['spp']} samples per pixel"
+    lines = circumstances(report, how) + [f'- {change}' for change in change_lines(report)]
     for heads, rows in ((SAMPLE_HEADS, list(sample_rows(report))), (RAY_HEADS, list(ray_rows(report)))):
         if rows:
             lines += ['', markdown_table(heads, rows)]
@@ -180,13 +193,14 @@ def load_remark(report):
     return 'the machine was otherwise idle.'
 
 
-def write_between_marks(path, text):
+def write_between_marks(path, text, mark=BEGIN):
     """Replaces what stands between the two marks of a page. Raises ValueError where they are missing."""
     with open(path, encoding='utf-8') as file:
         page = file.read()
-    begin, end = page.find(BEGIN), page.find(END)
-    if begin < 0 or end < begin:
-        raise ValueError(f'{path} has no lines "{BEGIN} …" and "{END}" between which the table could stand')
+    begin = page.find(mark)
+    end = page.find(END, max(begin, 0))
+    if begin < 0 or end < 0:
+        raise ValueError(f'{path} has no lines "{mark} …" and "{END}" between which the table could stand')
     start = page.index('\n', begin) + 1
     with open(path, 'w', encoding='utf-8') as file:
         file.write(f'{page[:start]}\n{text}\n\n{page[end:]}')

@@ -11,8 +11,10 @@ import unittest.mock
 import xml.etree.ElementTree
 
 import table
-from compare import RayComparison, Run, SampleComparison, box_filtered, ratios, spread
+from compare import RayComparison, SampleComparison, ratios, spread
+from process import Run
 from renderers import ADAPTERS, Cycles, Mitsuba, Pbrt, Source, Unsupported, newest_llvm
+from shared_scene import box_filtered
 
 
 def scene(**changes):
@@ -142,6 +144,21 @@ class MitsubaTest(unittest.TestCase):
         self.assertEqual(self.adapter.details(output), 'LLVM 19.1.7, 16 wide')
         self.assertEqual(self.adapter.details('nothing'), '')
 
+    def test_the_program_of_the_package(self):
+        with on_path(mitsuba='true') as folder:
+            self.assertEqual(Mitsuba('scalar_rgb').find(), os.path.join(folder, 'mitsuba'))
+        with tempfile.TemporaryDirectory() as root:
+            program = os.path.join(os.path.realpath(root), 'lib', 'python3.11', 'site-packages', 'mitsuba', 'mitsuba')
+            for path in (program, os.path.join(root, 'bin', 'mitsuba')):
+                os.makedirs(os.path.dirname(path))
+                with open(path, 'w', encoding='utf-8') as file:
+                    file.write('#!/bin/sh\n')
+                os.chmod(path, 0o755)
+            with unittest.mock.patch.dict(os.environ, {'PATH': os.path.join(root, 'bin')}):
+                self.assertEqual(Mitsuba('scalar_rgb').find(), program)
+        with on_path():
+            self.assertIsNone(Mitsuba('scalar_rgb').find())
+
     def test_time_in_any_unit(self):
         for text, seconds in (('ms', 0.5), ('s', 500.0), ('m', 30000.0)):
             self.assertAlmostEqual(self.adapter.render_seconds(f'x\nRendering finished. (took 500{text})\n'), seconds)
@@ -240,6 +257,7 @@ class TableTest(unittest.TestCase):
             'spp': 4,
             'repetitions': 3,
             'versions': {'other': 'Other 1.2'},
+            'changes': {'scenes/box.xml': ['brass for gold', 'tin for silver']},
             'rays': [],
             'samples': [{'scene': 'scenes/box.xml', 'rows': rows}],
             'machine': {'processor': 'A processor', 'instruction_set': 'AVX2', 'processors': 2},
@@ -267,6 +285,7 @@ class TableTest(unittest.TestCase):
             '+0.10 -0.20 +0.00 ±0.30 %',
             '0.97, 2.5 (4.2)',
             'otherwise idle',
+            '- box: brass for gold and tin for silver, in all programs',
         ):
             self.assertIn(part, text)
         self.assertIn('abc1234', text)
@@ -387,13 +406,29 @@ class OtherTest(unittest.TestCase):
         for cpu, expected in ((2.05, None), (3.0, 48 * 3 / 1.0)):
             comparison = SampleComparison.__new__(SampleComparison)
             comparison.scene, comparison.samples, comparison.rates = 'scene.xml', 48 * 4, {}
-            comparison.options, comparison.base_cpu = unittest.mock.Mock(spp=4), {'one': 2.0}
+            comparison.options, comparison.base_cpu, comparison.base_seconds = unittest.mock.Mock(spp=4), {'one': 2.0}, {}
             comparison.estimates = {'one': unittest.mock.Mock()}
             comparison.programs = lambda: [('one', '.exr', None)]
             comparison.render = lambda *how, cpu=cpu: ('out.exr', 0.5, cpu)
             with unittest.mock.patch('compare.agreement', unittest.mock.Mock()), unittest.mock.patch('compare.say'):
                 comparison.repeat(0)
-            self.assertEqual(comparison.rates['one'][0][1], expected)
+            self.assertEqual(comparison.rates['one'][0], (48 * 4 / 0.5, expected))
+
+    def test_compilation_is_that_of_a_picture_of_one_sample(self):
+        """Of Etendue, whose first samples cannot be told from the compilation that they wait for."""
+        for base, expected in ((0.3, 48 * 3 / 0.2), (0.4, None)):
+            comparison = SampleComparison.__new__(SampleComparison)
+            comparison.scene, comparison.samples, comparison.rates = 'scene.xml', 48 * 4, {}
+            comparison.options = unittest.mock.Mock(spp=4)
+            comparison.base_cpu, comparison.base_seconds = {'one': 2.0}, {'one': base}
+            comparison.estimates = {'one': unittest.mock.Mock()}
+            comparison.programs = lambda: [('one', '.exr', None)]
+            comparison.render = lambda *how: ('out.exr', 0.5, 3.0)
+            with unittest.mock.patch('compare.agreement', unittest.mock.Mock()), unittest.mock.patch('compare.say'):
+                comparison.repeat(0)
+            rate = comparison.rates['one'][0][0]
+            self.assertEqual(rate is None, expected is None)
+            self.assertAlmostEqual(rate or 0.0, expected or 0.0)
 
 
 if __name__ == '__main__':
