@@ -15,6 +15,7 @@ import json
 import os
 import tempfile
 
+import made_scenes
 import overhead_table
 import table
 from compare import ROOT, Etendue, circumstances, exported_scene, find_adapters, say, spread, versions
@@ -132,6 +133,12 @@ class Growth:
     def __init__(self, thing, numbers, cases):
         self.thing, self.numbers, self.cases, self.peaks = thing, numbers, cases, {}
 
+    def count(self, number, case):
+        """Of what there really is in the scene."""
+        if self.thing == 'triangles':
+            return made_scenes.count_triangles(os.path.join(case.folder, 'made', f'bumpy-sphere-{number}.obj'))
+        return number * number if self.thing == 'texels' else number
+
     def repeat(self, _):
         for name in [name for name in self.cases[0].commands if name in self.cases[1].commands]:
             try:
@@ -144,7 +151,7 @@ class Growth:
             say(f'  {self.thing} {name}: {peaks[0] >> 20} and {peaks[1] >> 20} MiB')
 
     def report(self):
-        few, many = (number * number if self.thing == 'texels' else number for number in self.numbers)
+        few, many = (self.count(number, case) for number, case in zip(self.numbers, self.cases))
         rows = [
             {
                 'renderer': name,

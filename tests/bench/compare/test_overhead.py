@@ -87,14 +87,14 @@ class ReportTest(unittest.TestCase):
         self.assertEqual([report['few'], report['many']], [1024**2, 5120**2])
         self.assertEqual(report['rows'][0]['bytes_each']['median'], 12 * 4096**2 / (5120**2 - 1024**2))
         self.assertEqual(report['rows'][1], {'renderer': 'two', 'unsupported': 'why'})
-        report = self.growth('triangles', [1, 1 + 4096**2])
+        report = self.growth('instances', [1, 1 + 4096**2])
         self.assertEqual(report['rows'][0]['bytes_each']['median'], 12.0)
 
     def test_what_takes_too_long_is_left_out(self):
         case = overhead.Case.__new__(overhead.Case)
         case.commands, case.unsupported, case.scene = {'one': []}, {}, 'a'
         case.run_warm = case.run_cold_and_warm = unittest.mock.Mock(side_effect=TooLong('takes more than 5 s'))
-        growth = overhead.Growth('triangles', [1, 2], [case, unittest.mock.Mock(commands={'one': []})])
+        growth = overhead.Growth('texels', [1, 2], [case, unittest.mock.Mock(commands={'one': []})])
         with unittest.mock.patch('overhead.say'):
             growth.repeat(0)
             growth.repeat(1)
@@ -123,15 +123,23 @@ class ReportTest(unittest.TestCase):
             'changes': {'scenes/box.xml': ['brass for gold']},
             'machine': {'processor': 'A processor', 'instruction_set': 'AVX2', 'processors': 2},
             'start': [{'scene': 'made:triangles=7', 'rows': start}],
-            'memory': [self.growth('triangles', [1000, 1001000])],
+            'memory': [self.growth('instances', [1000, 1001000])],
         }
         text = overhead_table.markdown(report)
         lines = [line.replace('\\|', '') for line in text.split('\n') if line.startswith('|')]
         self.assertEqual([line.count('|') for line in lines], [8] * 4 + [6] * 4)
-        for part in ('| made:triangles=7 | one | 2.00 (1.00–3.00) |', 'triangles: 1 000 → 1 001 000', '- box: brass for gold'):
+        for part in ('| made:triangles=7 | one | 2.00 (1.00–3.00) |', 'instances: 1 000 → 1 001 000', '- box: brass for gold'):
             self.assertIn(part, text)
         self.assertIn('201.33 (201.33–201.33)', text)
         self.assertIn('why | not', overhead_table.terminal_text(report))
+
+    def test_triangles_are_those_of_the_mesh(self):
+        with tempfile.TemporaryDirectory() as folder:
+            os.mkdir(os.path.join(folder, 'made'))
+            mesh = Path(folder, 'made', 'bumpy-sphere-3.obj')
+            mesh.write_text('v 0 0 0\nf 1 1 1\nf 1 1 1\nf 1 1 1\nf 1 1 1\n', encoding='utf-8')
+            growth = overhead.Growth('triangles', [3, 4], [])
+            self.assertEqual(growth.count(3, unittest.mock.Mock(folder=folder)), 4)
 
     def test_two_numbers(self):
         self.assertEqual(overhead.two_numbers('10,200'), [10, 200])
