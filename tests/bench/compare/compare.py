@@ -140,8 +140,9 @@ class Etendue:
 class RayComparison:
     """Rates of each class and order: one list for every program, one entry a repetition."""
 
-    def __init__(self, scene, folder, etendues, options):
-        self.scene, self.folder, self.etendues, self.options = scene, folder, etendues, options
+    def __init__(self, scene, same, folder, etendues, options):
+        """`same`: the file that was exported into `folder`."""
+        self.scene, self.same, self.folder, self.etendues, self.options = scene, same, folder, etendues, options
         self.rates = {}  # (class, order) -> name -> list of (wall rate, CPU rate)
         self.differ = {}
 
@@ -150,7 +151,7 @@ class RayComparison:
 
     def repeat(self, _):
         for etendue in self.etendues:
-            for key, r in etendue.rays(self.scene).items():
+            for key, r in etendue.rays(self.same).items():
                 self.add(key, etendue.name, r['rays_per_second']['median'], r['rays_per_cpu_second']['median'])
         qualities = {'embree': []} if not self.options.embree_high else {'embree': [], 'embree high': ['--high']}
         for name, more in qualities.items():
@@ -384,7 +385,7 @@ def comparisons(options, etendues, adapters, folder):
     for scene in options.scenes:
         same, exported, changes[scene] = exported_scene(etendues[0], scene, folder, bool(adapters))
         if options.embree and os.path.exists(os.path.join(exported, 'rays.bin')):
-            rays.append(RayComparison(scene, exported, etendues, options))
+            rays.append(RayComparison(scene, same, exported, etendues, options))
         if adapters or len(etendues) > 1:
             samples.append(SampleComparison(scene, same, exported, etendues, adapters, options))
     return rays, samples, changes

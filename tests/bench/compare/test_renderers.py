@@ -387,11 +387,20 @@ class OtherTest(unittest.TestCase):
             Run(['false'], 2)
 
     def test_other_hits_are_a_failure(self):
-        comparison = RayComparison('scene', '.', [], None)
+        comparison = RayComparison('scene', 'scene.xml', '.', [], None)
         comparison.differ = {('primary', 'picture'): 0.0}
         self.assertTrue(comparison.passed())
         comparison.differ['diffuse', 'picture'] = 0.01
         self.assertFalse(comparison.passed())
+
+    def test_rays_are_cast_through_the_file(self):
+        """Not through what the command line calls it: a made scene is no file."""
+        etendue = unittest.mock.Mock()
+        etendue.rays.return_value = {}
+        with unittest.mock.patch('compare.Run') as run:
+            run.return_value.json.return_value = {'rays': []}
+            RayComparison('made:empty', 'a.xml', '.', [etendue], unittest.mock.Mock(embree_high=False)).repeat(0)
+        etendue.rays.assert_called_once_with('a.xml')
 
     def test_spread(self):
         self.assertEqual(spread([3, 1, 2]), {'median': 2, 'min': 1, 'max': 3, 'count': 3})
