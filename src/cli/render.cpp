@@ -423,7 +423,9 @@ struct Stage {
   std::optional<DeviceTeam> team{};  ///< looks at the scene as it was
 };
 
-Scene read_prepared(const RenderArguments& options, const ReadOptions& read) {
+Scene read_prepared(const RenderArguments& options, ReadOptions read) {
+  const std::vector<Aov> aovs = parse_aovs(options.aovs);
+  read.shows_uv = std::ranges::find(aovs, Aov::uv) != aovs.end();
   Scene scene = read_scene(options.scene_file, read);
   options.sampling.set_size(scene);
   add_aovs(options, scene);

@@ -31,6 +31,8 @@ struct ReadOptions {
   std::string camera;
   /// The time at which what moves is shown, seconds; nothing: as the file says, cameras with a path at 0.
   std::optional<double> at;
+  /// Texture coordinates are shown: meshes keep theirs although no texture needs them.
+  bool shows_uv = false;
   // Of glTF assets alone.
   std::string scene;      ///< name or number of the scene that is shown; "" for the one that the asset names
   std::string animation;  ///< name or number of the animation that is played; "" for all

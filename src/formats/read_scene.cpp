@@ -77,7 +77,7 @@ std::optional<SceneFile> read_model_file(const std::string& path, const ReadOpti
                       ErrorKind::usage);
   if (!asset) refuse_options(path, options, diagnostics);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
-  std::optional<Scene> scene = asset ? read_gltf(path, options, diagnostics) : read_model(path, diagnostics);
+  std::optional<Scene> scene = asset ? read_gltf(path, options, diagnostics) : read_model(path, options, diagnostics);
   if (!scene) return std::nullopt;
   std::optional<SceneFile> file = std::move(*scene);
   ReadOptions additions = options;

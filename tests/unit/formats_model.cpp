@@ -46,6 +46,42 @@ TEST(Mtl, WhatIsWrongIsLeftOut) {
   EXPECT_NE(all_messages(diagnostics).find("is there already"), std::string::npos);
 }
 
+// An AOV shows what no texture reads: in scenes that ask for it, or where the command does.
+TEST(Model, AovsKeepTextureCoordinates) {
+  const TemporaryFolder folder;
+  folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+  const std::string ply = folder.write(
+      "m.ply",
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+      "u\nproperty float v\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 "
+      "0\n0 1 0 0 1\n3 0 1 2\n");
+  const auto sets = [](const std::string& path, bool shows_uv) {
+    Diagnostics diagnostics;
+    const auto file = read_scene_file(path, {.shows_uv = shows_uv}, diagnostics);
+    EXPECT_TRUE(file.has_value()) << all_messages(diagnostics);
+    const Scene& scene = std::get<Scene>(file.value());
+    return std::get<TriangleMesh>(scene.shape_of(scene.instances.at(0))).uv_sets.size();
+  };
+  const auto nori = [&](const std::string& aovs) {
+    return folder.write("n.xml", "<scene><integrator type=\"path\"><string name=\"aovs\" value=\"" + aovs +
+                                     "\"/></integrator><camera type=\"perspective\"/><mesh type=\"obj\"><string "
+                                     "name=\"filename\" value=\"m.obj\"/></mesh></scene>");
+  };
+  const auto mitsuba = [&](const std::string& aovs) {
+    return folder.write("m.xml", "<scene version=\"3.0.0\"><integrator type=\"aov\"><string name=\"aovs\" value=\"" +
+                                     aovs + "\"/></integrator><sensor type=\"perspective\"/><shape type=\"obj\">" +
+                                     "<string name=\"filename\" value=\"m.obj\"/></shape></scene>");
+  };
+  EXPECT_EQ(sets(nori("depth"), false), 0u);
+  EXPECT_EQ(sets(nori("depth"), true), 1u);
+  EXPECT_EQ(sets(nori("depth,uv"), false), 1u);
+  EXPECT_EQ(sets(mitsuba("d:depth"), false), 0u);
+  EXPECT_EQ(sets(mitsuba("d:depth"), true), 1u);
+  EXPECT_EQ(sets(mitsuba("d:depth,u:uv"), false), 1u);
+  EXPECT_EQ(sets(ply, false), 0u);
+  EXPECT_EQ(sets(ply, true), 1u);
+}
+
 TEST(Model, LibrariesAreReadOnce) {
   const TemporaryFolder folder;
   folder.write("m.mtl", "newmtl a\nKd 1 0 0\n");

@@ -1,5 +1,6 @@
 #include "formats/dialect/mesh_needs.h"
 
+#include <algorithm>
 #include <set>
 
 #include "scene/materials.h"
@@ -17,7 +18,7 @@ std::string attribute_of(const Texture& texture) {
   return "";
 }
 
-MeshContent content_for(std::uint32_t row, const AreaEmitter* emitter, const Scene& scene) {
+MeshContent content_for(std::uint32_t row, const AreaEmitter* emitter, const Scene& scene, bool shows_uv) {
   MeshContent content{.uv = false, .textured = false, .colors = false};
   std::set<std::string> attributes;
   const auto add = [&](const char*, const auto& parameter) {
@@ -37,7 +38,7 @@ MeshContent content_for(std::uint32_t row, const AreaEmitter* emitter, const Sce
     content.tangents |= gltf != nullptr && gltf->coat_vertex_tangents && gltf->coat_normals.texture;
   });
   if (emitter != nullptr) each_parameter(*emitter, add);
-  content.uv |= content.textured;
+  content.uv |= content.textured || shows_uv || std::ranges::find(scene.aovs, Aov::uv) != scene.aovs.end();
   if (!attributes.empty()) content.attribute = *attributes.begin();
   content.attributes = attributes.size();
   return content;

@@ -34,6 +34,7 @@ struct ReadContext {
   std::vector<std::pair<std::string, SourcePosition>> lacking = {};
   /// Unsupported features are replaced, with a warning for each, instead of being refused.
   bool approximate = false;
+  bool shows_uv = false;                         ///< texture coordinates are kept although no texture needs them
   std::vector<std::string> approximations = {};  ///< "medium: left out", each once
   std::deque<XmlElement> made = {};              ///< elements that stand for what the file says in other words
 

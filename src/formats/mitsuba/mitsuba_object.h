@@ -25,6 +25,7 @@ struct MitsubaContext {
   MissingFeatures& missing;
   const TextLoader& load_text;
   bool strict = false;
+  bool shows_uv = false;      ///< texture coordinates are kept although no texture needs them
   bool camera_given = false;  ///< the caller places a camera, so the file need not have one
 };
 

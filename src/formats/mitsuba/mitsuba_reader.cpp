@@ -468,13 +468,8 @@ std::optional<Scene> parse_mitsuba_scene(std::unique_ptr<XmlDocument> document, 
   Scene scene;
   // After an error, an included file may be missing that defines what the rest refers to.
   if (diagnostics.error_count() == errors_before) {
-    const MitsubaContext context{mitsuba,
-                                 mitsuba_dialect(),
-                                 diagnostics,
-                                 missing,
-                                 files.text,
-                                 options.strict,
-                                 is_camera_placement(options.camera)};
+    const MitsubaContext context{mitsuba,    mitsuba_dialect(), diagnostics,      missing,
+                                 files.text, options.strict,    options.shows_uv, is_camera_placement(options.camera)};
     MitsubaReader(context, files, scene).read();
     missing.report(mitsuba.position(mitsuba.root()), diagnostics);
     if (options.approximate) scene.approximations = missing.substitutes();

@@ -124,7 +124,7 @@ std::optional<Instance> MitsubaShapes::read(const MitsubaObject& object) {
   instance.name = object.type();
   instance.position = object.position();
   instance.world_from_object = object.matrix("to_world", axes_for(object.type()));
-  const MeshContent content = content_for(instance.material, scene_.emitter_of(instance), scene_);
+  const MeshContent content = content_for(instance.material, scene_.emitter_of(instance), scene_, context_.shows_uv);
   const std::optional<Geometry> geometry = read_geometry(object, content, instance);
   if (!geometry) return std::nullopt;
   instance.shape = geometry->shape;

@@ -86,7 +86,8 @@ class Parts {
 
 class ModelReader {
  public:
-  ModelReader(const std::string& path, Diagnostics& diagnostics) : path_(path), sink_(diagnostics) {
+  ModelReader(const std::string& path, bool shows_uv, Diagnostics& diagnostics)
+      : path_(path), shows_uv_(shows_uv), sink_(diagnostics) {
     scene_.name = fs::path(path).stem().string();
     scene_.file = path;
     scene_.position = {path, 0, 0};
@@ -110,7 +111,7 @@ class ModelReader {
 
  private:
   void read_ply_mesh() {
-    std::optional<TriangleMesh> mesh = open([&] { return read_ply(path_, {.uv = false, .colors = true}, sink_); });
+    std::optional<TriangleMesh> mesh = open([&] { return read_ply(path_, {.uv = shows_uv_, .colors = true}, sink_); });
     if (!mesh || mesh->triangles.empty()) return;
     add_part(std::move(*mesh), nullptr, fs::path(path_).filename().string());
   }
@@ -181,7 +182,7 @@ class ModelReader {
       bsdf = DiffuseBsdf{ColorParameter(glm::dvec3(1.0), add({.source = AttributeTexture{source}, .name = "colours"}))};
     }
     const bool textured = is_textured(bsdf) || (emitter && is_textured(*emitter)) || opacity.texture;
-    if (!textured || !has_uv) mesh.uv_sets.clear();
+    if (!textured && !shows_uv_) mesh.uv_sets.clear();
     if (!textured || material != nullptr) {
       mesh.vertex_colors.clear();
       mesh.face_colors.clear();
@@ -297,6 +298,7 @@ class ModelReader {
   }
 
   std::string path_;
+  bool shows_uv_;
   Diagnostics& sink_;
   Scene scene_;
   std::map<std::string, MtlMaterial> library_;
@@ -310,9 +312,9 @@ bool is_model(const std::string& path) {
   return extension == ".obj" || extension == ".ply";
 }
 
-std::optional<Scene> read_model(const std::string& path, Diagnostics& diagnostics) {
+std::optional<Scene> read_model(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics) {
   const std::size_t errors_before = diagnostics.error_count();
-  std::optional<Scene> scene = ModelReader(path, diagnostics).read();
+  std::optional<Scene> scene = ModelReader(path, options.shows_uv, diagnostics).read();
   if (scene && diagnostics.error_count() == errors_before) check_invariants(*scene, diagnostics);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return scene;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "formats/read_options.h"
 #include "scene/diagnostics.h"
 #include "scene/scene.h"
 
@@ -14,6 +15,6 @@ bool is_model(const std::string& path);
 
 /// The scene of an OBJ file, with the materials of its libraries, or of a PLY file, with its colours. Says what it
 /// added and what it left out. Nothing after an error.
-std::optional<Scene> read_model(const std::string& path, Diagnostics& diagnostics);
+std::optional<Scene> read_model(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics);
 
 }  // namespace etendue

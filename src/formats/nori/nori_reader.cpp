@@ -554,8 +554,9 @@ class SceneReader {
     if (emitter && std::string_view(emitter->plugin().type) == "envmap") return read_sky_mesh(*emitter, scene);
     if (emitter) area_emitter = read_emitter(*emitter, scene);
     std::string name = object.plugin().type;
+    const AreaEmitter* shine = area_emitter ? &*area_emitter : nullptr;
     const std::optional<std::uint32_t> shape =
-        read_shape(object, content_for(material, area_emitter ? &*area_emitter : nullptr, scene), name, scene);
+        read_shape(object, content_for(material, shine, scene, context_.shows_uv), name, scene);
     if (!shape) return std::nullopt;
     Instance instance;
     instance.material = material;
@@ -1476,6 +1477,7 @@ std::optional<SceneFile> read_nori(const XmlDocument& document, const ReadOption
       dialect,           document,       references, diagnostics,
       options.overrides, options.strict, {},         std::vector<bool>(options.overrides.size(), false)};
   context.approximate = options.approximate;
+  context.shows_uv = options.shows_uv;
   std::optional<SceneFile> result = SceneReader(context, load_mesh).read(*document.root());
   if (auto* scene = result ? std::get_if<Scene>(&*result) : nullptr) scene->approximations = context.approximations;
   report_lacking(context);
