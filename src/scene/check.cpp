@@ -39,8 +39,7 @@ void check_light(const Scene& scene, Diagnostics& diagnostics) {
   }
   if (sky || emitter || delta) return;
   diagnostics.warning(scene.position,
-                      "the scene has no emitter and a black sky: the image will be black; add an <emitter> to a mesh "
-                      "or sky_top to the scene");
+                      "the scene has no emitter and a black sky: the image will be black; add a lamp or a sky");
 }
 
 /// True if some part of the box lies more than rounding in front of the triangle's plane.

@@ -180,7 +180,7 @@ void probe_scene(Scene scene, Diagnostics& diagnostics) {
     diagnostics.warning(
         scene.camera.position,
         fmt::format(
-            "none of {} camera rays meets a mesh: turn the camera toward the scene, or check nearClip and farClip",
+            "none of {} camera rays meets a mesh: turn the camera toward the scene, or check its clipping planes",
             counts.paths));
     return;
   }

@@ -85,7 +85,8 @@ TEST(Check, SurfacesThatLieInOneAnother) {
 }
 
 TEST(Check, NoLight) {
-  expect_says(check(mesh("up.obj")), "s.xml:1:1: the scene has no emitter and a black sky");
+  expect_says(check(mesh("up.obj")),
+              "s.xml:1:1: the scene has no emitter and a black sky: the image will be black; add a lamp or a sky");
   EXPECT_EQ(check(kLight + mesh("up.obj")), "");
   expect_says(
       check("<mesh type=\"sphere\"><emitter type=\"area\"><color name=\"radiance\" value=\"0 0 0\"/></emitter></mesh>"),
