@@ -560,6 +560,17 @@ TEST(MitsubaShapes, WhatMirrorsTurnInsideOut) {
   }
 }
 
+TEST(MitsubaIntegrator, WordsOf06WithoutEffectAreKnown) {
+  const Read result =
+      read(fmt::format(
+               "<scene version=\"0.6.0\">{}<integrator type=\"path\"><boolean name=\"strictNormals\" value=\"true\"/>"
+               "</integrator><shape type=\"sphere\"/></scene>",
+               kSensor),
+           {.strict = true});
+  EXPECT_TRUE(result.scene.has_value()) << result.messages();
+  EXPECT_NE(result.messages().find("has no effect"), std::string::npos) << result.messages();
+}
+
 // Mitsuba 3.9.1 prints this matrix for a rectangle with that rotation.
 TEST(MitsubaTransform, AxesOfRotationsCountWithTheirLength) {
   const std::string turn = R"(<transform name="to_world"><rotate x="1" y="1" angle="40"/></transform>)";

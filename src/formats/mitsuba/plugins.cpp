@@ -48,7 +48,8 @@ std::vector<Plugin> scene_rows() {
 std::vector<Parameter> scheduled(std::vector<Parameter> own) {
   own.insert(own.end(), {no_effect("samples_per_pass", integer, "has no effect: the device decides"),
                          no_effect("block_size", integer, "has no effect: the device decides"),
-                         no_effect("timeout", real, "has no effect: use --time")});
+                         no_effect("timeout", real, "has no effect: use --time"),
+                         no_effect("strict_normals", boolean, "has no effect: shading normals decide (0.6)")});
   return own;
 }
 
