@@ -111,7 +111,7 @@ const uint kConstantInwardSpheres = 69u;
 const uint kConstantTextureUsesAt = 66u;
 const uint kConstantTextureUses = 67u;  // maximum number per material
 const uint kConstantLampParts = 70u;  // some lamps are divided into parts
-const uint kConstantFew = 71u;     // the first of kFewFloats for each of kFewPrimitives
+const uint kConstantFew = 71u;     // the first of kFewWords for each of kFewPrimitives
 
 const uint kWorkgroupSize = 64u;  // lanes; also the 8 × 8 pixels of a film tile
 const uint kTileSize = 8u;        // pixels
@@ -264,10 +264,12 @@ const float kNode8OriginStep = 1.0 / 33554432.0;  // 2^-25: origins in [−2, 2)
 const uint kMaxTreeDepth = 64u;           // the builder's bound on wide levels
 
 // Primitives that nearly every ray would hit in the tree (the walls of a room, the ground) are kept outside it; a scene of at most this many
-// primitives has no tree. They come first in the array, in the order of the scene. Kernels receive their floats as specialization constants,
-// kFewFloats per primitive from kConstantFew on, and test them one after the other before a ray enters the tree.
+// primitives has no tree. They come first in the array, in the order of the scene. Kernels receive them as specialization constants, kFewWords per
+// primitive from kConstantFew on, and test them one after the other before a ray enters the tree: p0, p1 and p2 and, where light may pass something,
+// the number of the instance.
 const uint kFewPrimitives = 24u;
 const uint kFewFloats = 9u;
+const uint kFewWords = 10u;
 
 // One analytic primitive, in normalised scene coordinates. A triangle has its three vertices; a sphere its centre in p0, its radius in p1.x, and in
 // p1.y 1 if its normal points inward, otherwise 0; a disk (or its affine image) its centre in p0 and the ends of two conjugate half axes in p1 and
@@ -278,10 +280,11 @@ struct Primitive {
   vec3 p1;
   uint primitive;  // triangle index within the mesh; 0 for other shapes
   vec3 p2;
-  uint kind;       // kPrimitive* in the lowest bits; above it the primitive's number in the whole scene, by instance
+  uint kind;       // kPrimitive* in the lowest bits; above them the primitive's number in the whole scene, by instance
 };
 const uint kPrimitiveKindMask = 3u;
-const uint kPrimitiveOrderShift = 2u;
+const uint kPrimitivePassable = 4u;  // light may pass the material of an instance that has it
+const uint kPrimitiveOrderShift = 3u;
 
 // Shared meshes: a record of the tree may be an instance of one. Its a.w has kRecordInstance in addition to the number of the instance, b.w is the
 // slot of the root of the mesh's own tree, c.w the number of its Place; a, b and c hold the rows of object_from_world. The primitives of that tree

@@ -19,13 +19,13 @@ layout(constant_id = kConstantFewSpheres) const uint kFewSpheres = 0u;  // bit i
 FEATURE(uint, kFewDisks, kConstantFewDisks, 0u)
 FEATURE(uint, kFewCylinders, kConstantFewCylinders, 0u)
 
-// Their floats: kFew<i>_<k> is float k of p0, p1, p2 of primitive i.
+// Their words: kFew<i>_<k> is float k of p0, p1, p2 of primitive i, kFew<i>_9 its instance.
 #define FOR_EACH_FEW(X) \
   X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11) X(12) X(13) X(14) X(15) X(16) X(17) X(18) X(19) X(20) X(21) X(22) X(23)
-#define FEW_VALUE(i, k) layout(constant_id = kConstantFew + kFewFloats * i + k) const float kFew##i##_##k = 0.0;
+#define FEW_VALUE(i, k) layout(constant_id = kConstantFew + kFewWords * i + k) const float kFew##i##_##k = 0.0;
 #define FEW_VALUES_OF(i)                                                                                    \
   FEW_VALUE(i, 0) FEW_VALUE(i, 1) FEW_VALUE(i, 2) FEW_VALUE(i, 3) FEW_VALUE(i, 4) FEW_VALUE(i, 5) FEW_VALUE(i, 6) \
-  FEW_VALUE(i, 7) FEW_VALUE(i, 8)
+  FEW_VALUE(i, 7) FEW_VALUE(i, 8) layout(constant_id = kConstantFew + kFewWords * i + kFewFloats) const uint kFew##i##_9 = 0u;
 FOR_EACH_FEW(FEW_VALUES_OF)
 #define FEW_VALUES(i) \
   vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), vec3(kFew##i##_3, kFew##i##_4, kFew##i##_5), vec3(kFew##i##_6, kFew##i##_7, kFew##i##_8)
@@ -48,6 +48,9 @@ struct Nearest {
   uint order;  // its Primitive::kind, which numbers the primitives of the scene; 0 for none, so that nothing at t itself precedes it
   uint instance;  // its instance; used where meshes are shared, as their primitives are numbered within them
 };
+
+// Whether no light passes a primitive of this Primitive::kind.
+bool is_opaque(uint kind) { return !kPassable || (kind & kPrimitivePassable) == 0u; }
 
 bool is_sphere(Primitive prim) { return kHasSpheres && (prim.kind & kPrimitiveKindMask) == kPrimitiveSphere; }
 bool is_inward(Primitive sphere) { return kInwardSpheres && sphere.p1.y != 0.0; }
@@ -143,13 +146,18 @@ bool intersect_sphere(Ray ray, vec3 center, float radius, float t_max, out float
   return discriminant >= 0.0 && t > ray.t_min && t < t_max;
 }
 
+// The distance beyond which a ray that has passed a surface meets the primitives of an instance.
+float start_for(uint instance, float t_min, Passed passed) {
+  if (instance == passed.instance) return passed.t_own;
+  // For instances later in the order, the float before t_min, so that t_min itself is beyond it.
+  return instance > passed.instance ? uintBitsToFloat(floatBitsToUint(t_min) - 1u) : t_min;
+}
+
 // Tests a primitive record and accepts it if it is nearer, or equally near and earlier in the scene: which of two coincident surfaces is visible must
 // not depend on the order of the walk.
 bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, Passed passed, inout Nearest nearest) {
   const Primitive prim = to_primitive(record);
-  if (kPassable && instance > passed.instance)
-    rf.ray.t_min = uintBitsToFloat(floatBitsToUint(rf.ray.t_min) - 1u);  // the float before t_min, so that t_min itself is beyond it
-  if (kPassable && instance == passed.instance) rf.ray.t_min = passed.t_own;
+  if (kPassable) rf.ray.t_min = start_for(instance, rf.ray.t_min, passed);
   bool earlier = prim.kind < nearest.order;
   if (kInstanced) earlier = instance < nearest.instance || (instance == nearest.instance && earlier);
   MUTATE(kMutantTiesReversed, earlier = !earlier)
@@ -169,6 +177,7 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, P
 #define TEST_FEW(i)                                                                                                       \
   if (i < kFewCount) {                                                                                                    \
     bool found;                                                                                                           \
+    if (kPassable) rf.ray.t_min = start_for(kFew##i##_9, t_min, passed);                                                  \
     if ((kFewSpheres >> i & 1u) != 0u) {                                                                                  \
       found = intersect_sphere(rf.ray, vec3(kFew##i##_0, kFew##i##_1, kFew##i##_2), kFew##i##_3, nearest.t, t);           \
     } else if ((kFewDisks >> i & 1u) != 0u) {                                                                             \
@@ -181,7 +190,8 @@ bool intersect_primitive(RayFrame rf, Record record, uint slot, uint instance, P
     nearest.t = found ? t : nearest.t;                                                                                    \
     nearest.slot = found ? i * kPrimitiveSlots : nearest.slot;                                                            \
   }
-Nearest intersect_few_primitives(RayFrame rf) {
+Nearest intersect_few_primitives(RayFrame rf, Passed passed) {
+  const float t_min = rf.ray.t_min;
   Nearest nearest = Nearest(rf.ray.t_max, kNone, 0u, 0u);
   float t;
   FOR_EACH_FEW(TEST_FEW)

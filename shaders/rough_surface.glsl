@@ -1,12 +1,6 @@
 // Common code of rough materials: reflecting microfacets over a base that is diffuse, clear or black. One function for all of them, because a SIMD
 // machine computes each material of the scene for all lanes. Included by bsdf/bsdf.glsl.
 
-// Value and density of a pair of directions.
-struct Scattering {
-  vec3 value;  // f · |cos θ_i|
-  float pdf;
-};
-
 // Reflectance of a microfacet at wo_h, the cosine of the angle to its normal; for a clear boundary with relative index eta.
 vec3 facet_reflectance(Material m, float wo_h, float eta, out float clear_share) {
   vec3 reflectance = vec3(0.0);
@@ -42,7 +36,7 @@ Scattering rough_base(Material m, float cos_o, float cos_i, float share) {
     MUTATE(kMutantTransmittanceOnce, lit = 1.0);
     s.value = coated_base(m, cos_i, lit, seen);
   }
-  if (bsdf_is(m, kBsdfRoughDielectric)) s = Scattering(vec3(0.0), 0.0);
+  if (bsdf_is(m, kBsdfRoughDielectric)) s = kNoScattering;
   return s;
 }
 
@@ -82,10 +76,10 @@ Scattering rough_evaluate(Material m, vec3 wo, vec3 wi) {
   const float eta = rough_eta(m, side);
   wo.z *= side;
   wi.z *= side;
-  if (wo.z <= 0.0 || wi.z == 0.0 || (wi.z < 0.0 && !bsdf_is(m, kBsdfRoughDielectric))) return Scattering(vec3(0.0), 0.0);
+  if (wo.z <= 0.0 || wi.z == 0.0 || (wi.z < 0.0 && !bsdf_is(m, kBsdfRoughDielectric))) return kNoScattering;
   vec3 h = normalize(wi.z > 0.0 ? wo + wi : wo + eta * wi);
   h = h.z < 0.0 ? -h : h;
-  if (dot(wo, h) <= 0.0 || dot(wi, h) * wi.z <= 0.0) return Scattering(vec3(0.0), 0.0);
+  if (dot(wo, h) <= 0.0 || dot(wi, h) * wi.z <= 0.0) return kNoScattering;
   return rough_scattering(m, wo, wi, h, eta);
 }
 

@@ -36,12 +36,13 @@ float turned_share(Surface s, vec3 w) {
   return 2.0 / (1.0 + sqrt(1.0 + min(0.125 * slope2, 1.0) * tan2));
 }
 
-// f · |cos θ_i| toward w in the world.
-vec3 scattering(Scatterer m, vec3 w) {
+// Toward w in the world. Directions that carry no light still have their density.
+Scattering scattering(Scatterer m, vec3 w) {
   const vec3 wi = to_local(m.s.frame, w);
-  return sides_agree(m.s, w, wi.z) ? bsdf_eval(m.material, m.wo, wi) * turned_share(m.s, w) : vec3(0.0);
+  Scattering s = bsdf_evaluate(m.material, m.wo, wi);
+  s.value = sides_agree(m.s, w, wi.z) ? s.value * turned_share(m.s, w) : vec3(0.0);
+  return s;
 }
-float scattering_pdf(Scatterer m, vec3 w) { return bsdf_pdf(m.material, m.wo, to_local(m.s.frame, w)); }
 
 // For a mixture, one number for each half.
 float mixed(OtherHalf other, float a, float b) { return other.share * a + (1.0 - other.share) * b; }
@@ -81,9 +82,10 @@ BsdfSample sample_scattering(Scatterer chosen, OtherHalf other, float u_lobe, ve
   wi = to_world(chosen.s.frame, bs.wi);
   bs.weight *= sides_agree(chosen.s, wi, bs.wi.z) ? turned_share(chosen.s, wi) : 0.0;
   if (is_mixed(other) && bs.pdf > 0.0 && !is_delta(bs.lobe)) {
-    float pdf = mixed(other, bs.pdf, scattering_pdf(other.scatterer, wi));
+    const Scattering its = scattering(other.scatterer, wi);
+    float pdf = mixed(other, bs.pdf, its.pdf);
     MUTATE(kMutantMixtureHalfDense, pdf = bs.pdf);
-    bs.weight = mixed(other, bs.pdf * bs.weight, scattering(other.scatterer, wi)) / pdf;
+    bs.weight = mixed(other, bs.pdf * bs.weight, its.value) / pdf;
     bs.pdf = pdf;
   }
   return bs;

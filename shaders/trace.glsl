@@ -72,7 +72,7 @@ Walk begin_walk(Ray ray, bool any_hit, Passed passed) {
 
 #endif
 
-// True once the walk has ended.
+// True once the walk has ended. An any-hit walk ends at the first hit that no light passes.
 bool walk_done(Walk walk) { return walk.current == kNone; }
 // Whether anything was hit: the only result of an any-hit walk.
 bool walk_found(Walk walk) { return walk.nearest.slot != kNone; }
@@ -93,10 +93,10 @@ Hit walk_hit(Walk walk) {
 void test_few_primitives(inout Walk walk) {
   if (!kHasFew || walk.current != kBeforeTree) return;
   PROFILE(profile_step(0u, kFewCount));
-  walk.nearest = intersect_few_primitives(walk.rf);
-  if (kTreeRoot != kNone && walk_found(walk)) walk.nearest.order = fetch_record(walk.nearest.slot).c.w;
+  walk.nearest = intersect_few_primitives(walk.rf, walk.passed);
+  if ((kTreeRoot != kNone || kPassable) && walk_found(walk)) walk.nearest.order = fetch_record(walk.nearest.slot).c.w;
   if (kInstanced && walk_found(walk)) walk.nearest.instance = fetch_record(walk.nearest.slot).a.w;
-  walk.current = walk.any_hit && walk_found(walk) ? kNone : kTreeRoot;
+  walk.current = walk.any_hit && walk_found(walk) && is_opaque(walk.nearest.order) ? kNone : kTreeRoot;
 }
 
 #ifndef ETENDUE_RAY_QUERY
@@ -153,7 +153,7 @@ void walk_step(inout Walk walk) {
     below = here;
   }
   walk_stack[0] = push ? visit.others : drop ? below : pop ? taken : top;
-  walk.current = (pop && left == 0u) || (found && walk.any_hit) ? kNone : next;
+  walk.current = (pop && left == 0u) || (found && walk.any_hit && is_opaque(walk.nearest.order)) ? kNone : next;
   if (kInstanced) {
     walk.inner += uint(push) - uint(drop);
     if (enter || leave) cross_border(walk, record, enter);

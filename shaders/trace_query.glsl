@@ -102,7 +102,7 @@ void walk_step(inout Walk walk) {
   // Clamped to the interval that the driver was given, as it requires.
   walk.reach = clamp(walk.nearest.t, walk.t_min, walk.reach);
   rayQueryGenerateIntersectionEXT(walk_query, walk.reach);
-  if (walk.any_hit) walk.current = kNone;
+  if (walk.any_hit && is_opaque(walk.nearest.order)) walk.current = kNone;
 }
 
 // The hit, with its distance from the true origin of the ray.

@@ -1,9 +1,9 @@
 // The contract of materials and the switch between them.
 //
 // Directions are local (+Z = shading normal), unit length, pointing away from the surface.
-//   eval(wo, wi)        f · |cos θ_i| of the non-delta part, 0 where the material does not scatter
-//   pdf(wo, wi)         density of sample() w.r.t. solid angle, 0 for delta lobes
-//   sample(wo, u_lobe, u)  weight = eval/pdf; `pdf` is w.r.t. solid angle, for delta lobes a discrete probability; pdf 0: no sample.
+//   evaluate(wo, wi)    value = f · |cos θ_i| of the non-delta part, 0 where the material does not scatter;
+//                       pdf = density of sample() w.r.t. solid angle, 0 for delta lobes
+//   sample(wo, u_lobe, u)  weight = value/pdf; `pdf` is w.r.t. solid angle, for delta lobes a discrete probability; pdf 0: no sample.
 // Every u is in [0,1).
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
@@ -36,6 +36,14 @@ struct Material {
 const float kLeastRoughness = 1e-3;  // etendue::kMinRoughness
 
 FEATURE(uint, kTextureUses, kConstantTextureUses, 0u)  // maximum number per material
+
+// Value and density of a pair of directions.
+struct Scattering {
+  vec3 value;  // f · |cos θ_i|
+  float pdf;
+};
+
+const Scattering kNoScattering = Scattering(vec3(0.0), 0.0);
 
 struct BsdfSample {
   vec3 wi;
@@ -196,26 +204,16 @@ vec3 transmittance(vec3 absorption, float distance) {
   return mix(passed, vec3(1.0), equal(absorption, vec3(0.0)));
 }
 
-vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) {
-  vec3 value = vec3(0.0);
-  if (bsdf_is(m, kBsdfDiffuse)) value = diffuse_eval(m, wo, wi);
-  if (bsdf_is(m, kBsdfPlastic)) value = plastic_eval(m, wo, wi);
-  if (bsdf_among(m, kRoughTypes)) value = rough_evaluate(m, wo, wi).value;
-  if (bsdf_is(m, kBsdfPrincipled)) value = principled_evaluate(m, wo, wi).value;
-  if (bsdf_is(m, kBsdfGltf)) value = gltf_evaluate(m, wo, wi).value;
-  if (bsdf_is(m, kBsdfPrincipledThin)) value = principledthin_evaluate(m, wo, wi).value;
-  return value;
-}
-
-float bsdf_pdf(Material m, vec3 wo, vec3 wi) {
-  float pdf = 0.0;
-  if (bsdf_is(m, kBsdfDiffuse)) pdf = diffuse_pdf(wo, wi);
-  if (bsdf_is(m, kBsdfPlastic)) pdf = plastic_pdf(m, wo, wi);
-  if (bsdf_among(m, kRoughTypes)) pdf = rough_evaluate(m, wo, wi).pdf;
-  if (bsdf_is(m, kBsdfPrincipled)) pdf = principled_evaluate(m, wo, wi).pdf;
-  if (bsdf_is(m, kBsdfGltf)) pdf = gltf_evaluate(m, wo, wi).pdf;
-  if (bsdf_is(m, kBsdfPrincipledThin)) pdf = principledthin_evaluate(m, wo, wi).pdf;
-  return pdf;
+// One function for both, because drivers copy it to each place where it is called, and then need the longer for it.
+Scattering bsdf_evaluate(Material m, vec3 wo, vec3 wi) {
+  Scattering s = kNoScattering;
+  if (bsdf_is(m, kBsdfDiffuse)) s = diffuse_evaluate(m, wo, wi);
+  if (bsdf_is(m, kBsdfPlastic)) s = plastic_evaluate(m, wo, wi);
+  if (bsdf_among(m, kRoughTypes)) s = rough_evaluate(m, wo, wi);
+  if (bsdf_is(m, kBsdfPrincipled)) s = principled_evaluate(m, wo, wi);
+  if (bsdf_is(m, kBsdfGltf)) s = gltf_evaluate(m, wo, wi);
+  if (bsdf_is(m, kBsdfPrincipledThin)) s = principledthin_evaluate(m, wo, wi);
+  return s;
 }
 
 BsdfSample bsdf_sample(Material m, vec3 wo, float u_lobe, vec2 u) {

@@ -2,13 +2,14 @@
 #include "../mutants.h"
 #include "../warp.glsl"
 
-vec3 diffuse_eval(Material m, vec3 wo, vec3 wi) {
-  MUTATE(kMutantCosineDropped, return wo.z > 0.0 && wi.z > 0.0 ? m.albedo * kInvPi : vec3(0.0));
-  MUTATE(kMutantBlackSideLit, return m.albedo * (kInvPi * abs(wi.z)));
-  return wo.z > 0.0 && wi.z > 0.0 ? m.albedo * (kInvPi * wi.z) : vec3(0.0);
-}
-
 float diffuse_pdf(vec3 wo, vec3 wi) { return wo.z > 0.0 && wi.z > 0.0 ? kInvPi * wi.z : 0.0; }
+
+Scattering diffuse_evaluate(Material m, vec3 wo, vec3 wi) {
+  const float pdf = diffuse_pdf(wo, wi);
+  MUTATE(kMutantCosineDropped, return Scattering(pdf > 0.0 ? m.albedo * kInvPi : vec3(0.0), pdf));
+  MUTATE(kMutantBlackSideLit, return Scattering(m.albedo * (kInvPi * abs(wi.z)), pdf));
+  return Scattering(m.albedo * pdf, pdf);
+}
 
 BsdfSample diffuse_sample(Material m, vec3 wo, vec2 u) {
   const vec3 wi = square_to_cosine_hemisphere(u);

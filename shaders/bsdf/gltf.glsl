@@ -152,7 +152,7 @@ Scattering gltf_base(Material m, GltfPair p, GltfLobes lobes) {
   MUTATE(kMutantGltfBaseUndimmed, unreflected = 1.0);
   const float base = (1.0 - m.eta.z) * (1.0 - m.k.x) * unreflected * kInvPi * cos_i;
   if (p.wi.z < 0.0) return Scattering(m.scattered.xyz * (base * m.k.y), lobes.behind * kInvPi * cos_i);
-  return p.front ? Scattering(m.albedo * (base * (1.0 - m.k.y)), lobes.front * kInvPi * cos_i) : Scattering(vec3(0.0), 0.0);
+  return p.front ? Scattering(m.albedo * (base * (1.0 - m.k.y)), lobes.front * kInvPi * cos_i) : kNoScattering;
 }
 
 // Reflection and transmission of microfacets.
@@ -186,7 +186,7 @@ Scattering gltf_clearcoat(Material m, GltfPair p, GltfLobes lobes) {
     p.wo = to_local(turned_frame, p.wo);
     p.wi = to_local(turned_frame, p.wi);
     p.h = to_local(turned_frame, p.h);
-    if (p.wo.z <= 0.0 || p.h.z <= 0.0) return Scattering(vec3(0.0), 0.0);
+    if (p.wo.z <= 0.0 || p.h.z <= 0.0) return kNoScattering;
   }
   const float wo_h = dot(p.wo, p.h), density = facet_density(coat, p.h);
   const float shown = density * facet_masking(coat, p.wo, wo_h) * facet_masking(coat, p.wi, wo_h) / p.wo.z;
@@ -214,7 +214,7 @@ Scattering gltf_scattering(Material m, GltfPair p) {
     }
   }
   const float total = lobes_total(lobes);
-  return total > 0.0 ? Scattering(s.value, s.pdf / total) : Scattering(vec3(0.0), 0.0);
+  return total > 0.0 ? Scattering(s.value, s.pdf / total) : kNoScattering;
 }
 
 // n_i/n_o for refraction, seen from a side.
@@ -234,7 +234,7 @@ Scattering gltf_evaluate(Material m, vec3 wo, vec3 wi) {
   wo = vec3(turned(wo.xy, turn), wo.z * side);
   wi = vec3(turned(wi.xy, turn), wi.z * side);
   const bool clear = material_has(m, kMaterialTransmissive);
-  if (wo.z <= 0.0 || wi.z == 0.0 || (!clear && (side < 0.0 || wi.z < 0.0))) return Scattering(vec3(0.0), 0.0);
+  if (wo.z <= 0.0 || wi.z == 0.0 || (!clear && (side < 0.0 || wi.z < 0.0))) return kNoScattering;
   return gltf_scattering(m, GltfPair(wo, wi, gltf_half_vector(m, wo, wi, eta), eta, gltf_coat_normal(m, side, turn), side > 0.0 || gltf_is_sheet(m)));
 }
 

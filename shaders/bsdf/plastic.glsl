@@ -24,14 +24,10 @@ float coat_share(Material m, float passes) {
   return coat / (coat + passes * (1.0 - m.share));
 }
 
-vec3 plastic_eval(Material m, vec3 wo, vec3 wi) {
-  if (wo.z <= 0.0 || wi.z <= 0.0) return vec3(0.0);
-  return coated_base(m, wi.z, plastic_passes(m, wi.z), plastic_passes(m, wo.z));
-}
-
-float plastic_pdf(Material m, vec3 wo, vec3 wi) {
-  if (wo.z <= 0.0 || wi.z <= 0.0) return 0.0;
-  return (1.0 - coat_share(m, plastic_passes(m, wo.z))) * (kInvPi * wi.z);
+Scattering plastic_evaluate(Material m, vec3 wo, vec3 wi) {
+  if (wo.z <= 0.0 || wi.z <= 0.0) return kNoScattering;
+  const float passes = plastic_passes(m, wo.z);
+  return Scattering(coated_base(m, wi.z, plastic_passes(m, wi.z), passes), (1.0 - coat_share(m, passes)) * (kInvPi * wi.z));
 }
 
 BsdfSample plastic_sample(Material m, vec3 wo, float u_lobe, vec2 u) {

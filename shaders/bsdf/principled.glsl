@@ -114,10 +114,10 @@ Scattering principled_evaluate(Material m, vec3 wo, vec3 wi) {
   wo.z *= side;
   wi.z *= side;
   const bool clear = principled_clear(m) > 0.0;
-  if (wo.z <= 0.0 || wi.z == 0.0 || ((side < 0.0 || wi.z < 0.0) && !clear)) return Scattering(vec3(0.0), 0.0);
+  if (wo.z <= 0.0 || wi.z == 0.0 || ((side < 0.0 || wi.z < 0.0) && !clear)) return kNoScattering;
   vec3 h = normalize(wi.z > 0.0 ? wo + wi : wo + eta * wi);
   h = h.z < 0.0 ? -h : h;
-  if (dot(wo, h) <= 0.0 || dot(wi, h) * wi.z <= 0.0) return Scattering(vec3(0.0), 0.0);
+  if (dot(wo, h) <= 0.0 || dot(wi, h) * wi.z <= 0.0) return kNoScattering;
   return principled_scattering(m, wo, wi, h, eta, side);
 }
 

@@ -49,7 +49,7 @@ Scattering principledthin_evaluate(Material m, vec3 wo, vec3 wi) {
   const float side = wo.z < 0.0 ? -1.0 : 1.0;
   wo.z *= side;
   wi.z *= side;
-  if (wo.z <= 0.0 || wi.z == 0.0) return Scattering(vec3(0.0), 0.0);
+  if (wo.z <= 0.0 || wi.z == 0.0) return kNoScattering;
   return sheet_scattering(m, wo, wi, normalize(wo + vec3(wi.xy, abs(wi.z))));
 }
 

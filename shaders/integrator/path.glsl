@@ -198,12 +198,14 @@ void sample_direct_light(inout Path path, Scatterer chosen, OtherHalf other, ino
   decisions.light_instance = light.instance;
   decisions.light_primitive = light.instance != kNone ? light.primitive : kNone;
   decisions.light_contributed = light.instance != kNone ? 0u : kNone;
-  vec3 reflected = scattering(chosen, light.wi);
-  float pdf = scattering_pdf(chosen, light.wi);
+  const Scattering first = scattering(chosen, light.wi);
+  vec3 reflected = first.value;
+  float pdf = first.pdf;
   if (is_mixed(other)) {
-    reflected = mixed(other, reflected, scattering(other.scatterer, light.wi));
-    MUTATE(kMutantMixtureHalfWhole, reflected += (1.0 - other.share) * scattering(chosen, light.wi));
-    pdf = mixed(other, pdf, scattering_pdf(other.scatterer, light.wi));
+    const Scattering second = scattering(other.scatterer, light.wi);
+    reflected = mixed(other, reflected, second.value);
+    MUTATE(kMutantMixtureHalfWhole, reflected += (1.0 - other.share) * first.value);
+    pdf = mixed(other, pdf, second.pdf);
   }
   reflected *= light.radiance;
   path.shadow_pending = light.pdf_w > 0.0 && max_component(reflected) != 0.0;
@@ -252,12 +254,10 @@ bool shadow_passes(inout Path path, Ray ray, Hit hit) {
   return true;
 }
 
-// Whether a shadow ray that has arrived continues, because it may pass what it hit. If no surface may be passed, any hit ends it; otherwise the
-// nearest one is tested first.
+// Whether a shadow ray that has arrived may continue, because light may pass what it hit. What no light passes ends its walk, wherever it is; of the
+// other surfaces it finds the nearest, and shadow_passes() decides.
 const bool kShadowRaysEnd = !kPassable || !kGathersLight;
-bool shadow_ray_goes_on(inout Path path, Walk walk) {
-  return !kShadowRaysEnd && walk_found(walk) && shadow_passes(path, path.shadow_ray, walk_hit(walk));
-}
+bool may_go_on(Walk walk) { return !kShadowRaysEnd && walk_found(walk) && !is_opaque(walk.nearest.order); }
 
 // The shadow ray has been traced.
 void settle_light(inout Path path, bool occluded) {
@@ -424,9 +424,9 @@ void end_segment(inout Path path, Hit hit, uint step_budget, inout uint steps, o
   if (!path.shadow_pending) return;
   bool occluded;
   for (;;) {
-    const Walk walk = trace(path.shadow_ray, kShadowRaysEnd, path.shadow_passed, step_budget, steps);
+    const Walk walk = trace(path.shadow_ray, true, path.shadow_passed, step_budget, steps);
     occluded = walk_found(walk);
-    if (!occluded || !shadow_ray_goes_on(path, walk)) break;
+    if (!may_go_on(walk) || !shadow_passes(path, path.shadow_ray, walk_hit(walk))) break;
   }
   if (kGathersLight) decisions.light_contributed = occluded ? 0u : 1u;
   else decisions.survived = occluded ? 0u : 1u;

@@ -58,14 +58,20 @@ void render_lane(uint lane_group, uint lane) {
     iterations += kIterationsPerRound;
     for (uint turn = 0u; turn < kTurnsPerRound; ++turn) {
       advance_walk(walk, kStepsPerTurn);
-      if (walk_done(walk) && path.shadow_pending) {
+      if (walk_done(walk) && path.shadow_pending && !may_go_on(walk)) {
         PROFILE(profile_arrival(true, false));
-        if (shadow_ray_goes_on(path, walk)) {
-          walk = begin_walk(path.shadow_ray, false, path.shadow_passed);
-        } else {
-          settle_light(path, walk_found(walk));
-          if (path.alive) walk = begin_walk(path.ray, false, path.passed);
-        }
+        settle_light(path, walk_found(walk));
+        if (path.alive) walk = begin_walk(path.ray, false, path.passed);
+      }
+    }
+    // Once a round, because it takes longer than all steps of a turn.
+    if (!kShadowRaysEnd && walk_done(walk) && path.shadow_pending) {
+      PROFILE(profile_arrival(true, false));
+      if (shadow_passes(path, path.shadow_ray, walk_hit(walk))) {
+        walk = begin_walk(path.shadow_ray, true, path.shadow_passed);
+      } else {
+        settle_light(path, true);
+        if (path.alive) walk = begin_walk(path.ray, false, path.passed);
       }
     }
     const bool arrived = walk_done(walk) && (kShadowRaysEnd || !path.shadow_pending);
@@ -89,7 +95,7 @@ void render_lane(uint lane_group, uint lane) {
     if (arrived) {
       Ray next_ray = path.ray;
       if (path.shadow_pending) next_ray = path.shadow_ray;
-      walk = begin_walk(next_ray, path.shadow_pending && kShadowRaysEnd, path.shadow_pending ? path.shadow_passed : path.passed);
+      walk = begin_walk(next_ray, path.shadow_pending, path.shadow_pending ? path.shadow_passed : path.passed);
     }
   }
   const uint done = items_before(item, lane_group);

@@ -49,11 +49,13 @@ void probe_bsdf(uint i) {
     return;
   }
   const vec3 wi = asked;
-  vec3 value = scattering(chosen, wi);
-  float pdf = scattering_pdf(chosen, wi);
+  const Scattering first = scattering(chosen, wi);
+  vec3 value = first.value;
+  float pdf = first.pdf;
   if (is_mixed(other)) {
-    value = mixed(other, value, scattering(other.scatterer, wi));
-    pdf = mixed(other, pdf, scattering_pdf(other.scatterer, wi));
+    const Scattering second = scattering(other.scatterer, wi);
+    value = mixed(other, value, second.value);
+    pdf = mixed(other, pdf, second.pdf);
   }
   results[i] = BsdfProbeResult(wi, pdf, value, kLobeNone);
 }

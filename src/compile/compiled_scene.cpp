@@ -134,6 +134,9 @@ class Compiler {
     check_size();
     for (const Instance& instance : scene_.instances) passing_.push_back(may_pass(scene_, instance.material));
     passes_ = std::ranges::find(passing_, true) != passing_.end();
+    passable_shapes_.resize(scene_.shapes.size());
+    for (std::size_t i = 0; i < passing_.size(); ++i)
+      if (passing_[i]) passable_shapes_[scene_.instances[i].shape] = true;
     flatten_materials();
     flatten_instances();
     build_tree();
@@ -233,6 +236,8 @@ class Compiler {
     if (mesh) return *mesh;
     const auto& object = std::get<TriangleMesh>(scene_.shapes[shape]);
     mesh = std::make_unique<SharedMesh>(prepare_shared_mesh(scene_.shapes[shape]));
+    if (passable_shapes_.at(shape))
+      for (gpu::Primitive& p : mesh->primitives) p.kind |= gpu::kPrimitivePassable;
     if (!object.normals.empty()) {
       mesh->first_triangle = static_cast<gpu::uint>(out_.vertex_normals.size());
       add_vertex_normals(object.triangles.size(), [&](std::size_t i) {
@@ -303,6 +308,7 @@ class Compiler {
   }
 
   static gpu::uint order_bits(std::size_t order) { return static_cast<gpu::uint>(order) << gpu::kPrimitiveOrderShift; }
+  gpu::uint passable_bit(gpu::uint instance) const { return passing_.at(instance) ? gpu::kPrimitivePassable : 0; }
 
   void flatten_shape(const Placed& placed, gpu::uint index, gpu::Instance& flat) {
     add_primitives(placed, index);
@@ -335,13 +341,14 @@ class Compiler {
       out_.has_spheres = true;
       out_.inward_spheres |= placed.inward;
     }
-    p.kind |= order_bits(order_++);
+    p.kind |= order_bits(order_++) | passable_bit(index);
     flat_primitives_.push_back(p);
   }
 
   void add_triangles(const PlacedMesh& mesh, gpu::uint index) {
     const std::size_t first = flat_primitives_.size();
     flat_primitives_.resize(first + mesh.triangle_count());
+    const gpu::uint passable = passable_bit(index);
     parallel_for(mesh.triangle_count(), kFlattenGrain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         const auto [p0, p1, p2] = mesh.triangle(i);
@@ -351,7 +358,7 @@ class Compiler {
         p.p2 = normalization_.point(p2);
         p.instance = index;
         p.primitive = static_cast<gpu::uint>(i);
-        p.kind = order_bits(order_ + i);
+        p.kind = order_bits(order_ + i) | passable;
       }
     });
     order_ += mesh.triangle_count();
@@ -376,8 +383,6 @@ class Compiler {
 
   // The primitives outside the tree, in the order of the scene.
   std::vector<std::uint32_t> take_few_primitives(const std::vector<Box>& boxes) {
-    // A ray that passes a surface restarts there, and only the tree can tell which of equally near ones lie behind it.
-    if (passes_) return {};
     std::vector<std::uint32_t> few = choose_few_primitives(boxes, boxes.size() - shared_records_.size());
     out_.few_count = static_cast<std::uint32_t>(few.size());
     for (std::size_t i = 0; i < few.size(); ++i) {
@@ -717,6 +722,7 @@ class Compiler {
   Normalization normalization_;
   std::vector<bool> passing_;                        // by instance: whether rays may pass it
   bool passes_ = false;                              // whether any of them is true
+  std::vector<bool> passable_shapes_;                // by shape: whether rays may pass one of its instances
   std::vector<std::unique_ptr<SharedMesh>> meshes_;  // by shape; null if not shared
   KnownTextureFacts texture_facts_;
   const std::map<std::uint32_t, LampParts> lamp_parts_;  // by instance

@@ -335,10 +335,11 @@ std::vector<vulkan::Specialization> scene_constants(const CompiledScene& scene, 
                     {gpu::kConstantDeltaLights, delta_light_kinds(lights)},
                     {gpu::kConstantDistantLights, lights.distant_lights}});
   for (std::uint32_t i = 0; i < scene.few_count; ++i) {
-    for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k) {
-      const gpu::uvec4& texel = scene.records[gpu::kRecordTexels * i + k / 3];
-      constants.push_back({gpu::kConstantFew + gpu::kFewFloats * i + k, texel[static_cast<int>(k % 3)]});
-    }
+    const std::uint32_t first = gpu::kConstantFew + gpu::kFewWords * i;
+    const gpu::uvec4* texels = &scene.records[gpu::kRecordTexels * i];
+    for (std::uint32_t k = 0; k < gpu::kFewFloats; ++k)
+      constants.push_back({first + k, texels[k / 3][static_cast<int>(k % 3)]});
+    if ((used.adapters & gpu::kAdaptersPass) != 0) constants.push_back({first + gpu::kFewFloats, texels[0].w});
   }
   return constants;
 }

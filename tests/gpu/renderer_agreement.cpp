@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "compile/compiled_scene.h"
 #include "core/errors.h"
 #include "device_test.h"
 #include "formats/read_scene.h"
@@ -456,6 +457,50 @@ TEST_F(RendererAgreement, TangentsTintsAndCoats) {
       return add_material(scene, MaskAdapter{{1.0, 2, TextureChannel::alpha}, row});
     });
     compare("tinted" + where, tinted, 20000, 2000, 1500);
+  }
+}
+
+// Half of the light passes each of them; some lie in the same plane as others, which are listed before or after them,
+// and one of these is opaque.
+void add_panes(Scene& scene) {
+  const auto pane = [&](const Shape& shape, bool opaque) {
+    Instance& instance = scene.add(shape, diffuse(0.6));
+    instance.material = add_material(scene, TwoSidedAdapter{instance.material, instance.material});
+    if (!opaque) instance.material = add_material(scene, MaskAdapter{{0.5}, instance.material});
+  };
+  const Shape wall = quad({-1.5, 0.1, 1.2}, {2.0, 0, 0.3}, {0, 1.2, 0});
+  for (const bool opaque : {false, false, true, false}) pane(wall, opaque);
+  pane(quad({0.2, 0.1, 1.9}, {1.0, 0, 0}, {0, 1.2, 0}), false);
+  pane(quad({0.2, 0.1, 1.9}, {1.0, 0, 0}, {0, 1.2, 0}), false);
+  pane(Sphere{{0.9, 1.3, 1.2}, 0.3}, false);
+  pane(Disk{}, false);
+  scene.instances.back().world_from_object =
+      glm::translate(glm::dmat4(1.0), {0.0, 2.0, 0.4}) * glm::rotate(glm::dmat4(1.0), 1.5, {1.0, 0.2, 0.0});
+}
+
+TEST_F(RendererAgreement, SurfacesThatLightPasses) {
+  const auto with_panes = [](Scene scene) {
+    add_panes(scene);
+    return scene;
+  };
+  Scene few = everything();
+  few.instances.erase(few.instances.begin() + 1, few.instances.begin() + 4);
+  add_panes(few);
+  ASSERT_EQ(compile_scene(few).tree_root, gpu::kNone);
+  compare("without a tree", few, 30000, 1500, 1000);
+  few.integrator.count_passes = !few.integrator.count_passes;
+  few.integrator.max_depth = 4;
+  compare("without a tree, passes counted otherwise", few, 30000, 1500, 1000);
+  for (const Instancing instancing : {Instancing::never, Instancing::always}) {
+    // One of the instances of the mesh is masked, the others are not.
+    Scene bent = with_panes(bent_meshes(instancing, {.roughness = 0.7}, [](Scene&, std::uint32_t row) { return row; }));
+    const auto shape = bent.instances[bent.instances.size() - 9].shape;
+    for (Instance& instance : bent.instances) {
+      if (instance.shape != shape) continue;
+      instance.material = add_material(bent, MaskAdapter{{0.4}, instance.material});
+      break;
+    }
+    compare(fmt::format("with a tree, instancing {}", static_cast<int>(instancing)), bent, 30000, 2000, 1500);
   }
 }
 

@@ -341,7 +341,7 @@ TEST(CompileLayout, IdsOfSpecializationConstantsAreDistinct) {
   std::map<std::uint32_t, std::string> names;
   for (const auto& [name, id] : header_constants()) {
     EXPECT_TRUE(names.emplace(id, name).second) << name << " and " << names[id] << " have the same id " << id;
-    EXPECT_TRUE(name == "Few" || id < kConstantFew) << name << " lies among the floats of the few primitives";
+    EXPECT_TRUE(name == "Few" || id < kConstantFew) << name << " lies among the words of the few primitives";
   }
   EXPECT_GT(names.size(), 10u);
 }
@@ -360,8 +360,8 @@ TEST(CompileLayout, SpecializationConstantsHaveTheIdsOfTheirNames) {
       if (std::regex_match(name, match, few)) {
         const auto i = static_cast<std::uint32_t>(std::stoul(match[1])),
                    k = static_cast<std::uint32_t>(std::stoul(match[2]));
-        ASSERT_TRUE(i < kFewPrimitives && k < kFewFloats);
-        EXPECT_EQ(*found.begin(), kConstantFew + kFewFloats * i + k);
+        ASSERT_TRUE(i < kFewPrimitives && k < kFewWords);
+        EXPECT_EQ(*found.begin(), kConstantFew + kFewWords * i + k);
         unseen.erase("Few");
         continue;
       }

@@ -12,6 +12,6 @@ void main() {
   m.int_ior = c.int_ior;
   m.ext_ior = c.ext_ior;
   const BsdfSample s = bsdf_sample(m, c.wo, c.u_lobe, c.u);
-  outputs[lane()] = BsdfAnswer(s.wi, s.pdf, s.weight, s.lobe, bsdf_eval(m, c.wo, s.wi), bsdf_pdf(m, c.wo, s.wi), bsdf_eval(m, c.wo, c.wi),
-                               bsdf_pdf(m, c.wo, c.wi), s.eta_scale, material_has(m, kMaterialDelta) ? 1u : 0u, material_has(m, kMaterialOneSided) ? 1u : 0u, 0u);
+  const Scattering sampled = bsdf_evaluate(m, c.wo, s.wi), asked = bsdf_evaluate(m, c.wo, c.wi);
+  outputs[lane()] = BsdfAnswer(s.wi, s.pdf, s.weight, s.lobe, sampled.value, sampled.pdf, asked.value, asked.pdf, s.eta_scale, material_has(m, kMaterialDelta) ? 1u : 0u, material_has(m, kMaterialOneSided) ? 1u : 0u, 0u);
 }
