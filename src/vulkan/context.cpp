@@ -24,6 +24,7 @@
 
 #include "core/errors.h"
 #include "core/log.h"
+#include "vulkan/cache_files.h"
 #include "vulkan/check.h"
 
 namespace etendue::vulkan {
@@ -186,19 +187,13 @@ DeviceInfo describe(VkPhysicalDevice device, std::uint32_t index, const Requirem
 }
 
 std::filesystem::path pipeline_cache_path(VkPhysicalDevice device) {
-  std::filesystem::path folder;
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg == '/') {
-    folder = xdg;
-  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') {
-    folder = std::filesystem::path(home) / ".cache";
-  } else {
-    return {};
-  }
+  const std::filesystem::path folder = cache_folder();
+  if (folder.empty()) return {};
   VkPhysicalDeviceProperties p;
   vkGetPhysicalDeviceProperties(device, &p);
   std::string uuid;
   for (const std::uint8_t byte : p.pipelineCacheUUID) uuid += fmt::format("{:02x}", byte);
-  return folder / "etendue" / fmt::format("pipelines-{:04x}-{:04x}-{}.bin", p.vendorID, p.deviceID, uuid);
+  return folder / fmt::format("pipelines-{:04x}-{:04x}-{}.bin", p.vendorID, p.deviceID, uuid);
 }
 
 }  // namespace
@@ -585,13 +580,10 @@ std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlag
               fmt::format("The device '{}' has no memory type with the properties {:#x}.", info_.name, required));
 }
 
-// The cache only saves time, so every failure to read or write it is silent: the render must not depend on it.
 void Context::load_pipeline_cache() {
   std::string bytes;
-  if (const auto path = pipeline_cache_path(physical_); uses_cache_file() && !path.empty()) {
-    std::ifstream file(path, std::ios::binary);
-    bytes.assign(std::istreambuf_iterator<char>(file), {});
-  }
+  if (const auto path = pipeline_cache_path(physical_); uses_cache_files() && !path.empty()) bytes = read_cached(path);
+  if (uses_cache_files() && !cache_folder().empty()) modules_ = ModuleCache(cache_folder() / "modules");
   VkPipelineCacheCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
                                  .initialDataSize = bytes.size(),
                                  .pInitialData = bytes.data()};
@@ -606,7 +598,7 @@ void Context::load_pipeline_cache() {
 void Context::save_pipeline_cache() const {
   const auto path = pipeline_cache_path(physical_);
   std::size_t size = 0;
-  if (!uses_cache_file() || path.empty() ||
+  if (!uses_cache_files() || path.empty() ||
       vkGetPipelineCacheData(device_, pipeline_cache_.get(), &size, nullptr) != VK_SUCCESS)
     return;
   std::string bytes(size, '\0');
@@ -614,14 +606,7 @@ void Context::save_pipeline_cache() const {
   bytes.resize(size);
   std::error_code ignored;
   if (std::filesystem::file_size(path, ignored) == size) return;
-  std::filesystem::create_directories(path.parent_path(), ignored);
-  // Each context uses its own name, because two devices lost at the same time are closed by two threads.
-  static std::atomic<unsigned> number{0};
-  const auto beside = path.string() + fmt::format(".{}.{}", ::getpid(), number++);
-  if (std::ofstream(beside, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(size))) {
-    std::filesystem::rename(beside, path, ignored);
-  }
-  std::filesystem::remove(beside, ignored);
+  write_cached(path, bytes);
 }
 
 }  // namespace etendue::vulkan

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vulkan/handle.h"
+#include "vulkan/module_cache.h"
 
 namespace etendue::vulkan {
 
@@ -49,7 +50,7 @@ struct ContextOptions {
   bool validation_extra = false;
   /// Upper bound of the time any submission may take.
   double max_wait_seconds = 300.0;
-  /// Keeps compiled kernels in a file in the user's cache folder.
+  /// Keeps specialized and compiled kernels in files in the user's cache folder.
   bool pipeline_cache = true;
   /// Opens devices so that their compiler tells what it made of kernels (Kernel::statistics), and uses no cache. It
   /// takes VK_KHR_pipeline_executable_properties: a device without it is an Error(device).
@@ -113,6 +114,7 @@ class Context {
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
   VkPipelineCache pipeline_cache() const { return pipeline_cache_.get(); }
+  const ModuleCache& modules() const { return modules_; }
   /// One sentence: which device was taken and why.
   const std::string& choice() const { return choice_; }
   /// Index of a memory type allowed by `type_bits` with all of `required`, preferring `preferred`; throws
@@ -126,7 +128,7 @@ class Context {
   void read_limits();
   void load_pipeline_cache();
   void save_pipeline_cache() const;
-  bool uses_cache_file() const { return options_.pipeline_cache && !options_.kernel_statistics; }
+  bool uses_cache_files() const { return options_.pipeline_cache && !options_.kernel_statistics; }
 
   ContextOptions options_;
   std::shared_ptr<Instance> instance_;
@@ -144,6 +146,7 @@ class Context {
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queue_family_ = 0;
   Handle<VkPipelineCache, &vkDestroyPipelineCache> pipeline_cache_;
+  ModuleCache modules_{{}};
 };
 
 /// Validation messages seen by this process (warnings and errors).

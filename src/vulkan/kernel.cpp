@@ -102,7 +102,7 @@ void BindingSet::bind(std::uint32_t binding, const AccelerationStructure& struct
 
 Kernel::Kernel(const Context& context, const PipelineLayout& layout, std::span<const std::uint32_t> spirv,
                std::span<const Specialization> constants, const char* name) {
-  const std::vector<std::uint32_t> code = specialize(spirv, constants);
+  const std::vector<std::uint32_t> code = context.modules().specialized(spirv, constants);
   const VkShaderModuleCreateInfo module_info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                              .codeSize = std::span(code).size_bytes(),
                                              .pCode = code.data()};

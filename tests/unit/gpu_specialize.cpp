@@ -2,6 +2,8 @@
 
 #include "vulkan/specialize.h"
 
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 
@@ -11,6 +13,9 @@
 #include "core/errors.h"
 #include "gpu/kernel_set.h"
 #include "gpu_types.h"
+#include "image_testing.h"
+#include "vulkan/cache_files.h"
+#include "vulkan/module_cache.h"
 
 namespace etendue {
 namespace {
@@ -78,6 +83,68 @@ TEST(Specialize, SaysWhatIsNoModule) {
     EXPECT_EQ(error.kind(), ErrorKind::bug);
     EXPECT_THAT(error.what(), HasSubstr("A kernel cannot be specialized: "));
   }
+}
+
+class ModuleCacheTest : public testing::Test {
+ protected:
+  std::vector<std::filesystem::path> files() const {
+    std::vector<std::filesystem::path> out;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) out.push_back(entry.path());
+    return out;
+  }
+  testing_image::TempFolder folder_;
+  vulkan::ModuleCache cache_{folder_.path()};
+};
+
+TEST_F(ModuleCacheTest, KeepsWhatSpecializeMakes) {
+  const std::vector<vulkan::Specialization> one = {{gpu::kConstantStackSize, 11}},
+                                            other = {{gpu::kConstantStackSize, 12}};
+  EXPECT_FALSE(cache_.find(kKernels.trace_rays, one));
+  EXPECT_EQ(cache_.specialized(kKernels.trace_rays, one), specialize(kKernels.trace_rays, one));
+  EXPECT_EQ(cache_.find(kKernels.trace_rays, one), specialize(kKernels.trace_rays, one));
+  EXPECT_FALSE(cache_.find(kKernels.trace_rays, other)) << "other constants";
+  EXPECT_FALSE(cache_.find(kKernels.render, one)) << "another kernel";
+  EXPECT_EQ(cache_.specialized(kKernels.trace_rays, one), specialize(kKernels.trace_rays, one));
+  EXPECT_EQ(files().size(), 1u);
+}
+
+TEST_F(ModuleCacheTest, DamagedFilesAreMadeAgain) {
+  const std::vector<std::uint32_t> made = cache_.specialized(kKernels.take_samples, {});
+  const std::filesystem::path file = files().at(0);
+  const std::string whole = vulkan::read_cached(file);
+  std::vector<std::string> damaged = {"", "x", whole.substr(0, 16), whole.substr(0, whole.size() - 4), whole + "1234"};
+  for (const std::size_t at : {std::size_t{3}, std::size_t{40}, whole.size() - 1}) {
+    damaged.push_back(whole);
+    damaged.back()[at] ^= 1;
+  }
+  for (const std::string& bytes : damaged) {
+    std::ofstream(file, std::ios::binary) << bytes;
+    EXPECT_FALSE(cache_.find(kKernels.take_samples, {}));
+    EXPECT_EQ(cache_.specialized(kKernels.take_samples, {}), made);
+    EXPECT_EQ(vulkan::read_cached(file), whole);
+  }
+  // The file of another module.
+  cache_.specialized(kKernels.trace_rays, {});
+  for (const std::filesystem::path& path : files()) std::ofstream(path, std::ios::binary) << whole;
+  EXPECT_EQ(cache_.find(kKernels.take_samples, {}), made);
+  EXPECT_FALSE(cache_.find(kKernels.trace_rays, {}));
+}
+
+TEST_F(ModuleCacheTest, KeepsTheLastOnes) {
+  const auto constants = [](std::uint32_t i) { return std::vector<vulkan::Specialization>{{9999, i}}; };
+  cache_.specialized(kKernels.take_samples, constants(0));
+  for (std::uint32_t i = 1; i < 2 * vulkan::ModuleCache::kMost; ++i) {
+    cache_.specialized(kKernels.take_samples, constants(i));
+    EXPECT_TRUE(cache_.find(kKernels.take_samples, constants(0))) << "it was used a moment ago";
+  }
+  EXPECT_EQ(files().size(), vulkan::ModuleCache::kMost);
+  EXPECT_FALSE(cache_.find(kKernels.take_samples, constants(1)));
+}
+
+TEST_F(ModuleCacheTest, WorksWithoutAFolder) {
+  const vulkan::ModuleCache nowhere{{}}, forbidden{"/proc/self/nothing"};
+  for (const vulkan::ModuleCache* cache : {&nowhere, &forbidden})
+    EXPECT_EQ(cache->specialized(kKernels.take_samples, {}), specialize(kKernels.take_samples, {}));
 }
 
 }  // namespace
