@@ -128,15 +128,18 @@ class Compiler {
         normalization_(normalization),
         meshes_(scene.shapes.size()),
         texture_facts_(scene),
-        lamp_parts_(lamp_parts(scene)) {}
+        passable_shapes_(scene.shapes.size()),
+        lamp_parts_(lamp_parts(scene)) {
+    for (const Instance& instance : scene_.instances) {
+      const bool passes = may_pass(scene_, instance.material);
+      passing_.push_back(passes);
+      passes_ |= passes;
+      if (passes) passable_shapes_.at(instance.shape) = true;
+    }
+  }
 
   CompiledScene compile() {
     check_size();
-    for (const Instance& instance : scene_.instances) passing_.push_back(may_pass(scene_, instance.material));
-    passes_ = std::ranges::find(passing_, true) != passing_.end();
-    passable_shapes_.resize(scene_.shapes.size());
-    for (std::size_t i = 0; i < passing_.size(); ++i)
-      if (passing_[i]) passable_shapes_[scene_.instances[i].shape] = true;
     flatten_materials();
     flatten_instances();
     build_tree();
@@ -722,9 +725,9 @@ class Compiler {
   Normalization normalization_;
   std::vector<bool> passing_;                        // by instance: whether rays may pass it
   bool passes_ = false;                              // whether any of them is true
-  std::vector<bool> passable_shapes_;                // by shape: whether rays may pass one of its instances
   std::vector<std::unique_ptr<SharedMesh>> meshes_;  // by shape; null if not shared
   KnownTextureFacts texture_facts_;
+  std::vector<bool> passable_shapes_;                    // by shape: whether rays may pass one of its instances
   const std::map<std::uint32_t, LampParts> lamp_parts_;  // by instance
   std::vector<gpu::Primitive> shared_records_;           // instances of these
   std::vector<Box> shared_boxes_;

@@ -56,7 +56,7 @@ TEST(Probe, ACameraThatSeesNothing) {
               HasSubstr("none of 2304 camera rays meets a mesh"));
   Scene clipped = scene_of({lamp({0, 0, 5}, 1.0)});
   clipped.camera.far_clip = 3.0;
-  EXPECT_THAT(probe(clipped), HasSubstr("nearClip and farClip"));
+  EXPECT_THAT(probe(clipped), HasSubstr("clipping planes"));
   EXPECT_THAT(probe(scene_of({})), HasSubstr("no mesh"));
 }
 
