@@ -92,6 +92,7 @@ constexpr PlainConstant kPlain[] = {
 static_assert(gpu::kCameraPinhole == 0 && gpu::kIntegratorPath == 0 && gpu::kLightPartAll == 0);
 
 bool asks_nothing(const vulkan::Specialization& c) {
+  // The instances of the few primitives, which only kernels need that let light pass.
   if (c.id >= gpu::kConstantFew && (c.id - gpu::kConstantFew) % gpu::kFewWords == gpu::kFewFloats) return c.value == 0;
   if (c.id == gpu::kConstantEnvironment) return c.value != gpu::kEnvironmentPicture;
   const auto known = std::ranges::find(kPlain, c.id, &PlainConstant::id);

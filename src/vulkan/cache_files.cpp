@@ -30,7 +30,8 @@ void write_cached(const std::filesystem::path& path, std::span<const char> bytes
   // A name of its own for each, because two devices lost at the same time are closed by two threads.
   static std::atomic<unsigned> number{0};
   const std::string beside = path.string() + fmt::format(".{}.{}", ::getpid(), number++);
-  if (std::ofstream(beside, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size())))
+  // Flushed, because a disk may turn out to be full only then.
+  if (std::ofstream(beside, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush())
     std::filesystem::rename(beside, path, ignored);
   std::filesystem::remove(beside, ignored);
 }

@@ -580,10 +580,13 @@ std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlag
               fmt::format("The device '{}' has no memory type with the properties {:#x}.", info_.name, required));
 }
 
+std::filesystem::path Context::modules_folder() const {
+  return uses_cache_files() && !cache_folder().empty() ? cache_folder() / "modules" : std::filesystem::path();
+}
+
 void Context::load_pipeline_cache() {
   std::string bytes;
   if (const auto path = pipeline_cache_path(physical_); uses_cache_files() && !path.empty()) bytes = read_cached(path);
-  if (uses_cache_files() && !cache_folder().empty()) modules_ = ModuleCache(cache_folder() / "modules");
   VkPipelineCacheCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
                                  .initialDataSize = bytes.size(),
                                  .pInitialData = bytes.data()};

@@ -126,6 +126,7 @@ class Context {
   void open_device();
   void refuse_small_files() const;
   void read_limits();
+  std::filesystem::path modules_folder() const;
   void load_pipeline_cache();
   void save_pipeline_cache() const;
   bool uses_cache_files() const { return options_.pipeline_cache && !options_.kernel_statistics; }
@@ -146,7 +147,7 @@ class Context {
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queue_family_ = 0;
   Handle<VkPipelineCache, &vkDestroyPipelineCache> pipeline_cache_;
-  ModuleCache modules_{{}};
+  ModuleCache modules_{modules_folder()};
 };
 
 /// Validation messages seen by this process (warnings and errors).

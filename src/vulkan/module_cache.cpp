@@ -1,8 +1,10 @@
 #include "vulkan/module_cache.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
-#include <memory>
+#include <initializer_list>
+#include <string>
 #include <string_view>
 
 #include <fmt/core.h>
@@ -16,40 +18,33 @@ namespace {
 
 constexpr const char* kExtension = ".spv";
 
-struct FreeState {
-  void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
-};
-
-// XXH3 (128 bits) of several pieces.
-class Hash {
- public:
-  Hash() { XXH3_128bits_reset(state_.get()); }
-  template <typename T, std::size_t N>
-  Hash& add(std::span<const T, N> values) {
-    const std::uint64_t bytes = values.size_bytes();  // so that pieces cannot run into each other
-    XXH3_128bits_update(state_.get(), &bytes, sizeof bytes);
-    XXH3_128bits_update(state_.get(), values.data(), values.size_bytes());
-    return *this;
+// XXH3 (128 bits) of several pieces, with their lengths, so that they cannot run into each other.
+XXH128_hash_t hash_of(std::initializer_list<std::span<const std::byte>> pieces) {
+  std::string all;
+  for (const std::span<const std::byte> piece : pieces) {
+    all += fmt::format("{} ", piece.size());
+    all.append(reinterpret_cast<const char*>(piece.data()), piece.size());
   }
-  XXH128_hash_t digest() const { return XXH3_128bits_digest(state_.get()); }
-
- private:
-  std::unique_ptr<XXH3_state_t, FreeState> state_{XXH3_createState()};
-};
+  return XXH3_128bits(all.data(), all.size());
+}
 
 // Another version of SPIRV-Tools may make another module.
 XXH128_hash_t key_of(std::span<const std::uint32_t> spirv, std::span<const Specialization> constants) {
   const std::string_view version = spvSoftwareVersionDetailsString();
-  return Hash().add(std::span(version)).add(spirv).add(constants).digest();
+  return hash_of({std::as_bytes(std::span(version)), std::as_bytes(spirv), std::as_bytes(constants)});
 }
 
 std::filesystem::path path_of(const std::filesystem::path& folder, const XXH128_hash_t& key) {
   return folder / fmt::format("{:016x}{:016x}{}", key.high64, key.low64, kExtension);
 }
 
+XXH128_hash_t sum_of(const XXH128_hash_t& key, std::span<const std::uint32_t> words) {
+  return hash_of({std::as_bytes(std::span(&key, 1)), std::as_bytes(words)});
+}
+
 // A file is the hash of its key and words, then the words.
 std::string to_bytes(const XXH128_hash_t& key, std::span<const std::uint32_t> words) {
-  const XXH128_hash_t sum = Hash().add(std::span(&key, 1)).add(words).digest();
+  const XXH128_hash_t sum = sum_of(key, words);
   std::string bytes(sizeof sum + words.size_bytes(), '\0');
   std::memcpy(bytes.data(), &sum, sizeof sum);
   std::memcpy(bytes.data() + sizeof sum, words.data(), words.size_bytes());
@@ -57,10 +52,12 @@ std::string to_bytes(const XXH128_hash_t& key, std::span<const std::uint32_t> wo
 }
 
 std::optional<std::vector<std::uint32_t>> from_bytes(const XXH128_hash_t& key, const std::string& bytes) {
-  if (bytes.size() <= sizeof key || bytes.size() % sizeof(std::uint32_t) != 0) return {};
-  std::vector<std::uint32_t> words((bytes.size() - sizeof key) / sizeof(std::uint32_t));
-  std::memcpy(words.data(), bytes.data() + sizeof key, bytes.size() - sizeof key);
-  if (to_bytes(key, words) != bytes) return {};
+  XXH128_hash_t sum;
+  if (bytes.size() <= sizeof sum || bytes.size() % sizeof(std::uint32_t) != 0) return {};
+  std::memcpy(&sum, bytes.data(), sizeof sum);
+  std::vector<std::uint32_t> words((bytes.size() - sizeof sum) / sizeof(std::uint32_t));
+  std::memcpy(words.data(), bytes.data() + sizeof sum, bytes.size() - sizeof sum);
+  if (!XXH128_isEqual(sum, sum_of(key, words))) return {};
   return words;
 }
 
